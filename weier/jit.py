@@ -1,0 +1,61 @@
+"""One decorator for all kernels: numba with a disk cache that cannot go stale.
+
+numba stamps a cached kernel with the file that it stands in, so that an edited callee or constant of another
+module would be ignored. Here the cache folder is named by a hash of every source file that holds kernels and
+of the versions of numba and rocket-fft: edit any of them and all kernels compile afresh, once, for all
+processes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+PACKAGE = Path(__file__).parent
+
+
+def kernel_sources() -> list[Path]:
+    """The files of the package that define kernels, sorted."""
+    return sorted(path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8"))
+
+
+def cache_folder() -> Path:
+    """Where compiled kernels live: NUMBA_CACHE_DIR or the user's cache folder, then the hash."""
+    stamp = hashlib.sha256()
+    for path in kernel_sources():
+        stamp.update(path.read_bytes())
+    stamp.update(f"{version('numba')} {version('rocket-fft')} {sys.version}".encode())
+    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    base = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(user) / "weier")
+    return base / f"weier-{stamp.hexdigest()[:16]}"
+
+
+_FOLDER = str(cache_folder())
+
+
+@contextmanager
+def _cached_here() -> Iterator[None]:
+    # numba reads the folder when a function is decorated; other packages keep their own.
+    config: Any = numba.config
+    before, config.CACHE_DIR = config.CACHE_DIR, _FOLDER
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = before
+
+
+def kernel(function: Function) -> Function:
+    """Compile `function` with numba on first call: arrays in, arrays out, IEEE division, no GIL."""
+    with _cached_here():
+        compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    return cast(Function, compiled)

@@ -1,0 +1,253 @@
+"""The Weierstrass series (1): its waves, their full-contact pressures, its tail, its heights and slopes.
+
+Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+LARGEST_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
+SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
+NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
+
+
+def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
+    """Amplitude g_n = gamma^((D-2) n) of term n, in g_0 (20). Broadcasts."""
+    return np.asarray(gamma, float) ** ((np.asarray(D, float) - 2) * n)
+
+
+def full_contact_pressure(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
+    """Mean pressure p_n* = gamma^((D-1) n) that flattens term n alone, in p_0* (16). Broadcasts."""
+    return np.asarray(gamma, float) ** ((np.asarray(D, float) - 1) * n)
+
+
+def tail_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
+    """Sum G_m of the amplitudes of all terms n >= m, in g_0 (22), (27). Broadcasts; 0 for m = inf."""
+    exponent = (np.asarray(D, float) - 2) * np.log(gamma)
+    return np.exp(exponent * m) / -np.expm1(exponent)
+
+
+@dataclass(frozen=True)
+class RandomPhases:
+    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of one endless sequence."""
+
+    seed: int
+
+    def first(self, m: int) -> Array:
+        """The first m phases, shape (m,), in radians."""
+        return np.random.default_rng(self.seed).uniform(0, 2 * np.pi, m)
+
+
+def random_phases(seed: int) -> RandomPhases:
+    """Phases drawn from `seed`; a longer series extends a shorter one of the same seed.
+
+    Raises
+    ------
+    ValueError
+        If `seed` is not a non-negative integer.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"seed must be a non-negative integer, got {seed!r}")
+    return RandomPhases(int(seed))
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The profile z(x) = sum_n g_n cos(2 pi gamma^n x + phi_n), n = 0..m-1 (1), in g_0.
+
+    Parameters
+    ----------
+    D : float
+        Fractal dimension, 1 < D < 2.
+    gamma : int, Fraction, str or float
+        Ratio of successive wavelengths, > 1 and rational: 5, Fraction(5, 2), "5/2", 2.5.
+    m : int or inf
+        Number of terms. An infinite series has closed-form estimates, but no heights.
+    phases : float, sequence of m floats, or RandomPhases
+        Radians. A number is phi_n for every n >= 1, with phi_0 = 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter lies outside its range; the message says what would do.
+    """
+
+    D: float
+    gamma: Fraction
+    m: float
+    phases: float | tuple[float, ...] | RandomPhases = 0.0
+
+    def __init__(
+        self,
+        D: float,
+        gamma: int | float | str | Fraction,
+        m: float,
+        phases: float | Sequence[float] | Array | RandomPhases = 0.0,
+    ) -> None:
+        for name, value in (
+            ("D", _checked_dimension(D)),
+            ("gamma", _checked_ratio(gamma)),
+            ("m", _checked_terms(m)),
+            ("phases", _checked_phases(phases, m)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def terms(self) -> int:
+        """The number of terms, for a finite series.
+
+        Raises
+        ------
+        ValueError
+            If m = inf.
+        """
+        if math.isinf(self.m):
+            raise ValueError("m = inf has no last term: choose a finite m, or an estimate that has a limit")
+        return int(self.m)
+
+    @cached_property
+    def amplitude(self) -> Array:
+        """Amplitudes g_n, shape (m,), in g_0 (20)."""
+        return amplitude(np.arange(self.terms), self.D, float(self.gamma))
+
+    @cached_property
+    def full_contact_pressure(self) -> Array:
+        """Full-contact pressures p_n*, shape (m,), in p_0* (16)."""
+        return full_contact_pressure(np.arange(self.terms), self.D, float(self.gamma))
+
+    @cached_property
+    def phase(self) -> Array:
+        """Phases phi_n, shape (m,), in radians."""
+        if isinstance(self.phases, RandomPhases):
+            return self.phases.first(self.terms)
+        if isinstance(self.phases, tuple):
+            return np.array(self.phases)
+        return np.where(np.arange(self.terms) == 0, 0.0, self.phases)
+
+    @property
+    def total_amplitude(self) -> float:
+        """Sum of all g_n, in g_0: the compliance at full contact (22)."""
+        if math.isinf(self.m):
+            return float(tail_amplitude(0, self.D, float(self.gamma)))
+        return math.fsum(self.amplitude)
+
+    @property
+    def tail_amplitude(self) -> float:
+        """Sum G_m of the amplitudes that the truncation leaves out, in g_0 (27)."""
+        return float(tail_amplitude(self.m, self.D, float(self.gamma)))
+
+    @property
+    def period(self) -> int:
+        """Length after which the truncated series repeats, in lambda_0: denominator(gamma)^(m-1)."""
+        return int(self.gamma.denominator ** (self.terms - 1))
+
+    @cached_property
+    def wavenumber(self) -> list[int]:
+        """Waves of each term in one period: exact integers, ascending, m of them."""
+        a, b, last = self.gamma.numerator, self.gamma.denominator, self.terms - 1
+        return [a**n * b ** (last - n) for n in range(self.terms)]
+
+    def height(self, x: ArrayLike) -> Array:
+        """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
+        return self._series(x, self.amplitude, np.cos)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """Slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
+        return self._series(x, -self.amplitude * self._frequency, np.sin)
+
+    def curvature(self, x: ArrayLike) -> Array:
+        """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
+        return self._series(x, -self.amplitude * self._frequency**2, np.cos)
+
+    def sampled_height(self, points: int) -> Array:
+        """Heights at `points` equal steps over one period, shape (points,), in g_0.
+
+        The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
+        """
+        j = np.arange(points)
+        total = np.zeros(points)
+        for g, k, phi in zip(self.amplitude, self.wavenumber, self.phase, strict=True):
+            total += g * np.cos((k * j % points) * (2 * np.pi / points) + phi)
+        return total
+
+    @cached_property
+    def crest(self) -> tuple[float, float]:
+        """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
+        points = SAMPLES_PER_WAVE * self.wavenumber[-1]
+        z = self.sampled_height(points)
+        tops = np.flatnonzero((z >= np.roll(z, 1)) & (z >= np.roll(z, -1)))
+        x = tops * (self.period / points)
+        for _ in range(NEWTON_STEPS):
+            x = x - self.slope(x) / np.minimum(self.curvature(x), -np.finfo(float).tiny)
+        highest = int(np.argmax(self.height(x)))
+        return float(x[highest]), float(self.height(x[highest]))
+
+    @cached_property
+    def _frequency(self) -> Array:
+        return 2 * np.pi * np.array(self.wavenumber) / self.period
+
+    def _series(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
+        x = np.asarray(x, float)
+        total = np.zeros_like(x)
+        for c, k, phi in zip(coefficient, self.wavenumber, self.phase, strict=True):
+            cycles = x * (k / self.period)
+            total += c * wave(2 * np.pi * (cycles - np.rint(cycles)) + phi)
+        return total
+
+
+def _checked_dimension(D: float) -> float:
+    if not 1 < D < 2:
+        raise ValueError(f"D must lie in (1, 2), got {D}")
+    return float(D)
+
+
+def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+    try:
+        ratio = Fraction(gamma)
+    except (ValueError, OverflowError, TypeError, ZeroDivisionError):
+        raise ValueError(f'gamma must be an integer or a fraction such as "5/2", got {gamma!r}') from None
+    if isinstance(gamma, float):
+        ratio = ratio.limit_denominator(LARGEST_DENOMINATOR)
+        if float(ratio) != gamma:
+            near = ratio.limit_denominator(100)
+            raise ValueError(
+                f"gamma must be a ratio of whole numbers, or the profile never repeats: "
+                f'instead of {gamma} take "{near}" = {float(near):.6g}'
+            )
+    if ratio <= 1:
+        raise ValueError(f"gamma must exceed 1, so that each term is finer than the one before, got {gamma}")
+    return ratio
+
+
+def _checked_terms(m: float) -> float:
+    if isinstance(m, bool) or not m >= 1 or (math.isfinite(m) and m != int(m)):
+        raise ValueError(f"m must be a whole number of terms, at least 1, or inf, got {m}")
+    return m if math.isinf(m) else int(m)
+
+
+def _checked_phases(
+    phases: float | Sequence[float] | Array | RandomPhases, m: float
+) -> float | tuple[float, ...] | RandomPhases:
+    if isinstance(phases, RandomPhases):
+        return phases
+    values = np.asarray(phases, float)
+    if values.ndim > 1 or not np.all(np.isfinite(values)):
+        raise ValueError(f"phases must be finite numbers in radians, got {phases!r}")
+    if values.ndim == 0:
+        return float(values)
+    if values.size != m:
+        raise ValueError(
+            f"phases must be one number for all terms or one for each of the m = {m} terms, "
+            f"got {values.size} values"
+        )
+    return tuple(values.tolist())
