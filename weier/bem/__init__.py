@@ -1,0 +1,5 @@
+"""Boundary elements (Section 5.1): N equal elements, linear pressure, periodic images, mean pressure removed."""
+
+from weier.bem.curve import Curve, curve
+
+__all__ = ["Curve", "curve"]

@@ -1,0 +1,167 @@
+"""Boundary elements for a profile: choose the grid, start the solver, check what it returns."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.bem import direct, fft
+from weier.bem.contact import Answer
+from weier.errors import ConvergenceError
+from weier.halfplane import eigenvalues, influence_coefficients
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+POINTS_PER_WAVE = 64  # of the finest wave: an error of h below 7e-4 g_0
+FEWEST_PER_WAVE = 8  # on the coarsest of the nested grids; less and it no longer sees the crests
+COARSE_ACCURACY = 4.0  # a coarse grid stops at 4/(points per wave)^2: its solution is no better than that
+
+
+class Curve(NamedTuple):
+    """Boundary-element curves over the loads, each of shape (loads,).
+
+    compliance : h, in g_0, from the profile whose waves all peak together
+    resistance : dh/dp of the contact as it stands, in g_0/p_0*
+    contact_fraction : nodes in contact per node
+    patch_count : contacts in one period; 0 in full contact
+    residual : largest violation of a contact condition, on a freshly applied operator, in g_0
+    work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
+    points : nodes in one period, a scalar
+    """
+
+    compliance: Array
+    resistance: Array
+    contact_fraction: Array
+    patch_count: NDArray[np.int64]
+    residual: Array
+    work: Array
+    points: int
+
+
+def curve(
+    profile: Profile,
+    mean_pressure: Array,
+    solver: str = "fft",
+    points: int | None = None,
+    tolerance: float = 1e-10,
+    resistance: bool = True,
+) -> Curve:
+    """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : array, shape (loads,)
+        Increasing, in p_0*.
+    solver : "fft" or "direct"
+        The fast solver, or the paper's dense one: the same discrete system, equal to rounding.
+    points : int, optional
+        Nodes in one period; 64 for each of the finest waves unless told.
+    tolerance : float
+        Largest residual, in g_0.
+    resistance : bool
+        Whether the fast solver should solve for the resistance too; without, it is NaN.
+
+    Returns
+    -------
+    Curve
+        Arrays over the loads.
+
+    Raises
+    ------
+    ValueError
+        If `solver` is unknown or `points` too few for the finest wave.
+    ConvergenceError
+        If a load misses the tolerance.
+
+    Notes
+    -----
+    The compliance converges as about N^-2. The resistance is the exact derivative of the discrete h(p), which is
+    linear as long as no node changes side; it converges as 1/N, since the edges of contact move by whole nodes.
+
+    """
+    points = checked_points(profile, points)
+    if solver == "fft":
+        hierarchy = nested_grids(profile, points, tolerance)
+        start = _full_contact(hierarchy, float(mean_pressure[-1]))
+        answer = fft.solve_loads(hierarchy, start, mean_pressure, resistance)
+    elif solver == "direct":
+        start = np.ones(points)
+        influence = influence_coefficients(points, profile.period)
+        answer = direct.solve_loads(profile.sampled_height(points), influence, start, mean_pressure, tolerance)
+    else:
+        raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    return _checked_curve(profile, mean_pressure, points, tolerance, answer)
+
+
+def checked_points(profile: Profile, points: int | None = None) -> int:
+    """`points` if the finest wave can be seen on them, or the default.
+
+    Raises
+    ------
+    ValueError
+        If there are no more than two points a wave.
+
+    """
+    finest = profile.wavenumber[-1]
+    if points is None:
+        return POINTS_PER_WAVE * finest
+    if points != int(points) or points <= 2 * finest:
+        raise ValueError(
+            f"points must be a whole number above {2 * finest}, two for each of the {finest} finest waves in a "
+            f"period, got {points}; {POINTS_PER_WAVE * finest} is the default"
+        )
+    return int(points)
+
+
+def nested_grids(profile: Profile, points: int, tolerance: float) -> fft.Hierarchy:
+    """Grids of points, points/2, points/4 ... nodes, as long as they halve and still show the finest wave."""
+    finest = profile.wavenumber[-1]
+    sizes = [points]
+    while sizes[0] % 2 == 0 and sizes[0] // 2 >= FEWEST_PER_WAVE * finest:
+        sizes.insert(0, sizes[0] // 2)
+    sinking = [eigenvalues(size, profile.period) for size in sizes]
+    accuracy = [max(tolerance, COARSE_ACCURACY * (finest / size) ** 2) for size in sizes[:-1]]
+    return fft.Hierarchy(
+        np.array(sizes),
+        np.concatenate([profile.sampled_height(size) for size in sizes]),
+        np.concatenate(sinking),
+        np.concatenate([_inverse(values) for values in sinking]),
+        np.array([*accuracy, tolerance]),
+    )
+
+
+def _inverse(eigenvalue: Array) -> Array:
+    return np.concatenate([[0.0], 1 / eigenvalue[1:]])
+
+
+def _full_contact(hierarchy: fft.Hierarchy, load: float) -> Array:
+    """Pressure that would flatten the coarsest grid under this load."""
+    grid = fft.part_of_hierarchy(hierarchy, 0)
+    return load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
+
+
+def _checked_curve(profile: Profile, loads: Array, points: int, tolerance: float, answer: Answer) -> Curve:
+    worst = int(np.argmax(np.nan_to_num(answer.residual, nan=math.inf)))
+    residual = float(answer.residual[worst])
+    if not residual <= tolerance:
+        raise ConvergenceError(
+            f"boundary elements on {points} points stopped at a residual of {residual:.1e} g_0 under the mean "
+            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
+            "tolerance",
+            residual,
+        )
+    return Curve(
+        profile.total_amplitude - answer.flat,
+        answer.resistance,
+        answer.contact_nodes / points,
+        answer.patches,
+        answer.residual,
+        answer.work,
+        points,
+    )

@@ -1,0 +1,298 @@
+"""The fast solver: circulant products, active set and preconditioned conjugate gradients on nested grids.
+
+The unknown is the nodal pressure p, the deformed surface is z - A p, and the flat rests on it at the height H:
+z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact
+nodes this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole
+surface, masked to the contact. The gap outside and the pressure inside are known after every step for free, so
+the set is corrected as soon as its violations outweigh the error of the current solution on it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.bem.contact import Answer, count_patches
+from weier.bem.transform import Spectrum, circulant_product
+from weier.jit import kernel
+
+Array = NDArray[np.float64]
+
+STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, 40 the most seen
+
+
+class Hierarchy(NamedTuple):
+    """Nested grids, coarse to fine, each twice as fine as the one before; arrays laid end to end.
+
+    points : nodes of each grid, shape (grids,)
+    height : profile, shape (sum of points,), in g_0
+    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,)
+    tolerance : residual to reach on each grid, in g_0
+    """
+
+    points: NDArray[np.int64]
+    height: Array
+    sinking: Array
+    inverse: Array
+    tolerance: Array
+
+
+class Grid(NamedTuple):
+    """One grid of the hierarchy: its part of each array; `node_sinking` is A_ii, in g_0/p_0*."""
+
+    height: Array
+    sinking: Array
+    inverse: Array
+    tolerance: float
+    node_sinking: float
+
+
+class State(NamedTuple):
+    """Pressure p, deformed surface z - A p, contact, and the working arrays of the conjugate gradients."""
+
+    pressure: Array
+    deformed: Array
+    direction: Array
+    product: Array
+    scratch: Array
+    spectrum: Spectrum
+    contact: NDArray[np.bool_]
+
+
+@kernel
+def make_state(points: int) -> State:
+    """Working arrays for grids of up to `points` nodes."""
+    return State(
+        np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points),
+        np.zeros(points // 2 + 1, np.complex128), np.zeros(points, np.bool_),
+    )  # fmt: skip
+
+
+@kernel
+def part_of_state(state: State, points: int) -> State:
+    """The leading part of every array, for a grid of `points` nodes."""
+    return State(
+        state.pressure[:points], state.deformed[:points], state.direction[:points], state.product[:points],
+        state.scratch[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
+    )  # fmt: skip
+
+
+@kernel
+def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
+    """One grid of the hierarchy."""
+    node = hierarchy.points[:level].sum()
+    wave = (hierarchy.points[:level] // 2 + 1).sum()
+    points = hierarchy.points[level]
+    sinking = hierarchy.sinking[wave : wave + points // 2 + 1]
+    return Grid(
+        hierarchy.height[node : node + points],
+        sinking,
+        hierarchy.inverse[wave : wave + points // 2 + 1],
+        hierarchy.tolerance[level],
+        2 * sinking.sum() / points,
+    )
+
+
+@kernel
+def _mean_in_contact(values: Array, contact: NDArray[np.bool_]) -> float:
+    total = 0.0
+    nodes = 0
+    for i in range(values.size):
+        if contact[i]:
+            total += values[i]
+            nodes += 1
+    return total / nodes
+
+
+@kernel
+def _deform(height: Array, grid: Grid, state: State) -> None:
+    """The deformed surface z - A p from scratch."""
+    circulant_product(grid.sinking, state.pressure, state.spectrum, state.deformed)
+    for i in range(height.size):
+        state.deformed[i] = height[i] - state.deformed[i]
+
+
+@kernel
+def _balance(pressure: Array, load: float) -> None:
+    """Pressure without tension, scaled to the load."""
+    total = 0.0
+    for i in range(pressure.size):
+        pressure[i] = max(pressure[i], 0.0)
+        total += pressure[i]
+    pressure *= load * pressure.size / total
+
+
+@kernel
+def _violations(flat: float, grid: Grid, state: State) -> tuple[float, float]:
+    """Largest |gap| in contact; largest penetration outside or tension inside, as lengths."""
+    inside = 0.0
+    wrong = 0.0
+    for i in range(state.pressure.size):
+        gap = flat - state.deformed[i]
+        if state.contact[i]:
+            inside = max(inside, abs(gap))
+            wrong = max(wrong, -state.pressure[i] * grid.node_sinking)
+        else:
+            wrong = max(wrong, -gap)
+    return inside, wrong
+
+
+@kernel
+def _correct_contact(flat: float, state: State) -> None:
+    """Release what pulls, add what penetrates."""
+    for i in range(state.pressure.size):
+        if state.contact[i]:
+            state.contact[i] = state.pressure[i] >= 0
+        else:
+            state.contact[i] = state.deformed[i] > flat
+
+
+@kernel
+def _conjugate_step(flat: float, steepness: float, grid: Grid, state: State) -> float:
+    """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
+
+    `steepness` is what the last step returned, or 0 for a first step.
+    """
+    p, deformed, direction, product, residual, contact = (
+        state.pressure, state.deformed, state.direction, state.product, state.scratch, state.contact,
+    )  # fmt: skip
+    for i in range(p.size):
+        residual[i] = deformed[i] - flat if contact[i] else 0.0
+    circulant_product(grid.inverse, residual, state.spectrum, product)
+    shift = _mean_in_contact(product, contact)
+    steepness_now = 0.0
+    for i in range(p.size):
+        if contact[i]:
+            steepness_now += residual[i] * (product[i] - shift)
+    turn = steepness_now / steepness if steepness > 0 else 0.0
+    for i in range(p.size):
+        direction[i] = product[i] - shift + turn * direction[i] if contact[i] else 0.0
+    circulant_product(grid.sinking, direction, state.spectrum, product)
+    length = steepness_now / np.dot(direction, product)
+    for i in range(p.size):
+        p[i] += length * direction[i]
+        deformed[i] -= length * product[i]
+    return steepness_now
+
+
+@kernel
+def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int]:
+    """Contact under one load from the pressure and contact in `state`: flat H, residual, pairs of FFTs.
+
+    Converged means so on a freshly applied operator, with the pressure free of tension and scaled to the load;
+    otherwise the residual stays above the tolerance.
+    """
+    pairs = 0
+    fresh = True
+    steepness = 0.0
+    for _ in range(STEPS):
+        if fresh:
+            _balance(state.pressure, load)
+            _deform(grid.height, grid, state)
+            pairs += 1
+            steepness = 0.0
+        flat = _mean_in_contact(state.deformed, state.contact)
+        inside, wrong = _violations(flat, grid, state)
+        if fresh and max(inside, wrong) <= grid.tolerance:
+            break
+        if not fresh and (wrong > inside or inside <= grid.tolerance):
+            _correct_contact(flat, state)
+            fresh = True
+        else:
+            steepness = _conjugate_step(flat, steepness, grid, state)
+            pairs += 2
+            fresh = False
+    return flat, max(inside, wrong), pairs
+
+
+@kernel
+def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
+    """Height that the flat loses per unit of mean pressure on the contact as it stands; pairs of FFTs.
+
+    The pressure in `state` becomes the pressure per load. The rate is taken as the energy q.Aq, whose error is
+    the square of the residual's, so that a residual of `tolerance` is more than enough.
+    """
+    nodes = state.contact.sum()
+    for i in range(state.pressure.size):
+        state.pressure[i] = state.pressure.size / nodes if state.contact[i] else 0.0
+    _deform(np.zeros(state.pressure.size), grid, state)
+    pairs = 1
+    steepness = 0.0
+    for _ in range(STEPS):
+        flat = _mean_in_contact(state.deformed, state.contact)
+        inside = 0.0
+        for i in range(state.pressure.size):
+            if state.contact[i]:
+                inside = max(inside, abs(flat - state.deformed[i]))
+        if inside <= tolerance:
+            break
+        steepness = _conjugate_step(flat, steepness, grid, state)
+        pairs += 2
+    return -np.dot(state.pressure, state.deformed) / state.pressure.size, pairs
+
+
+@kernel
+def refine(coarse: int, state: State) -> None:
+    """Carry pressure and contact from `coarse` nodes to twice as many, in place, by linear interpolation."""
+    p = state.pressure
+    for i in range(coarse - 1, -1, -1):
+        after = p[i + 1] if i + 1 < coarse else p[0]
+        p[2 * i + 1] = 0.5 * (p[i] + after)
+        p[2 * i] = p[i]
+    for i in range(2 * coarse):
+        state.contact[i] = p[i] > 0
+
+
+@kernel
+def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> Answer:
+    """Solve every load from the heaviest down; on the coarsest grid each starts from the one before.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+        The grids; the last one carries the answer.
+    pressure : array, shape (points of the coarsest grid,)
+        Where it is positive the search for the contact begins; overwritten.
+    loads : array, shape (loads,)
+        Mean pressures, increasing, in p_0*.
+    with_resistance : bool
+        Whether to solve for the rate too, at about the cost of another load.
+
+    Returns
+    -------
+    Answer
+        Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
+
+    """
+    answer = Answer(
+        np.empty(loads.size), np.full(loads.size, np.nan), np.empty(loads.size, np.int64),
+        np.empty(loads.size, np.int64), np.empty(loads.size), np.zeros(loads.size),
+    )  # fmt: skip
+    levels = hierarchy.points.size
+    finest = hierarchy.points[levels - 1]
+    whole = make_state(finest)
+    for load in range(loads.size - 1, -1, -1):
+        for level in range(levels):
+            points = hierarchy.points[level]
+            state = part_of_state(whole, points)
+            if level == 0:
+                state.pressure[:] = pressure
+                state.contact[:] = pressure > 0
+            else:
+                refine(points // 2, state)
+            grid = part_of_hierarchy(hierarchy, level)
+            flat, residual, pairs = solve_load(loads[load], grid, state)
+            answer.work[load] += pairs * points / finest
+            if level == 0:
+                pressure[:] = state.pressure
+        answer.flat[load] = flat
+        answer.residual[load] = residual
+        answer.contact_nodes[load] = state.contact.sum()
+        answer.patches[load] = count_patches(state.contact)
+        if with_resistance:
+            rate, pairs = solve_rate(1e-6, grid, state)
+            answer.resistance[load] = rate
+            answer.work[load] += pairs
+    return answer
