@@ -2,5 +2,7 @@
 
 from weier.errors import ConvergenceError
 from weier.profile import Profile, random_phases
+from weier.solve import solve
+from weier.version import VERSION as __version__
 
-__all__ = ["ConvergenceError", "Profile", "random_phases"]
+__all__ = ["ConvergenceError", "Profile", "__version__", "random_phases", "solve"]

@@ -1,0 +1,167 @@
+"""Boundary elements: against Westergaard, against reference values, and the two solvers against each other."""
+
+import numpy as np
+import pytest
+
+from tests.reference import REFERENCES, Reference
+from weier import ConvergenceError, Profile, westergaard
+from weier.bem import curve
+from weier.halfplane import influence_coefficients
+
+THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+POINTS_PER_WAVE = (16, 32, 64, 128, 256)
+
+
+def errors(reference: Reference, per_wave: int) -> np.ndarray:
+    """|h - reference| at loads that a grid can see: a lighter one touches a single node."""
+    seen = reference.above(1e-3)
+    points = per_wave * seen.profile.wavenumber[-1]
+    return np.abs(curve(seen.profile, seen.mean_pressure, points=points).compliance - seen.compliance)
+
+
+def order(reference: Reference) -> float:
+    """Fitted exponent of the largest error over the grids."""
+    worst = [errors(reference, per_wave).max() for per_wave in POINTS_PER_WAVE]
+    return float(-np.polyfit(np.log(POINTS_PER_WAVE), np.log(worst), 1)[0])
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=str)
+def test_compliance_meets_the_reference(reference):
+    assert errors(reference, 64).max() <= 7e-4
+    assert errors(reference, 256).max() <= 6e-5
+
+
+def test_compliance_converges_almost_as_the_square_of_the_grid():
+    orders = [order(reference) for reference in REFERENCES]
+    for reference, fitted in zip(REFERENCES, orders, strict=True):
+        print(f"{reference}: order {fitted:.2f}")
+    assert min(orders) >= 1.6
+    assert np.mean(orders) >= 1.8
+
+
+def test_resistance_is_close_but_where_contacts_are_born():
+    """The derivative of the discrete curve: edges move by whole nodes, so single loads may be far off."""
+    relative = []
+    for reference in REFERENCES:
+        seen = reference.above(1e-3)
+        partial = seen.resistance > 0
+        found = curve(seen.profile, seen.mean_pressure).resistance
+        relative += list(np.abs(found[partial] / seen.resistance[partial] - 1))
+        assert np.all(found[~partial] == 0)
+    print(f"resistance: median error {np.median(relative):.2%}, largest {np.max(relative):.1%}")
+    assert np.median(relative) <= 0.02
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=str)
+def test_contact_fraction_is_within_one_node_an_edge(reference):
+    seen = reference.above(1e-3)
+    found = curve(seen.profile, seen.mean_pressure)
+    edges = 2 * np.maximum(seen.patches, found.patch_count)
+    assert np.all(np.abs(found.contact_fraction - seen.contact_fraction) <= (edges + 1) / found.points)
+
+
+def test_one_wave_is_westergaards():
+    """Linear elements leave up to 3.3/N^2 while an edge of contact stands between two nodes: 1.25e-5 at 512."""
+    loads = np.geomspace(1e-3, 1.5, 200)
+    found = curve(Profile(1.25, 5, 1), loads, points=512)
+    error = np.abs(found.compliance - westergaard.compliance(loads))
+    print(f"one wave on 512 nodes: largest error {error.max():.2e}, median {np.median(error):.2e}")
+    assert error.max() <= 1.25e-5
+    assert np.median(error) <= 1e-5
+    assert np.all(found.compliance[loads > 1] == pytest.approx(1, abs=1e-12))
+    assert np.all(found.resistance[loads > 1] == 0)
+
+
+def test_twelve_elements_are_close_unless_one_carries_all():
+    """Section 5.1: with 12 elements the results agree closely but for very light loads, where one is in contact."""
+    loads = np.geomspace(1e-3, 1, 100)
+    found = curve(Profile(1.25, 5, 1), loads, points=12)
+    exact = westergaard.compliance(loads)
+    error = np.abs(found.compliance - exact)
+    one = found.contact_fraction * 12 < 1.5
+    assert error[~one].max() <= 3.3 / 12**2  # the same law as on 512 nodes
+    assert (error / exact)[~one].max() < 0.07
+    assert (error / exact)[one].max() > 0.4
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=str)
+def test_both_solvers_solve_the_same_discrete_problem(reference):
+    points = 32 * reference.profile.wavenumber[-1] if reference.profile.terms < 4 else 1000
+    loads = reference.mean_pressure
+    fast = curve(reference.profile, loads, points=points)
+    dense = curve(reference.profile, loads, points=points, solver="direct")
+    assert fast.compliance == pytest.approx(dense.compliance, abs=1e-9)
+    assert np.all(fast.patch_count == dense.patch_count)
+    # The rate is an energy, so its error is the square of the residual 1e-6 of its solve.
+    assert fast.resistance == pytest.approx(dense.resistance, rel=1e-8, abs=1e-10)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_light_loads_touch_one_node_and_stay_right(solver):
+    """One node carries everything: u is its influence coefficient, so h and R are known exactly."""
+    points = 64
+    profile = Profile(1.5, 2, 1)
+    loads = np.array([1e-12, 1e-6])
+    found = curve(profile, loads, points=points, solver=solver)
+    node = points * influence_coefficients(points)[0]
+    assert found.resistance == pytest.approx(np.full(2, node), rel=1e-10)
+    assert found.compliance == pytest.approx(loads * node, abs=1e-14)
+
+
+def test_resistance_is_the_slope_of_the_discrete_curve():
+    """Between two changes of contact h(p) is a straight line."""
+    loads = np.array([0.3, 0.3 * (1 + 1e-6)])
+    found = curve(THREE_WAVES, loads, points=400, tolerance=1e-13)
+    assert found.contact_fraction[0] == found.contact_fraction[1]
+    assert np.diff(found.compliance) / np.diff(loads) == pytest.approx(found.resistance[:1], rel=1e-4)
+
+
+def test_a_curve_rises_and_flattens():
+    loads = np.geomspace(1e-4, 6, 60)
+    found = curve(THREE_WAVES, loads)
+    slopes = np.diff(found.compliance) / np.diff(loads)
+    assert np.all(slopes >= 0)
+    # The discrete minimum is convex in the load, so its derivative h is monotone and its slope falls.
+    assert np.all(np.diff(slopes) <= 1e-8 / np.diff(loads)[1:])
+    assert np.all(found.residual <= 1e-10)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_mirrored_profiles_are_equally_stiff(solver):
+    loads = np.geomspace(1e-2, 2, 7)
+    one = curve(THREE_WAVES, loads, points=400, solver=solver)
+    other = curve(Profile(1.25, 5, 3, (0.0, -1.0, -2.0)), loads, points=400, solver=solver)
+    assert other.compliance == pytest.approx(one.compliance, abs=1e-9)
+
+
+def test_a_rational_ratio_has_a_longer_period():
+    profile = Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0))
+    loads = np.geomspace(1e-2, 2, 9)
+    coarse, fine = (curve(profile, loads, points=n * profile.wavenumber[-1]) for n in (64, 256))
+    assert coarse.points == 64 * 25
+    # Four times the nodes leave a sixteenth of the error.
+    assert coarse.compliance == pytest.approx(fine.compliance, abs=7e-4)
+
+
+@pytest.mark.parametrize("points", [51, 53, 64, 97])
+def test_any_number_of_points_above_two_a_wave_will_do(points):
+    loads = np.geomspace(1e-3, 5, 12)
+    found = curve(THREE_WAVES, loads, points=points)
+    dense = curve(THREE_WAVES, loads, points=points, solver="direct")
+    assert found.compliance == pytest.approx(dense.compliance, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [({"points": 50}, "above 50"), ({"points": 99.5}, "whole number"), ({"solver": "lu"}, '"fft" or "direct"')],
+)
+def test_bad_settings_are_refused(settings, message):
+    with pytest.raises(ValueError, match=message):
+        curve(THREE_WAVES, np.array([0.1]), **settings)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
+    with pytest.raises(ConvergenceError, match="residual") as caught:
+        curve(THREE_WAVES, np.array([1.0]), points=400, tolerance=1e-30, solver=solver)
+    assert caught.value.residual > 1e-30

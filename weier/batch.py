@@ -1,0 +1,69 @@
+"""Many cases in one process: a scene's batch, solved into one dataset."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from time import perf_counter
+
+import numpy as np
+import xarray as xr
+
+from weier import dataset
+from weier.dataset import Status
+from weier.errors import ConvergenceError
+from weier.scene import Case, Scene
+from weier.solve import NotApplicableError, solve
+
+
+def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dataset]:
+    """Solve cases of a scene, one line of progress each.
+
+    Returns
+    -------
+    data : Dataset
+        Over case, method, mean_pressure and term; what could not be solved is NaN, and status says why.
+    cost : Dataset
+        Seconds for each case and method: apart, since they differ from run to run.
+
+    """
+    cases = list(cases)
+    data = dataset.blank(len(cases), scene.methods, scene.loads, scene.terms)
+    cost = dataset.blank_cost(len(cases), scene.methods)
+    for number, case in enumerate(cases):
+        start = perf_counter()
+        _describe(data, number, case)
+        cost["key"].values[number] = case.key
+        for method in case.methods:
+            _solve_into(data, cost, scene, number, case, method)
+        print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {perf_counter() - start:.2f} s", file=sys.stderr)
+    return data, cost
+
+
+def _describe(data: xr.Dataset, number: int, case: Case) -> None:
+    profile = case.profile
+    values = {"key": case.key, "D": profile.D, "gamma": float(profile.gamma), "m": profile.m}
+    values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
+    if np.isfinite(profile.m):
+        values["first_contact"] = profile.total_amplitude - profile.crest[1]
+        data["phase"].values[number, : profile.terms] = profile.phase
+    for name, value in values.items():
+        data[name].values[number] = value
+
+
+def _solve_into(data: xr.Dataset, cost: xr.Dataset, scene: Scene, number: int, case: Case, method: str) -> None:
+    place = number, scene.methods.index(method)
+    try:
+        curve = solve(case.profile, scene.loads, method, **case.settings.get(method, {}))
+    except NotApplicableError:
+        data["status"].values[place] = Status.not_applicable
+        return
+    except ConvergenceError as error:
+        print(f"{case.profile.describe()}, {method}: {error}", file=sys.stderr)
+        data["status"].values[place] = Status.not_converged
+        return
+    for name in curve.data_vars:
+        data[str(name)].values[place] = curve[name].values
+    data["points"].values[place] = curve.attrs.get("points", np.nan)
+    data["status"].values[place] = Status.solved
+    cost["seconds"].values[place] = curve.attrs["seconds"]

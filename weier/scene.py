@@ -1,0 +1,204 @@
+"""From a scene file to its cases: read, check, expand, and cut into batches."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from weier.profile import Profile, random_phases
+from weier.solve import checked_loads, checked_method
+
+Array = NDArray[np.float64]
+
+BATCH = 25  # cases a job: some seconds of work for one or two of start-up
+
+
+class SceneError(ValueError):
+    """A scene file that cannot be run: the message names the file and the key."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One profile with the methods to run on it and their settings, as plain values of the scene file."""
+
+    parameters: Mapping[str, Any]
+    methods: tuple[str, ...]
+    settings: Mapping[str, Mapping[str, Any]]
+
+    @property
+    def definition(self) -> str:
+        """All that the numbers depend on but the loads, as text."""
+        return json.dumps([self.parameters, self.methods, self.settings], sort_keys=True)
+
+    @cached_property
+    def key(self) -> str:
+        """A digest of the definition: the same case has the same name in every file."""
+        return hashlib.sha256(self.definition.encode()).hexdigest()[:12]
+
+    @cached_property
+    def profile(self) -> Profile:
+        """The profile of this case."""
+        p = self.parameters
+        phases = random_phases(p["seed"]) if "seed" in p else p.get("phases", p.get("phase", 0.0))
+        return Profile(p["D"], p["gamma"], float(p["m"]), phases)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What a figure draws (a module of weier.figures) and from which studies."""
+
+    draw: str
+    studies: tuple[str, ...]
+    title: str
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A checked scene.
+
+    name, title : of the file and for people
+    loads : mean pressures, shape (loads,), in p_0*
+    methods : of all studies, in order of appearance
+    studies : cases of each study, in the order of the file
+    figures, claims : what is made from the studies
+    batch : most cases in one job
+    """
+
+    name: str
+    title: str
+    loads: Array
+    methods: tuple[str, ...]
+    studies: Mapping[str, tuple[Case, ...]]
+    figures: Mapping[str, Figure]
+    claims: Mapping[str, tuple[str, ...]]
+    batch: int
+
+    @cached_property
+    def terms(self) -> int:
+        """Terms of the longest finite series."""
+        finite = [c.profile.terms for cases in self.studies.values() for c in cases if math.isfinite(c.profile.m)]
+        return max(finite, default=1)
+
+    @cached_property
+    def batches(self) -> dict[str, tuple[Case, ...]]:
+        """Every case once, by batch: cases of the same studies together, so that a study is a set of batches."""
+        homes: dict[str, list[str]] = {}
+        cases: dict[str, Case] = {}
+        for study, members in self.studies.items():
+            for case in members:
+                cases[case.key] = case
+                homes.setdefault(case.key, []).append(study)
+        groups: dict[str, list[Case]] = {}
+        for key, home in homes.items():
+            groups.setdefault("+".join(dict.fromkeys(home)), []).append(cases[key])
+        return {
+            f"{group}-{start // self.batch}": tuple(members[start : start + self.batch])
+            for group, members in groups.items()
+            for start in range(0, len(members), self.batch)
+        }
+
+    def batches_of(self, study: str) -> list[str]:
+        """Names of the batches that hold the cases of a study."""
+        keys = {case.key for case in self.studies[study]}
+        return [name for name, cases in self.batches.items() if cases[0].key in keys]
+
+    def definition(self, batch: str) -> str:
+        """All that the numbers of a batch depend on, as text."""
+        return json.dumps([self.loads.tolist(), self.methods, self.terms, [c.definition for c in self.batches[batch]]])
+
+
+def load(path: str | Path) -> Scene:
+    """Read and check a scene file.
+
+    Raises
+    ------
+    SceneError
+        If the file is missing, is not YAML, has an unknown key, or a value out of range.
+
+    """
+    path = Path(path)
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
+    _check_schema(raw, path)
+    return _scene(raw, path)
+
+
+def _check_schema(raw: Any, path: Path) -> None:
+    schema = json.loads(files("weier").joinpath("scene.schema.json").read_text(encoding="utf-8"))
+    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(raw))
+    if error is not None:
+        where = ".".join(str(part) for part in error.absolute_path) or "the top level"
+        raise SceneError(f"{path}: {where}: {_one_line(error.message)}")
+
+
+def _scene(raw: dict[str, Any], path: Path) -> Scene:
+    loads = _checked("loads", path, lambda: checked_loads([float(v) for v in _axis(raw["loads"])]))
+    studies = {name: tuple(_cases(study, raw, name, path)) for name, study in raw["studies"].items()}
+    figures = {
+        name: Figure(figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""))
+        for name, figure in raw.get("figures", {}).items()
+    }
+    claims = {name: tuple(wanted) for name, wanted in raw.get("claims", {}).items()}
+    for what, users in (("figures", {k: f.studies for k, f in figures.items()}), ("claims", claims)):
+        for name, wanted in users.items():
+            for study in wanted:
+                if study not in studies:
+                    raise SceneError(f"{path}: {what}.{name}: there is no study {study!r}, only {', '.join(studies)}")
+    methods = dict.fromkeys(method for cases in studies.values() for case in cases for method in case.methods)
+    return Scene(
+        path.stem, raw["title"], loads, tuple(methods), studies, figures, claims, raw.get("batch", BATCH)
+    )
+
+
+def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) -> Iterator[Case]:
+    methods = tuple(study.get("methods", raw["methods"]))
+    settings = study.get("settings", raw.get("settings", {}))
+    for method in methods:
+        _checked(f"studies.{name}", path, lambda m=method: checked_method(m, settings.get(m, {})))
+    for product in study.get("cases", [study.get("product")]):
+        for parameters in _combinations(product):
+            case = Case(parameters, methods, {m: s for m, s in settings.items() if m in methods})
+            _checked(f"studies.{name}", path, lambda c=case: c.profile)
+            yield case
+
+
+def _combinations(product: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    axes = {name: values if name == "phases" else _axis(values) for name, values in product.items()}
+    for combination in itertools.product(*axes.values()):
+        yield dict(zip(axes, combination, strict=True))
+
+
+def _axis(values: Any) -> list[Any]:
+    """A number, a list or a range, as a list."""
+    if isinstance(values, list):
+        return values
+    if not isinstance(values, dict):
+        return [values]
+    space = np.geomspace if values.get("spacing") == "log" else np.linspace
+    return [int(v) if v.is_integer() else v for v in space(values["from"], values["to"], values["count"]).tolist()]
+
+
+def _checked(where: str, path: Path, make: Any) -> Any:
+    try:
+        return make()
+    except ValueError as error:
+        raise SceneError(f"{path}: {where}: {_one_line(error)}") from None
+
+
+def _one_line(error: object) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,161 @@
+"""One profile, one method, many loads: the public way in, and the only place that knows every method."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Iterable
+from time import perf_counter
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from weier import archard, bem, dataset, demelio, layer, westergaard
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+
+class Estimate(NamedTuple):
+    """Compliance, in g_0, and resistance, in g_0/p_0*, of a closed form; each of shape (loads,)."""
+
+    compliance: Array
+    resistance: Array
+
+
+class NotApplicableError(ValueError):
+    """The method says nothing about this profile: one wave only, or finite series only."""
+
+
+def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **settings: Any) -> xr.Dataset:
+    """Compliance and contact resistance of a profile pressed against a plane.
+
+    Parameters
+    ----------
+    profile : Profile
+        The Weierstrass series.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*.
+    method : str
+        "westergaard" (m = 1), "archard", "demelio", "layer": the paper's closed forms and model;
+        "bem": boundary elements; "patches": the exact contact edges.
+    **settings
+        Settings of the method, such as `points` of "bem"; attributes of the result.
+
+    Returns
+    -------
+    Dataset
+        Over the dimension mean_pressure: compliance, in g_0, and resistance, in g_0/p_0*; the numerical methods
+        add contact_fraction, patch_count, residual and work. The attribute seconds is the time it took.
+
+    Raises
+    ------
+    ValueError
+        If the loads, the method or a setting is unknown or out of range; NotApplicableError where the method
+        does not apply to the profile.
+    ConvergenceError
+        If a solver misses its tolerance.
+
+    Examples
+    --------
+    >>> import weier
+    >>> profile = weier.Profile(D=1.25, gamma=5, m=3, phases=(0.0, 1.0, 2.0))
+    >>> curve = weier.solve(profile, [0.01, 0.1, 1.0], method="demelio")
+    >>> curve.compliance.values.round(4)
+    array([0.0749, 0.463 , 1.3042])
+
+    """
+    loads = checked_loads(mean_pressure)
+    chosen = checked_method(method, settings)
+    start = perf_counter()
+    answer = chosen.run(profile, loads, **settings)
+    seconds = perf_counter() - start
+    return dataset.curve(loads, answer._asdict(), {"method": method, **settings, "seconds": seconds})
+
+
+def checked_loads(mean_pressure: ArrayLike) -> Array:
+    """The loads as an array, if they are positive, finite and increasing.
+
+    Raises
+    ------
+    ValueError
+        If they are not.
+
+    """
+    loads = np.atleast_1d(np.asarray(mean_pressure, float))
+    if loads.ndim != 1 or loads.size == 0:
+        raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
+    for wrong, what in ((~np.isfinite(loads), "finite"), (loads <= 0, "positive")):
+        if wrong.any():
+            raise ValueError(f"mean_pressure must be {what}, got {loads[wrong][0]} at position {wrong.argmax()}")
+    falls = np.diff(loads) <= 0
+    if falls.any():
+        at = int(falls.argmax())
+        raise ValueError(f"mean_pressure must increase, got {loads[at]} before {loads[at + 1]}: sort the loads")
+    return loads
+
+
+class Method(NamedTuple):
+    """How a method is run on (profile, loads, **settings), and whose keywords are its settings."""
+
+    run: Callable[..., Any]
+    solver: Callable[..., Any]
+
+
+def _closed_form(estimator: ModuleType) -> Method:
+    def run(profile: Profile, loads: Array) -> Estimate:
+        series = (profile.D, float(profile.gamma), profile.m)
+        return Estimate(estimator.compliance(loads, *series), estimator.resistance(loads, *series))
+
+    return Method(run, run)
+
+
+def _one_wave(profile: Profile, loads: Array) -> Estimate:
+    if profile.m != 1:
+        raise NotApplicableError(f'method "westergaard" is for one wave, m = 1, got m = {profile.m}')
+    return Estimate(westergaard.compliance(loads), westergaard.resistance(loads))
+
+
+def _layer(profile: Profile, loads: Array, **settings: Any) -> Any:
+    return layer.curve(loads, profile.D, float(profile.gamma), profile.m, **settings)
+
+
+def _truncated(solver: Callable[..., Any]) -> Method:
+    def run(profile: Profile, loads: Array, **settings: Any) -> Any:
+        if math.isinf(profile.m):
+            raise NotApplicableError("m = inf has no finest wave to resolve: choose a finite m")
+        return solver(profile, loads, **settings)
+
+    return Method(run, solver)
+
+
+METHODS = {
+    "westergaard": Method(_one_wave, _one_wave),
+    "archard": _closed_form(archard),
+    "demelio": _closed_form(demelio),
+    "layer": Method(_layer, layer.curve),
+    "bem": _truncated(bem.curve),
+}
+
+
+def checked_method(name: str, settings: Iterable[str] = ()) -> Method:
+    """The method of this name, if it takes these settings.
+
+    Raises
+    ------
+    ValueError
+        If there is no such method, or it has no such setting.
+
+    """
+    if name not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {name!r}")
+    parameters = inspect.signature(METHODS[name].solver).parameters.values()
+    known = [parameter.name for parameter in parameters if parameter.default is not parameter.empty]
+    for setting in settings:
+        if setting not in known:
+            choice = f"it takes {', '.join(known)}" if known else "it takes none"
+            raise ValueError(f'method "{name}" has no setting {setting!r}: {choice}')
+    return METHODS[name]
