@@ -1,7 +1,9 @@
 """config -> solve -> gather -> bounds -> figures -> claims. What a rule does stands in weier; when, stands here."""
 
+import sys
 from functools import cache
-from pathlib import Path
+
+sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
 
 from weier import scene as scenes
 from weier.sources import sources
@@ -22,28 +24,41 @@ def scene(name):
     return scenes.load(f"config/scenes/{name}.yaml")
 
 
-@cache
-def batches_of(name, study):
-    return scene(name).batches_of(study)
+def studies(wanted):
+    return lambda w: expand("results/{{scene}}/studies/{s}.nc", s=wanted(w))
 
 
 def products(name):
-    figures = expand("results/{s}/figures/{f}.{e}", s=name, f=scene(name).figures, e=["pdf", "svg", "png"])
+    figures = expand(
+        "results/{s}/figures/{f}.{e}",
+        s=name,
+        f=scene(name).figures,
+        e=["pdf", "svg", "png"],
+    )
     return [f"results/{name}/contact.nc", f"results/{name}/claims.md", *figures]
 
 
 rule all:
     input:
-        [path for name in str(config["scenes"]).split(",") for path in products(name.strip())],
+        [
+            path
+            for name in str(config["scenes"]).split(",")
+            for path in products(name.strip())
+        ],
 
 
+# Once, so that no two jobs compile the same kernel side by side.
 rule compile:
     input:
         sources("weier.solve"),
     output:
         touch("results/.kernels"),
+    log:
+        "results/logs/compile.log",
+    conda:
+        "config/environment.yaml"
     shell:
-        "python -m weier compile"
+        "python -m weier compile 2>&1 | tee {log}"
 
 
 rule solve:
@@ -53,23 +68,35 @@ rule solve:
     output:
         data="results/{scene}/batches/{batch}.nc",
         cost="results/{scene}/cost/{batch}.nc",
+    log:
+        "results/logs/{scene}/solve/{batch}.log",
+    conda:
+        "config/environment.yaml"
+    threads: 1
     params:
         definition=lambda w: scene(w.scene).definition(w.batch),
-    threads: 1
     shell:
-        "NUMBA_NUM_THREADS={threads} python -m weier batch config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output}"
+        "NUMBA_NUM_THREADS={threads} python -m weier batch"
+        " config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output} 2>&1 | tee {log}"
 
 
 rule gather:
     input:
         source=sources("weier.study", "weier.dataset"),
-        data=lambda w: expand("results/{{scene}}/batches/{b}.nc", b=batches_of(w.scene, w.study)),
+        data=lambda w: expand(
+            "results/{{scene}}/batches/{b}.nc", b=scene(w.scene).batches_of(w.study)
+        ),
     output:
         temp("results/{scene}/gathered/{study}.nc"),
+    log:
+        "results/logs/{scene}/gather/{study}.log",
+    conda:
+        "config/environment.yaml"
     params:
-        keys=lambda w: [case.key for case in scene(w.scene).studies[w.study]],
+        cases=lambda w: [case.key for case in scene(w.scene).studies[w.study]],
     shell:
-        "python -m weier gather config/scenes/{wildcards.scene}.yaml {wildcards.study} {output} {input.data}"
+        "python -m weier gather config/scenes/{wildcards.scene}.yaml"
+        " {wildcards.study} {output} {input.data} 2>&1 | tee {log}"
 
 
 rule bounds:
@@ -78,30 +105,45 @@ rule bounds:
         data="results/{scene}/gathered/{study}.nc",
     output:
         "results/{scene}/studies/{study}.nc",
+    log:
+        "results/logs/{scene}/bounds/{study}.log",
+    conda:
+        "config/environment.yaml"
     shell:
-        "python -m weier bounds {input.data} {output}"
+        "python -m weier bounds {input.data} {output} 2>&1 | tee {log}"
 
 
 rule figure:
     input:
-        source=lambda w: sources(f"weier.figures.{scene(w.scene).figures[w.figure].draw}"),
-        data=lambda w: expand("results/{{scene}}/studies/{s}.nc", s=scene(w.scene).figures[w.figure].studies),
+        source=lambda w: sources(
+            f"weier.figures.{scene(w.scene).figures[w.figure].draw}"
+        ),
+        data=studies(lambda w: scene(w.scene).figures[w.figure].studies),
     output:
-        multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".png"),
+        multiext("results/{scene}/figures/{figure}", pdf=".pdf", svg=".svg", png=".png"),
+    log:
+        "results/logs/{scene}/figure/{figure}.log",
+    conda:
+        "config/environment.yaml"
     params:
         figure=lambda w: repr(scene(w.scene).figures[w.figure]),
     shell:
-        "python -m weier figure config/scenes/{wildcards.scene}.yaml {wildcards.figure} --output {output[0]} {input.data}"
+        "python -m weier figure config/scenes/{wildcards.scene}.yaml"
+        " {wildcards.figure} {output.png} {input.data} 2>&1 | tee {log}"
 
 
 rule claims:
     input:
         source=sources("weier.claims", "weier.dataset"),
-        data=lambda w: expand("results/{{scene}}/studies/{s}.nc", s=scene(w.scene).studies),
+        data=studies(lambda w: scene(w.scene).studies),
     output:
         data="results/{scene}/contact.nc",
         table="results/{scene}/claims.md",
+    log:
+        "results/logs/{scene}/claims.log",
+    conda:
+        "config/environment.yaml"
     params:
         claims=lambda w: dict(scene(w.scene).claims),
     shell:
-        "python -m weier claims config/scenes/{wildcards.scene}.yaml {output} {input.data}"
+        "python -m weier claims config/scenes/{wildcards.scene}.yaml {output} {input.data} 2>&1 | tee {log}"

@@ -79,10 +79,10 @@ def bounds(gathered: Path, path: Path) -> None:
 @cli.command()
 @SCENE
 @click.argument("name")
-@click.option("--output", "path", required=True, type=click.Path(path_type=Path), help="One of the files to write.")
+@output("path")
 @FILES
 def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> None:
-    """Draw one figure of a scene from its studies, as PDF, SVG and PNG."""
+    """Draw one figure of a scene from its studies, as PDF, SVG and PNG beside PATH."""
     from weier.figures import draw  # matplotlib takes half a second, and only this command needs it
 
     loaded = scene.load(scene_file)

@@ -1,0 +1,113 @@
+"""Files: whole or not at all, read by others, and gathered case by case."""
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from weier import batch, dataset, scene, study
+from weier.dataset import Status
+
+SCENE = """
+title: test
+loads: [0.01, 0.1, 1.0]
+methods: [westergaard, demelio, bem]
+studies:
+  waves: {product: {D: 1.25, gamma: 5, m: [1, 2, .inf]}}
+  two: {product: {D: 1.25, gamma: 5, m: 2}}
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scene") / "test.yaml"
+    path.write_text(SCENE)
+    return scene.load(path)
+
+
+@pytest.fixture(scope="module")
+def solved(loaded):
+    return [batch.solve_batch(loaded, cases) for cases in loaded.batches.values()]
+
+
+@pytest.fixture(scope="module")
+def waves(loaded, solved):
+    return study.add_bounds(study.gather([data for data, _ in solved], [c.key for c in loaded.studies["waves"]]))
+
+
+def test_status_says_why_a_curve_is_missing(waves):
+    expected = [
+        [Status.solved, Status.solved, Status.solved],
+        [Status.not_applicable, Status.solved, Status.solved],
+        [Status.not_applicable, Status.solved, Status.not_applicable],
+    ]
+    assert waves.status.values.tolist() == expected
+    missing = waves.compliance.isnull().all("mean_pressure")
+    assert np.all(missing == (waves.status != Status.solved))
+
+
+def test_gather_keeps_the_order_of_the_study(waves):
+    assert waves.m.values.tolist() == [1, 2, np.inf]
+    assert waves.phase.values[1].tolist() == [0, 0]
+    assert np.isnan(waves.phase.values[0, 1])
+
+
+def test_gather_refuses_what_is_not_there(solved):
+    with pytest.raises(ValueError, match="1 cases are in none of the files, the first with the key nobody"):
+        study.gather([solved[0][0]], ["nobody"])
+
+
+def test_bounds_stand_around_the_exact_methods_only(waves):
+    bem = waves.sel(method="bem").isel(case=[0, 1])
+    width = bem.compliance_upper - bem.compliance_lower
+    assert float(abs(width - 2 * bem.tail_amplitude).max()) < 1e-14
+    assert np.all((bem.resistance_lower <= bem.resistance) & (bem.resistance <= bem.resistance_upper))
+    assert waves.sel(method="demelio").compliance_lower.isnull().all()
+
+
+def test_seconds_are_kept_apart(solved):
+    _, cost = solved[0]
+    assert "seconds" not in dataset.VARIABLES
+    assert float(cost.seconds.min()) >= 0
+
+
+def test_a_written_file_is_read_back_and_written_the_same(waves, tmp_path):
+    first, second = tmp_path / "a.nc", tmp_path / "b.nc"
+    dataset.write(waves, first, "test")
+    dataset.write(dataset.read(first), second, "test")
+    assert first.read_bytes() == second.read_bytes()
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["a.nc", "b.nc"]
+
+
+def test_netcdf4_alone_finds_everything(waves, tmp_path):
+    path = tmp_path / "a.nc"
+    dataset.write(waves, path, "test")
+    with netCDF4.Dataset(path) as file:
+        h = file["compliance"]
+        assert h.dimensions == ("case", "method", "mean_pressure")
+        assert h.units == "1"
+        assert h.normalised_by == "g_0"
+        assert file["status"].flag_meanings.split()[2] == "not_applicable"
+        assert list(file["method"][:]) == ["westergaard", "demelio", "bem"]
+        assert "g_0" in file.normalisation
+        assert all("long_name" in variable.ncattrs() for variable in file.variables.values())
+
+
+def test_a_file_that_cannot_be_finished_is_not_there(waves, tmp_path):
+    broken = waves.assign(bad=("case", np.array([object(), 1, 2], dtype=object)))
+    with pytest.raises((TypeError, ValueError)):
+        dataset.write(broken, tmp_path / "a.nc", "test")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_truncated_or_foreign_file_is_refused_in_one_sentence(waves, tmp_path):
+    path = tmp_path / "a.nc"
+    dataset.write(waves, path, "test")
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(ValueError, match="not a whole netCDF file: delete it"):
+        dataset.read(path)
+    xr.Dataset({"x": 1}).to_netcdf(path)
+    with pytest.raises(ValueError, match="not of weier"):
+        dataset.read(path)
+    with pytest.raises(ValueError, match="not a whole netCDF file"):
+        dataset.read(tmp_path / "none.nc")

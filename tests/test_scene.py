@@ -1,0 +1,132 @@
+"""Scene files: what they expand to, and what is said about a bad one."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from weier import scene
+
+SCENES = sorted(Path("config/scenes").glob("*.yaml"))
+
+MINIMAL = {
+    "title": "test",
+    "loads": [0.1, 1.0],
+    "methods": ["demelio"],
+    "studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 2}}},
+}
+
+
+def write(folder, **changes):
+    path = folder / "scene.yaml"
+    path.write_text(yaml.safe_dump(MINIMAL | changes))
+    return path
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_scene_that_comes_with_weier_is_sound(path):
+    loaded = scene.load(path)
+    assert loaded.name == path.stem
+    solved = [case.key for cases in loaded.batches.values() for case in cases]
+    assert len(solved) == len(set(solved))
+    assert set(solved) == {case.key for cases in loaded.studies.values() for case in cases}
+
+
+def test_the_sweep_has_some_hundreds_of_cases():
+    loaded = scene.load("config/scenes/sweep.yaml")
+    assert 200 <= sum(map(len, loaded.batches.values())) <= 1000
+
+
+def test_a_product_is_every_combination(tmp_path):
+    study = {"product": {"D": [1.25, 1.5], "gamma": [2, "5/2"], "m": 3, "seed": {"from": 0, "to": 2, "count": 3}}}
+    cases = scene.load(write(tmp_path, studies={"one": study})).studies["one"]
+    assert len(cases) == 12
+    assert {str(case.profile.gamma) for case in cases} == {"2", "5/2"}
+    assert len({tuple(case.profile.phase) for case in cases}) == 3
+
+
+def test_a_list_of_cases_is_itself(tmp_path):
+    rows = [
+        {"D": 1.25, "gamma": 5, "m": 2, "phases": [[0, 1]]},
+        {"D": 1.5, "gamma": 3, "m": 1},
+        {"D": 1.5, "gamma": 3, "m": float("inf")},
+    ]
+    cases = scene.load(write(tmp_path, studies={"one": {"cases": rows}})).studies["one"]
+    assert [case.profile.m for case in cases] == [2, 1, np.inf]
+    assert cases[0].profile.phase == pytest.approx([0, 1])
+
+
+def test_loads_in_equal_ratios(tmp_path):
+    loads = scene.load(write(tmp_path, loads={"from": 0.01, "to": 1, "count": 3, "spacing": "log"})).loads
+    assert loads == pytest.approx([0.01, 0.1, 1])
+
+
+def test_a_case_of_two_studies_is_solved_once_and_a_study_needs_only_its_batches(tmp_path):
+    shared = {"D": 1.25, "gamma": 5, "m": 2}
+    studies = {
+        "one": {"product": shared},
+        "two": {"product": shared | {"m": [1, 2]}},
+        "three": {"product": shared | {"m": 3}},
+    }
+    loaded = scene.load(write(tmp_path, studies=studies))
+    assert sum(map(len, loaded.batches.values())) == 3
+    assert len(loaded.batches_of("one")) == 1
+    assert len(loaded.batches_of("two")) == 2
+    assert loaded.batches_of("three") == ["three-0"]
+
+
+def test_batches_are_no_larger_than_asked(tmp_path):
+    study = {"product": {"D": 1.25, "gamma": 5, "m": 2, "seed": list(range(7))}}
+    loaded = scene.load(write(tmp_path, studies={"one": study}, batch=3))
+    assert [len(cases) for cases in loaded.batches.values()] == [3, 3, 1]
+
+
+def test_the_definition_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
+    def definition(**changes):
+        return scene.load(write(tmp_path, **changes)).definition("one-0")
+
+    assert definition() == definition(title="another", figures={"f": {"draw": "compliance", "studies": ["one"]}})
+    assert definition() != definition(loads=[0.1, 2.0])
+    assert definition() != definition(methods=["archard"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"lods": [1]}, "'lods' was unexpected"),
+        ({"loads": [1.0, 0.5]}, "loads: mean_pressure must increase"),
+        ({"loads": [float("nan")]}, "loads: mean_pressure must be finite"),
+        ({"loads": []}, "loads"),
+        ({"loads": "heavy"}, "loads"),
+        ({"methods": ["bme"]}, "studies.one: method must be one of .*bem.*'bme'"),
+        ({"settings": {"demelio": {"points": 3}}}, "studies.one: .*no setting 'points'"),
+        ({"studies": {"one": {"product": {"D": 2.5, "gamma": 5, "m": 2}}}}, r"studies.one: D must lie in \(1, 2\), got 2.5"),
+        ({"studies": {"one": {"product": {"D": 1.5, "gamma": 5, "m": 0}}}}, "studies.one: m must be"),
+        ({"studies": {"one": {"product": {"D": 1.5, "gamma": 3.14159265, "m": 2}}}}, "studies.one: gamma .*311/99"),
+        ({"studies": {"one": {"product": {"D": 1.5, "gama": 5, "m": 2}}}}, "studies.one.*gama"),
+        ({"studies": {}}, "studies"),
+        ({"figures": {"f": {"draw": "compliance", "studies": ["two"]}}}, "figures.f: there is no study 'two', only one"),
+        ({"claims": {"c": ["two"]}}, "claims.c: there is no study 'two'"),
+        ({"batch": 0}, "batch"),
+    ],
+)
+def test_a_bad_scene_names_the_file_and_the_key(tmp_path, changes, message):
+    path = write(tmp_path, **changes)
+    with pytest.raises(scene.SceneError, match=message) as caught:
+        scene.load(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["a: [", "- 1", "!!python/object/apply:os.getcwd []", "\x00", ""])
+def test_what_is_no_scene_at_all_is_refused(tmp_path, text):
+    path = tmp_path / "scene.yaml"
+    path.write_text(text)
+    with pytest.raises(scene.SceneError, match=r"scene\.yaml"):
+        scene.load(path)
+
+
+def test_a_missing_scene_is_refused(tmp_path):
+    with pytest.raises(scene.SceneError, match="cannot be read"):
+        scene.load(tmp_path / "none.yaml")
