@@ -31,6 +31,28 @@ class Answer(NamedTuple):
 
 
 @kernel
+def no_answer(loads: int) -> Answer:
+    """An answer with nothing in it yet."""
+    return Answer(
+        np.empty(loads),
+        np.full(loads, np.nan),
+        np.empty(loads, np.int64),
+        np.empty(loads, np.int64),
+        np.empty(loads),
+        np.zeros(loads),
+    )
+
+
+@kernel
+def count(contact: NDArray[np.bool_]) -> int:
+    """Nodes in contact."""
+    nodes = 0
+    for i in range(contact.size):
+        nodes += contact[i]
+    return nodes
+
+
+@kernel
 def count_patches(contact: NDArray[np.bool_]) -> int:
     """Unbroken runs of contact around the period; 0 when nothing separates them (full contact)."""
     runs = 0

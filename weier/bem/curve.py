@@ -133,6 +133,7 @@ def nested_grids(profile: Profile, points: int, tolerance: float) -> fft.Hierarc
         np.concatenate(sinking),
         np.concatenate([_inverse(values) for values in sinking]),
         np.array([*accuracy, tolerance]),
+        np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.bem.contact import Answer, count_patches
+from weier.bem.contact import Answer, count_patches, no_answer
 from weier.jit import kernel
 
 Array = NDArray[np.float64]
@@ -72,10 +72,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
         Arrays over the loads, in their order; work counts dense solutions.
 
     """
-    answer = Answer(
-        np.empty(loads.size), np.empty(loads.size), np.empty(loads.size, np.int64),
-        np.empty(loads.size, np.int64), np.empty(loads.size), np.zeros(loads.size),
-    )  # fmt: skip
+    answer = no_answer(loads.size)
     contact = pressure > 0
     for load in range(loads.size - 1, -1, -1):
         changed = True

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.bem.contact import Answer, count_patches
+from weier.bem.contact import Answer, count, count_patches, no_answer
 from weier.bem.transform import Spectrum, circulant_product
 from weier.jit import kernel
 
@@ -29,7 +29,8 @@ class Hierarchy(NamedTuple):
     points : nodes of each grid, shape (grids,)
     height : profile, shape (sum of points,), in g_0
     sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,)
-    tolerance : residual to reach on each grid, in g_0
+    tolerance : residual to reach on each grid, shape (grids,), in g_0
+    node_sinking : A_ii of each grid, shape (grids,), in g_0/p_0*
     """
 
     points: NDArray[np.int64]
@@ -37,10 +38,11 @@ class Hierarchy(NamedTuple):
     sinking: Array
     inverse: Array
     tolerance: Array
+    node_sinking: Array
 
 
 class Grid(NamedTuple):
-    """One grid of the hierarchy: its part of each array; `node_sinking` is A_ii, in g_0/p_0*."""
+    """One grid of the hierarchy: its part of each array."""
 
     height: Array
     sinking: Array
@@ -82,16 +84,18 @@ def part_of_state(state: State, points: int) -> State:
 @kernel
 def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
     """One grid of the hierarchy."""
-    node = hierarchy.points[:level].sum()
-    wave = (hierarchy.points[:level] // 2 + 1).sum()
+    node, wave = 0, 0
+    for coarser in range(level):
+        node += hierarchy.points[coarser]
+        wave += hierarchy.points[coarser] // 2 + 1
     points = hierarchy.points[level]
-    sinking = hierarchy.sinking[wave : wave + points // 2 + 1]
+    waves = slice(wave, wave + points // 2 + 1)
     return Grid(
         hierarchy.height[node : node + points],
-        sinking,
-        hierarchy.inverse[wave : wave + points // 2 + 1],
+        hierarchy.sinking[waves],
+        hierarchy.inverse[waves],
         hierarchy.tolerance[level],
-        2 * sinking.sum() / points,
+        hierarchy.node_sinking[level],
     )
 
 
@@ -121,7 +125,8 @@ def _balance(pressure: Array, load: float) -> None:
     for i in range(pressure.size):
         pressure[i] = max(pressure[i], 0.0)
         total += pressure[i]
-    pressure *= load * pressure.size / total
+    for i in range(pressure.size):
+        pressure[i] *= load * pressure.size / total
 
 
 @kernel
@@ -214,7 +219,7 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
     The pressure in `state` becomes the pressure per load. The rate is taken as the energy q.Aq, whose error is
     the square of the residual's, so that a residual of `tolerance` is more than enough.
     """
-    nodes = state.contact.sum()
+    nodes = count(state.contact)
     for i in range(state.pressure.size):
         state.pressure[i] = state.pressure.size / nodes if state.contact[i] else 0.0
     _deform(np.zeros(state.pressure.size), grid, state)
@@ -231,6 +236,14 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
         steepness = _conjugate_step(flat, steepness, grid, state)
         pairs += 2
     return -np.dot(state.pressure, state.deformed) / state.pressure.size, pairs
+
+
+@kernel
+def _start(pressure: Array, state: State) -> None:
+    """Begin from this pressure, in contact where it is positive."""
+    for i in range(pressure.size):
+        state.pressure[i] = pressure[i]
+        state.contact[i] = pressure[i] > 0
 
 
 @kernel
@@ -266,10 +279,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
         Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
 
     """
-    answer = Answer(
-        np.empty(loads.size), np.full(loads.size, np.nan), np.empty(loads.size, np.int64),
-        np.empty(loads.size, np.int64), np.empty(loads.size), np.zeros(loads.size),
-    )  # fmt: skip
+    answer = no_answer(loads.size)
     levels = hierarchy.points.size
     finest = hierarchy.points[levels - 1]
     whole = make_state(finest)
@@ -278,18 +288,18 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
             points = hierarchy.points[level]
             state = part_of_state(whole, points)
             if level == 0:
-                state.pressure[:] = pressure
-                state.contact[:] = pressure > 0
+                _start(pressure, state)
             else:
                 refine(points // 2, state)
             grid = part_of_hierarchy(hierarchy, level)
             flat, residual, pairs = solve_load(loads[load], grid, state)
             answer.work[load] += pairs * points / finest
             if level == 0:
-                pressure[:] = state.pressure
+                for i in range(points):
+                    pressure[i] = state.pressure[i]
         answer.flat[load] = flat
         answer.residual[load] = residual
-        answer.contact_nodes[load] = state.contact.sum()
+        answer.contact_nodes[load] = count(state.contact)
         answer.patches[load] = count_patches(state.contact)
         if with_resistance:
             rate, pairs = solve_rate(1e-6, grid, state)
