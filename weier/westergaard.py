@@ -26,3 +26,40 @@ def resistance(xi: ArrayLike) -> Array:
     (13) prints 1/R; this is R, which joins (14) at xi = 1.
     """
     return np.asarray(-np.log(np.minimum(xi, 1.0)) + 0.0)
+
+
+def contact_half_width(xi: ArrayLike) -> Array:
+    """Half-width a = arcsin(sqrt(xi))/pi of the contact around each crest, in lambda; 1/2 in full contact (8)."""
+    return np.asarray(np.arcsin(np.sqrt(np.minimum(xi, 1.0))) / np.pi)
+
+
+def pressure(x: ArrayLike, xi: ArrayLike) -> Array:
+    """Pressure at x, in p*; 0 outside the contact (10).
+
+    Notes
+    -----
+    sin^2(pi a/lambda) = xi (8), which cancels the factor before the root.
+    """
+    xi, s, c = np.asarray(xi, float), *_wave(x)
+    partial = 2 * c * np.sqrt(np.maximum(xi - s**2, 0))
+    return np.asarray(np.where(xi < 1, partial, xi + (c - s) * (c + s)))
+
+
+def gap(x: ArrayLike, xi: ArrayLike) -> Array:
+    """Gap at x for mean pressures xi > 0, in g; 0 in the contact.
+
+    Notes
+    -----
+    Outside the contact the root of (10) turns imaginary and is the slope of the gap,
+    4 pi cos(pi x) sqrt(sin^2(pi x) - xi); the gap is its integral from the edge.
+    """
+    xi, s, _ = np.asarray(xi, float), *_wave(x)
+    root = np.sqrt(np.maximum(s**2 - xi, 0))
+    return np.asarray(2 * (s * root - xi * np.arcsinh(root / np.sqrt(xi))))
+
+
+def _wave(x: ArrayLike) -> tuple[Array, Array]:
+    """|sin(pi x)| and |cos(pi x)|, of period 1."""
+    x = np.asarray(x, float)
+    angle = np.pi * np.abs(x - np.rint(x))
+    return np.sin(angle), np.cos(angle)

@@ -100,6 +100,15 @@ def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
 
 
 @kernel
+def _dot(a: Array, b: Array) -> float:
+    # Not np.dot: BLAS shares it among threads, which wait for each other on a busy machine, ten times as long.
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@kernel
 def _mean_in_contact(values: Array, contact: NDArray[np.bool_]) -> float:
     total = 0.0
     nodes = 0
@@ -175,7 +184,7 @@ def _conjugate_step(flat: float, steepness: float, grid: Grid, state: State) -> 
     for i in range(p.size):
         direction[i] = product[i] - shift + turn * direction[i] if contact[i] else 0.0
     circulant_product(grid.sinking, direction, state.spectrum, product)
-    length = steepness_now / np.dot(direction, product)
+    length = steepness_now / _dot(direction, product)
     for i in range(p.size):
         p[i] += length * direction[i]
         deformed[i] -= length * product[i]
@@ -235,7 +244,7 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
             break
         steepness = _conjugate_step(flat, steepness, grid, state)
         pairs += 2
-    return -np.dot(state.pressure, state.deformed) / state.pressure.size, pairs
+    return -_dot(state.pressure, state.deformed) / state.pressure.size, pairs
 
 
 @kernel
