@@ -1,9 +1,9 @@
 """One decorator for all kernels: numba with a disk cache that cannot go stale.
 
 numba stamps a cached kernel with the file that it stands in, so that an edited callee or constant of another
-module would be ignored. Here the cache folder is named by a hash of every source file that holds kernels and
-of the versions of numba and rocket-fft: edit any of them and all kernels compile afresh, once, for all
-processes.
+module would be ignored. Here the cache folder is named by a hash of every source file that kernels stand in or
+import from, and of the versions of numba and rocket-fft: edit any of them and all kernels compile afresh, once,
+for all processes.
 """
 
 from __future__ import annotations
@@ -19,14 +19,15 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from weier.sources import PACKAGE, sources
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-PACKAGE = Path(__file__).parent
-
-
 def kernel_sources() -> list[Path]:
-    """The files of the package that define kernels, sorted."""
-    return sorted(path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8"))
+    """The files of the package that define kernels, and all that they import, sorted."""
+    kernels = [path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8")]
+    modules = [".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts) for path in kernels]
+    return [PACKAGE.parent / path for path in sources(*modules)]
 
 
 def cache_folder() -> Path:

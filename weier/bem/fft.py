@@ -20,6 +20,7 @@ from weier.jit import kernel
 
 Array = NDArray[np.float64]
 
+RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
 STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, 40 the most seen
 
 
@@ -225,8 +226,7 @@ def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int
 def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
     """Height that the flat loses per unit of mean pressure on the contact as it stands; pairs of FFTs.
 
-    The pressure in `state` becomes the pressure per load. The rate is taken as the energy q.Aq, whose error is
-    the square of the residual's, so that a residual of `tolerance` is more than enough.
+    The pressure in `state` becomes the pressure per load, q, and the rate is the energy q.Aq.
     """
     nodes = count(state.contact)
     for i in range(state.pressure.size):
@@ -268,6 +268,29 @@ def refine(coarse: int, state: State) -> None:
 
 
 @kernel
+def descend(load: float, hierarchy: Hierarchy, start: Array, whole: State) -> tuple[float, float, float]:
+    """Solve one load on every grid, coarse to fine: flat H, residual, pairs of FFTs, each grid's by its size.
+
+    `start` is the pressure to begin with on the coarsest grid, and becomes its solution; `whole` that of the finest.
+    """
+    pairs = 0.0
+    finest = hierarchy.points.size - 1
+    for level in range(finest + 1):
+        points = hierarchy.points[level]
+        state = part_of_state(whole, points)
+        if level == 0:
+            _start(start, state)
+        else:
+            refine(points // 2, state)
+        flat, residual, here = solve_load(load, part_of_hierarchy(hierarchy, level), state)
+        pairs += here * points / hierarchy.points[finest]
+        if level == 0:
+            for i in range(points):
+                start[i] = state.pressure[i]
+    return flat, residual, pairs
+
+
+@kernel
 def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> Answer:
     """Solve every load from the heaviest down; on the coarsest grid each starts from the one before.
 
@@ -289,29 +312,17 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
 
     """
     answer = no_answer(loads.size)
-    levels = hierarchy.points.size
-    finest = hierarchy.points[levels - 1]
-    whole = make_state(finest)
+    finest = hierarchy.points.size - 1
+    state = make_state(hierarchy.points[finest])
     for load in range(loads.size - 1, -1, -1):
-        for level in range(levels):
-            points = hierarchy.points[level]
-            state = part_of_state(whole, points)
-            if level == 0:
-                _start(pressure, state)
-            else:
-                refine(points // 2, state)
-            grid = part_of_hierarchy(hierarchy, level)
-            flat, residual, pairs = solve_load(loads[load], grid, state)
-            answer.work[load] += pairs * points / finest
-            if level == 0:
-                for i in range(points):
-                    pressure[i] = state.pressure[i]
+        flat, residual, pairs = descend(loads[load], hierarchy, pressure, state)
         answer.flat[load] = flat
         answer.residual[load] = residual
         answer.contact_nodes[load] = count(state.contact)
         answer.patches[load] = count_patches(state.contact)
+        answer.work[load] = pairs
         if with_resistance:
-            rate, pairs = solve_rate(1e-6, grid, state)
+            rate, pairs = solve_rate(RATE_TOLERANCE, part_of_hierarchy(hierarchy, finest), state)
             answer.resistance[load] = rate
             answer.work[load] += pairs
     return answer
