@@ -1,0 +1,88 @@
+"""Barber's bounds on what the terms left out of a series can change, Section 5.5.
+
+Roughness within a band of half-height G moves the mean gap at a given load by at most G. So the complete curve
+lies within G of the truncated one when both count from the mean plane, and as it is concave, so does its slope
+between two lines. The functions know arrays only: any consistent units will do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:
+    """Bounds h - G and h + G on the compliance of the complete series (27).
+
+    Parameters
+    ----------
+    compliance : array_like, shape (..., loads)
+        Compliance h of the truncated series.
+    amplitude : array_like, shape (...)
+        Total amplitude G of the terms left out.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (..., loads)
+
+    Notes
+    -----
+    The bounds hold in the datum of the truncated series: h = sum of the g_n retained - mean gap. In its own
+    datum, with all g_n in that sum, the complete series lies G higher, within [h, h + 2 G].
+    """
+    h, G = np.asarray(compliance, float), np.asarray(amplitude, float)[..., None]
+    return h - G, h + G
+
+
+def resistance_bounds(
+    mean_pressure: ArrayLike,
+    compliance: ArrayLike,
+    amplitude: ArrayLike,
+    first_contact: ArrayLike | None = None,
+) -> tuple[Array, Array]:
+    """Bounds on dh/dp of the complete series: the flattest and steepest line that its concave curve allows.
+
+    The line through the complete curve at p stays above that curve, hence above the lower bound on it, and starts
+    no higher than the upper bound: R <= [h(p) - h(p') + 2 G]/(p - p') for every p' < p, and
+    R >= [h(p') - h(p) - 2 G]/(p' - p) for every p' > p.
+
+    Parameters
+    ----------
+    mean_pressure : array_like, shape (..., loads)
+        Mean pressures p >= 0, in any order. Broadcasts against `compliance`.
+    compliance : array_like, shape (..., loads)
+        Compliance h of the truncated series.
+    amplitude : array_like, shape (...)
+        Total amplitude G of the terms left out.
+    first_contact : array_like, shape (...), optional
+        Compliance of the truncated series at p = 0, sum g_n - max z: it tightens the upper bound at light loads.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (..., loads)
+        0 and inf where no load above or below says more. NaN where an input is NaN; the loads around it
+        keep bounds that hold.
+
+    Notes
+    -----
+    Each p' gives a bound that holds, so the best of the tabulated ones holds, too: it exceeds the best of all p' by
+    what a finer table would gain. Nothing is assumed of the curve beyond the last load. Work and memory grow with
+    loads^2.
+    """
+    p, h = np.broadcast_arrays(np.asarray(mean_pressure, float), np.asarray(compliance, float))
+    G = np.asarray(amplitude, float)[..., None, None]
+    other_p, other_h = p, h
+    if first_contact is not None:
+        start = np.broadcast_to(np.asarray(first_contact, float)[..., None], (*h.shape[:-1], 1))
+        other_p = np.concatenate([np.zeros_like(start), p], axis=-1)
+        other_h = np.concatenate([start, h], axis=-1)
+    run = p[..., :, None] - other_p[..., None, :]
+    rise = h[..., :, None] - other_h[..., None, :] + 2 * G
+    steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+    flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+    missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
+    lower = np.maximum(np.fmax.reduce(flattest, axis=-1), 0)
+    upper = np.fmin.reduce(steepest, axis=-1)
+    return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
