@@ -40,9 +40,10 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
 
     def run(value):
         (package / "constants.py").write_text(f"VALUE = {value}\n")
-        program = [sys.executable, "-m", "weier.main"]
         environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1"}
-        return subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True).stdout
+        program = [sys.executable, "-m", "weier.main"]
+        done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+        return done.stdout
 
     assert run(1) == "1\n"
     assert run(2) == "2\n"

@@ -18,6 +18,10 @@ MINIMAL = {
 }
 
 
+def product(**changes):
+    return {"studies": {"one": {"product": {"D": 1.5, "gamma": 5, "m": 2} | changes}}}
+
+
 def write(folder, **changes):
     path = folder / "scene.yaml"
     path.write_text(yaml.safe_dump(MINIMAL | changes))
@@ -101,12 +105,15 @@ def test_the_definition_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
         ({"loads": "heavy"}, "loads"),
         ({"methods": ["bme"]}, "studies.one: method must be one of .*bem.*'bme'"),
         ({"settings": {"demelio": {"points": 3}}}, "studies.one: .*no setting 'points'"),
-        ({"studies": {"one": {"product": {"D": 2.5, "gamma": 5, "m": 2}}}}, r"studies.one: D must lie in \(1, 2\), got 2.5"),
-        ({"studies": {"one": {"product": {"D": 1.5, "gamma": 5, "m": 0}}}}, "studies.one: m must be"),
-        ({"studies": {"one": {"product": {"D": 1.5, "gamma": 3.14159265, "m": 2}}}}, "studies.one: gamma .*311/99"),
-        ({"studies": {"one": {"product": {"D": 1.5, "gama": 5, "m": 2}}}}, "studies.one.*gama"),
+        (product(D=2.5), r"studies.one: D must lie in \(1, 2\), got 2.5"),
+        (product(m=0), "studies.one: m must be"),
+        (product(gamma=3.14159265), "studies.one: gamma .*311/99"),
+        (product(gama=5), "studies.one.*gama"),
         ({"studies": {}}, "studies"),
-        ({"figures": {"f": {"draw": "compliance", "studies": ["two"]}}}, "figures.f: there is no study 'two', only one"),
+        (
+            {"figures": {"f": {"draw": "compliance", "studies": ["two"]}}},
+            "figures.f: there is no study 'two', only one",
+        ),
         ({"claims": {"c": ["two"]}}, "claims.c: there is no study 'two'"),
         ({"batch": 0}, "batch"),
     ],

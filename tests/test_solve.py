@@ -54,11 +54,11 @@ def test_bad_loads_are_refused(loads, message):
 
 
 def test_an_unknown_method_or_setting_is_refused_with_the_choice():
-    with pytest.raises(ValueError, match="one of westergaard, archard, .*bem.* got 'fem'"):
+    with pytest.raises(ValueError, match=r"one of westergaard, archard, .*bem.* got 'fem'"):
         weier.solve(PROFILE, LOADS, "fem")
-    with pytest.raises(ValueError, match='"bem" has no setting .n.: it takes solver, points'):
+    with pytest.raises(ValueError, match=r'"bem" has no setting .n.: it takes solver, points'):
         weier.solve(PROFILE, LOADS, "bem", n=3)
-    with pytest.raises(ValueError, match='"archard" has no setting .points.: it takes none'):
+    with pytest.raises(ValueError, match=r'"archard" has no setting .points.: it takes none'):
         weier.solve(PROFILE, LOADS, "archard", points=3)
 
 

@@ -3,6 +3,8 @@
 from weier.errors import ConvergenceError
 from weier.profile import Profile, random_phases
 from weier.solve import solve
-from weier.version import VERSION as __version__
+from weier.version import VERSION
+
+__version__ = VERSION
 
 __all__ = ["ConvergenceError", "Profile", "__version__", "random_phases", "solve"]

@@ -49,7 +49,7 @@ def compile() -> None:
 def batch(scene_file: Path, name: str, data: Path, cost: Path) -> None:
     """Solve one batch of a scene."""
     loaded = scene.load(scene_file)
-    curves, seconds = batches.solve_batch(loaded, loaded.batches[name])
+    curves, seconds = batches.solve_batch(loaded, loaded.batch_named(name))
     dataset.write(seconds, cost, f"{loaded.title}: seconds")
     dataset.write(curves, data, loaded.title)
 

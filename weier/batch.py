@@ -36,7 +36,8 @@ def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dat
         cost["key"].values[number] = case.key
         for method in case.methods:
             _solve_into(data, cost, scene, number, case, method)
-        print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {perf_counter() - start:.2f} s", file=sys.stderr)
+        seconds = perf_counter() - start
+        print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s", file=sys.stderr)
     return data, cost
 
 

@@ -110,6 +110,18 @@ class Scene:
             for start in range(0, len(members), self.batch)
         }
 
+    def batch_named(self, name: str) -> tuple[Case, ...]:
+        """The cases of a batch.
+
+        Raises
+        ------
+        SceneError
+            If there is no such batch.
+        """
+        if name not in self.batches:
+            raise SceneError(f"scene {self.name} has no batch {name!r}, only {', '.join(self.batches)}")
+        return self.batches[name]
+
     def batches_of(self, study: str) -> list[str]:
         """Names of the batches that hold the cases of a study."""
         keys = {case.key for case in self.studies[study]}
@@ -117,7 +129,8 @@ class Scene:
 
     def definition(self, batch: str) -> str:
         """All that the numbers of a batch depend on, as text."""
-        return json.dumps([self.loads.tolist(), self.methods, self.terms, [c.definition for c in self.batches[batch]]])
+        cases = [case.definition for case in self.batch_named(batch)]
+        return json.dumps([self.loads.tolist(), self.methods, self.terms, cases])
 
 
 def load(path: str | Path) -> Scene:
@@ -160,9 +173,7 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
                 if study not in studies:
                     raise SceneError(f"{path}: {what}.{name}: there is no study {study!r}, only {', '.join(studies)}")
     methods = dict.fromkeys(method for cases in studies.values() for case in cases for method in case.methods)
-    return Scene(
-        path.stem, raw["title"], loads, tuple(methods), studies, figures, claims, raw.get("batch", BATCH)
-    )
+    return Scene(path.stem, raw["title"], loads, tuple(methods), studies, figures, claims, raw.get("batch", BATCH))
 
 
 def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) -> Iterator[Case]:
