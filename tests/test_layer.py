@@ -40,12 +40,13 @@ def test_one_wave_is_westergaard():
 
 @pytest.mark.parametrize("xi", [1e-12, 1e-3, 0.3, 0.99])
 def test_a_stiff_layer_leaves_westergaard(xi):
-    # w = 1e-11 sqrt(xi) p <= 2e-11 xi. Westergaard's q is a constant and a cosine, so the nodes have it exactly.
+    # w = 1e-11 sqrt(xi) p. Westergaard's q is a constant and a cosine, which the nodes have exactly; that p vanishes
+    # at the edge they learn from w alone, so that the square root of 1e-11 is seen.
     log_p = np.array([-70.0, 5.0])
     stiff = Layer(log_p, log_p + np.log(1e-11 * np.sqrt(xi)), np.ones(2))
     answer = trace(np.log([xi]), stiff, midpoints(POINTS), 1e-12)
-    np.testing.assert_allclose(answer.compliance, westergaard.compliance(xi), rtol=1e-10)
-    np.testing.assert_allclose(answer.resistance, westergaard.resistance(xi), rtol=1e-8)
+    np.testing.assert_allclose(answer.compliance, westergaard.compliance(xi), rtol=1e-6)
+    np.testing.assert_allclose(answer.resistance, westergaard.resistance(xi), rtol=1e-4)
 
 
 def minimum_of_energy(h, D, gamma, n=1024):

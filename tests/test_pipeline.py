@@ -1,5 +1,6 @@
 """The pipeline on a copy of the checkout: what runs, what runs again, and what a killed run leaves."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -34,15 +35,17 @@ def checkout(tmp_path_factory):
 
 
 def run(checkout, *arguments):
-    command = ["snakemake", "--cores", "2", *arguments]
-    done = subprocess.run(command, cwd=checkout, capture_output=True, text=True)
+    # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute.
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    command = ["snakemake", "--cores", "2", *arguments, "--config", "scenes=test"]
+    done = subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 
 def planned(checkout, *arguments):
     """How often each rule would run."""
-    text = run(checkout, "--dry-run", "--config", "scenes=test", *arguments)
+    text = run(checkout, "--dry-run", *arguments)
     table = text.partition("Job stats:")[2].partition("total")[0]
     return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
 
@@ -58,7 +61,7 @@ def test_one_figure_needs_only_its_cases(checkout):
 
 @pytest.fixture(scope="module")
 def finished(checkout):
-    run(checkout, "--config", "scenes=test")
+    run(checkout)
     return checkout
 
 
@@ -78,7 +81,7 @@ def test_nothing_runs_twice(finished):
 def test_a_changed_figure_is_drawn_alone(finished):
     touch(finished / "weier/figures/compliance.py")
     assert planned(finished) == {"all": 1, "figure": 1}
-    run(finished, "--config", "scenes=test")
+    run(finished)
 
 
 def test_a_changed_kernel_runs_all_that_depends_on_it(finished):
@@ -87,7 +90,7 @@ def test_a_changed_kernel_runs_all_that_depends_on_it(finished):
     assert jobs["compile"] == 1
     assert jobs["solve"] == 2
     before = (finished / "results/test/contact.nc").read_bytes()
-    run(finished, "--config", "scenes=test")
+    run(finished)
     assert (finished / "results/test/contact.nc").read_bytes() == before
 
 

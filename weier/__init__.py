@@ -1,5 +1,6 @@
 """Elastic contact stiffness and electrical contact resistance of the Weierstrass profile."""
 
+from weier.conduction import Interface
 from weier.errors import ConvergenceError
 from weier.profile import Profile, random_phases
 from weier.solve import solve
@@ -7,4 +8,4 @@ from weier.version import VERSION
 
 __version__ = VERSION
 
-__all__ = ["ConvergenceError", "Profile", "__version__", "random_phases", "solve"]
+__all__ = ["ConvergenceError", "Interface", "Profile", "__version__", "random_phases", "solve"]

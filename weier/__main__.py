@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
+import numba
 
 from weier import batch as batches
 from weier import claims as claim
@@ -34,6 +35,8 @@ def cli() -> None:
 @cli.command()
 def compile() -> None:
     """Compile all kernels, once for all later runs."""
+    if numba.config.DISABLE_JIT:
+        return
     profile = Profile(D=1.25, gamma=2, m=2)
     for method in METHODS:
         if method != "westergaard":

@@ -23,6 +23,7 @@ from weier.sources import PACKAGE, sources
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+
 def kernel_sources() -> list[Path]:
     """The files of the package that define kernels, and all that they import, sorted."""
     kernels = [path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8")]

@@ -1,0 +1,469 @@
+"""What the paper says about its results, measured on the numbers of a scene.
+
+A claim is a small function of cases: it measures what the paper says in words, and judges whether that holds.
+The numerical curve is that of the most accurate method a case has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from weier import curves, dataset
+from weier.bounds import compliance_bounds, resistance_bounds
+from weier.files import replacing
+from weier.profile import tail_amplitude
+from weier.scene import Scene
+from weier.study import gather
+
+Array = NDArray[np.float64]
+Cases = Sequence[xr.Dataset]
+
+# What the paper's words are taken to mean.
+AGREE_CLOSELY = 0.1  # relative to the compliance itself, which no plot shows at light loads
+CLOSE = 0.05  # "fairly close", "good results", "relatively small": of the compliance at full contact
+EXTREMELY_SMALL = 0.02  # of the compliance at full contact
+ALIGNED = np.pi / 6  # "close to zero and pi": no farther from them than this
+HALF = 0.5  # of the compliance at full contact: low loads lie below, high loads above
+INTERMEDIATE = (
+    0.1,
+    0.9,
+)  # of it. Below, one contact carries all; above, the resistance vanishes: no ratio has a meaning
+ABOUT = 1.25  # "as much as 30%", "about 12%": up to this times that
+NOISE = 1e-3  # g_0: the error of the boundary elements; a smaller difference has no sign
+ROUNDING = 1e-9
+MOST_CASES = 4  # that a text names one by one
+
+HOLDS = {False: 0, True: 1, None: 2}
+HOLDS_MEANINGS = {0: "no", 1: "yes", 2: "not_measured"}
+
+
+class Measured(NamedTuple):
+    """What a claim found, in words and as a number, and whether the paper's words fit: None if nothing was found."""
+
+    text: str
+    value: float = np.nan
+    holds: bool | None = None
+
+
+class Claim(NamedTuple):
+    """A statement of the paper, the quantity measured for it, the paper's value of that (NaN for none), and how."""
+
+    statement: str
+    quantity: str
+    paper_value: float
+    measure: Callable[[Cases], Measured]
+
+
+class MissingError(ValueError):
+    """The studies lack what a claim is about."""
+
+
+def write(scene: Scene, studies: Mapping[str, xr.Dataset], path: str | Path, table: str | Path) -> None:
+    """Evaluate the claims of a scene; write its whole dataset with them, and a Markdown table of them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Names the claims, and the studies each looks at.
+    studies : mapping of Dataset
+        All studies of the scene by name, over case, method, mean_pressure and term.
+    path, table : path
+        The netCDF file and the Markdown file to write.
+
+    Raises
+    ------
+    ValueError
+        If the scene names a claim that is not in CLAIMS.
+
+    """
+    found = {name: evaluate(name, [studies[study] for study in wanted]) for name, wanted in scene.claims.items()}
+    keys = dict.fromkeys(key for study in studies.values() for key in study["key"].values.tolist())
+    data = gather(list(studies.values()), list(keys))
+    dataset.write(_with_claims(data, found) if found else data, path, scene.title)
+    table = Path(table)
+    table.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(table) as beside:
+        beside.write_text(_markdown(scene.title, found), encoding="utf-8")
+
+
+def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
+    """What a claim measures on these studies; where they lack what it is about, a text that says so.
+
+    Raises
+    ------
+    ValueError
+        If there is no claim of this name.
+
+    """
+    if name not in CLAIMS:
+        raise ValueError(f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}")
+    try:
+        return CLAIMS[name].measure(curves.cases(studies))
+    except MissingError as error:
+        return Measured(f"Not measured: {error}.")
+
+
+def few_elements(cases: Cases) -> Measured:
+    """A few elements against Eq. (12): the relative error with one in contact, and with more."""
+    (case, *_) = cases
+    h, exact, fraction = _curve(case, "bem"), _curve(case, "westergaard"), _curve(case, "bem", "contact_fraction")
+    points = float(case["points"].values[case["method"].values.tolist().index("bem")])
+    single = points * fraction < 1.5
+    _need(single.any() and not single.all(), "loads with one element in contact and loads with more")
+    error = h / exact - 1
+    one, more = _extreme(error[single]), _extreme(error[~single])
+    text = (
+        f"{points:.0f} elements: error of at most {more:+.1%} with more than one element in contact, "
+        f"of {one:+.1%} with one (up to {_loads(case)[single].max():.2g} p_0*)."
+    )
+    return Measured(text, abs(more), bool(abs(more) < AGREE_CLOSELY < abs(one)))
+
+
+def phase_spread(cases: Cases) -> Measured:
+    """How far the curves of different phases lie from each other and from their average, for two gamma."""
+    groups = sorted(curves.groups(cases, "gamma"), key=lambda group: float(group[0]["gamma"]))
+    _need(len(groups) > 1, "phases for two values of gamma")
+    (coarse, first), (fine, second) = (_phases(group) for group in (groups[0], groups[-1]))
+    holds = coarse["others"] < CLOSE < coarse["aligned"] and fine["spread"] < EXTREMELY_SMALL
+    return Measured(f"{first} {second}", fine["spread"], holds)
+
+
+def _phases(cases: Cases) -> tuple[dict[str, float], str]:
+    """Spread, and distances of aligned and of other phases from the average, of the compliance at full contact."""
+    h, loads = np.array([_numerical(case) for case in cases]), _loads(cases[0])
+    total = float(cases[0]["total_amplitude"])
+    spread, off = np.ptp(h, axis=0) / total, np.abs(h - h.mean(axis=0)).max(axis=1) / total
+    angle = np.array([curves.phase_angle(case) for case in cases])
+    aligned = np.minimum(angle, np.pi - angle) <= ALIGNED + ROUNDING
+    _need(aligned.any() and not aligned.all(), "phases close to zero or pi and phases between")
+    widest, heavy = int(spread.argmax()), loads >= INTERMEDIATE[0]
+    farthest = angle[off.argmax()] / np.pi
+    text = (
+        f"gamma = {float(cases[0]['gamma']):g}: the curves spread over up to {total * spread[widest]:.2g} g_0, "
+        f"{spread[widest]:.1%} of full contact, at {loads[widest]:.2g} p_0*"
+        + (f" ({total * spread[heavy].max():.2g} g_0 from {INTERMEDIATE[0]:g} p_0* on)" if heavy.any() else "")
+        + f"; the phase farthest from their average is {farthest:.2g} pi, by {total * off.max():.2g} g_0, "
+        f"and those not close to zero and pi stay within {total * off[~aligned].max():.2g} g_0."
+    )
+    values = {"spread": spread.max(), "aligned": off[aligned].max(), "others": off[~aligned].max()}
+    return {name: float(value) for name, value in values.items()}, text
+
+
+def archard_above(cases: Cases) -> Measured:
+    """Archard's compliance less the numerical one, in partial contact."""
+    excess = {_name(case): (_curve(case, "archard") - _numerical(case))[_partial(case)] for case in cases}
+    text = _listed(f"{name}: {_span(values)} g_0 in partial contact" for name, values in excess.items())
+    least = min(values.min() for values in excess.values())
+    return Measured(text, float(least), bool(least > -NOISE))
+
+
+def demelio_below(cases: Cases) -> Measured:
+    """Demelio's compliance less the numerical one at low loads, and from where on it is above."""
+    texts, highest = [], []
+    for case in cases:
+        low, _ = _low_and_high(case)
+        excess = _curve(case, "demelio") - _numerical(case)
+        above = _loads(case)[excess > NOISE]
+        sign = f"above from {above.min():.2g} p_0* on" if above.size else "nowhere above"
+        texts.append(f"{_name(case)}: {_span(excess[low])} g_0 at low loads, {sign}")
+        highest.append(float(excess[low].max()))
+    return Measured(_listed(texts), max(highest), max(highest) < 0)
+
+
+def layer_close(cases: Cases) -> Measured:
+    """The layer's compliance less the numerical one, at low and at high loads."""
+    texts, worst, means = [], [], []
+    for case in cases:
+        low, high = _low_and_high(case)
+        excess = _curve(case, "layer") - _numerical(case)
+        worst.append(float(np.abs(excess[low]).max() / case["total_amplitude"]))
+        means.append(float(excess[high].mean()))
+        texts.append(
+            f"{_name(case)}: {_span(excess[low])} g_0 at low loads ({worst[-1]:.1%} of full contact), "
+            f"{_span(excess[high])} g_0 at high loads with a mean of {means[-1]:+.1g} g_0"
+        )
+    return Measured(_listed(texts), max(worst), max(worst) < CLOSE and max(means) < 0)
+
+
+def errors_grow_with_dimension(cases: Cases) -> Measured:
+    """The largest error of each estimate, of the compliance at full contact, for the least and the largest D."""
+    ordered = sorted(cases, key=lambda case: float(case["D"]))
+    _need(ordered and ordered[0]["D"] < ordered[-1]["D"], "cases of two values of D")
+    ends = ordered[0], ordered[-1]
+    errors = {
+        method: [
+            float(np.abs(_curve(case, method) - _numerical(case)).max() / case["total_amplitude"]) for case in ends
+        ]
+        for method in curves.ESTIMATES
+    }
+    shown = ", ".join(f"{method} {less:.1%} and {more:.1%}" for method, (less, more) in errors.items())
+    text = f"Largest error of full contact for D = {float(ends[0]['D']):g} and {float(ends[1]['D']):g}: {shown}."
+    growth = min(more / less for less, more in errors.values())
+    return Measured(text, growth, growth > 1)
+
+
+def resistance_errors(cases: Cases) -> Measured:
+    """Extremes of the relative error of each estimate of the resistance, at intermediate compliance."""
+    texts, holds, worst = [], [], []
+    for case in cases:
+        loads, errors = _resistance_errors(case)
+        high = loads >= np.median(loads)
+        texts.append(
+            f"{_name(case)}: " + ", ".join(f"{m} {_percent(e)} (mean {e.mean():+.0%})" for m, e in errors.items())
+            + f" from {loads[0]:.2g} to {loads[-1]:.2g} p_0*"
+        )  # fmt: skip
+        size = {method: float(np.sqrt(np.mean(error**2))) for method, error in errors.items()}
+        worst.append(float(np.abs(errors["layer"]).max()))
+        holds.append(
+            errors["archard"][high].mean() < 0
+            and errors["demelio"].min() > -CLOSE
+            and errors["demelio"].max() < ABOUT * 0.30
+            and min(size, key=size.__getitem__) == "layer"
+            and worst[-1] < ABOUT * 0.12
+        )
+    return Measured(_listed(texts), max(worst), bool(all(holds)))
+
+
+def _resistance_errors(case: xr.Dataset) -> tuple[Array, dict[str, Array]]:
+    part = _numerical(case) / float(case["total_amplitude"])
+    seen = (part >= INTERMEDIATE[0]) & (part <= INTERMEDIATE[1])
+    _need(seen.any(), "loads of intermediate compliance")
+    exact = _numerical(case, "resistance")[seen]
+    return _loads(case)[seen], {m: _curve(case, m, "resistance")[seen] / exact - 1 for m in curves.ESTIMATES}
+
+
+def last_term(cases: Cases) -> Measured:
+    """How much each further term moves the mean gap, and what the bounds theorem allows the last."""
+    ordered = sorted(cases, key=lambda case: float(case["m"]))
+    _need(len(ordered) > 1, "series of two lengths")
+    gap = [float(case["total_amplitude"]) - _numerical(case) for case in ordered]
+    moved = [float(np.abs(more - less).max()) for less, more in pairwise(gap)]
+    last, before = ordered[-1], ordered[-2]
+    part = moved[-1] / float(last["total_amplitude"])
+    allowed = float(last["total_amplitude"] - before["total_amplitude"])
+    steps = ", ".join(f"{v:.2g} g_0 from m = {float(c['m']):g}" for v, c in zip(moved, ordered, strict=False))
+    text = (
+        f"One more term moves the mean gap by up to {steps}; the last step is {part:.1%} of full contact, and the "
+        f"bounds theorem allows it {allowed:.2g} g_0."
+    )
+    return Measured(text, part, part < CLOSE and moved[-1] == min(moved))
+
+
+def one_wave_bounds(cases: Cases) -> Measured:
+    """Where the estimates lie between the bounds that the one-wave solution gives for the endless series.
+
+    Notes
+    -----
+    Counted from the mean plane, the endless series lies within G_1 of the one-wave solution, and one of m terms,
+    which the estimates here are of, within g_1 + ... + g_(m-1) < G_1.
+    """
+    one = next((case for case in cases if float(case["m"]) == 1), None)
+    longer = [case for case in cases if float(case["m"]) > 1]
+    if one is None or not longer:
+        raise MissingError("there are no one-wave solution and longer series")
+    wave = (
+        _curve(one, "westergaard") if curves.curve(one, "compliance", "westergaard") is not None else _numerical(one)
+    )
+    texts, used, inside = [], [], []
+    for case in longer:
+        places, within = _places(case, wave)
+        used += list(places.values())
+        inside.append(within)
+        shown = ", ".join(f"{method} {place:.0%}" for method, place in places.items())
+        texts.append(
+            f"{_name(case)}: farthest from the one-wave solution, of G_1, are {shown}; the resistances "
+            f"lie {'within' if within else 'not all within'} its bounds"
+        )
+    return Measured(_listed(texts), max(used), max(used) <= 1 + ROUNDING and all(inside))
+
+
+def _places(case: xr.Dataset, wave: Array) -> tuple[dict[str, float], bool]:
+    """Each estimate's distance from the middle of the bounds over their half-width; resistances inside or not."""
+    tail = float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
+    lower, upper = compliance_bounds(wave - 1, tail)
+    low, high = resistance_bounds(_loads(case), wave, tail, 0.0)
+    places, within = {}, True
+    for method in curves.ESTIMATES:
+        h, resistance = _curve(case, method) - float(case["total_amplitude"]), _curve(case, method, "resistance")
+        places[method] = float(np.abs(2 * h - lower - upper).max() / (2 * tail))
+        within &= bool(np.all((resistance >= low - ROUNDING) & (resistance <= high + ROUNDING)))
+    return places, within
+
+
+CLAIMS = {
+    "twelve_elements": Claim(
+        "Even with as few as 12 elements, the results agree closely with Eq. (12), except at very light loads where "
+        "only one element is in contact (5.1).",
+        "largest relative error of the compliance with more than one element in contact",
+        np.nan,
+        few_elements,
+    ),
+    "phase_spread": Claim(
+        "The curves for gamma = 2 lie fairly close to their average for all phases except those close to zero and "
+        "pi; the effect of phase is extremely small at gamma = 5 (5.2).",
+        "largest spread of the curves for the larger gamma, of the compliance at full contact",
+        np.nan,
+        phase_spread,
+    ),
+    "archard_above": Claim(
+        "The Archard approximation overestimates the compliance at all values of load (5.3).",
+        "least excess of the compliance in partial contact, in g_0",
+        np.nan,
+        archard_above,
+    ),
+    "demelio_below": Claim(
+        "The Demelio approximation underestimates the compliance at low loads (5.3).",
+        "largest excess of the compliance at low loads, in g_0",
+        np.nan,
+        demelio_below,
+    ),
+    "layer_close": Claim(
+        "The non-linear layer model gives good results at low loads, but tends to underestimate the compliance "
+        "slightly at high loads (5.3).",
+        "largest error of the compliance at low loads, of that at full contact",
+        np.nan,
+        layer_close,
+    ),
+    "errors_grow_with_dimension": Claim(
+        "The higher fractal dimension generally makes the approximations less accurate (5.3).",
+        "least growth of the largest error of an estimate, as a ratio",
+        np.nan,
+        errors_grow_with_dimension,
+    ),
+    "resistance_errors": Claim(
+        "The Archard approximation tends to underestimate the resistance, particularly at high loads; the Demelio "
+        "approximation consistently overestimates it, by as much as 30%; the non-linear layer is best, its largest "
+        "error an overestimate of about 12% at intermediate loads (5.4).",
+        "largest relative error of the resistance by the non-linear layer",
+        0.12,
+        resistance_errors,
+    ),
+    "fourth_term": Claim(
+        "Additional fine scale features have a relatively small effect (5.5).",
+        "largest change of the mean gap with the last term, of the compliance at full contact",
+        np.nan,
+        last_term,
+    ),
+    "one_wave_bounds": Claim(
+        "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "
+        "three methods (5).",
+        "largest distance of an estimate from the one-wave solution, of G_1",
+        np.nan,
+        one_wave_bounds,
+    ),
+}
+
+
+def _need(there: object, what: str) -> None:
+    if not there:
+        raise MissingError(f"there are no {what}")
+
+
+def _curve(case: xr.Dataset, method: str, name: str = "compliance") -> Array:
+    values = curves.curve(case, name, method)
+    if values is None:
+        raise MissingError(f"{_name(case)} has no {name} by {method}")
+    return values
+
+
+def _numerical(case: xr.Dataset, name: str = "compliance") -> Array:
+    values = curves.numerical(case, name)
+    if values is None:
+        raise MissingError(f"{_name(case)} has no numerical solution")
+    return values
+
+
+def _loads(case: xr.Dataset) -> Array:
+    loads: Array = case["mean_pressure"].values
+    return loads
+
+
+def _partial(case: xr.Dataset) -> NDArray[np.bool_]:
+    partial: NDArray[np.bool_] = _numerical(case, "contact_fraction") < 1 - ROUNDING
+    _need(partial.any(), "loads of partial contact")
+    return partial
+
+
+def _low_and_high(case: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The loads on either side of half the compliance at full contact; in full contact all methods agree."""
+    low = _numerical(case) <= HALF * float(case["total_amplitude"])
+    high = ~low & _partial(case)
+    _need(low.any() and high.any(), "loads on both sides of half the compliance at full contact")
+    return low, high
+
+
+def _extreme(values: Array) -> float:
+    return float(values[np.abs(values).argmax()])
+
+
+def _name(case: xr.Dataset) -> str:
+    return curves.profile(case).describe()
+
+
+def _span(values: Array) -> str:
+    return f"{values.min():+.2g} to {values.max():+.2g}"
+
+
+def _percent(values: Array) -> str:
+    return f"{values.min():+.0%} to {values.max():+.0%}"
+
+
+def _listed(texts: Iterable[str]) -> str:
+    texts = list(texts)
+    more = len(texts) - MOST_CASES
+    return "; ".join(texts[:MOST_CASES]) + (f"; and {more} more cases." if more > 0 else ".")
+
+
+def _with_claims(data: xr.Dataset, found: Mapping[str, Measured]) -> xr.Dataset:
+    claims = [CLAIMS[name] for name in found]
+    columns = {
+        "claim": (list(found), "claim of the paper"),
+        "claim_statement": ([claim.statement for claim in claims], "what the paper says"),
+        "claim_measured": ([measured.text for measured in found.values()], "what is measured here"),
+        "claim_quantity": ([claim.quantity for claim in claims], "quantity measured for the claim"),
+        "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
+        "claim_measured_value": ([measured.value for measured in found.values()], "value of the quantity here"),
+        "claim_holds": (
+            np.array([HOLDS[measured.holds] for measured in found.values()], "i1"),
+            "whether the statement of the paper fits what is measured here",
+        ),
+    }
+    variables = {
+        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1"})
+        for name, (values, long_name) in columns.items()
+    }
+    variables["claim_holds"].attrs |= {
+        "flag_values": np.array(list(HOLDS_MEANINGS), "i1"),
+        "flag_meanings": " ".join(HOLDS_MEANINGS.values()),
+    }
+    return data.assign(variables).set_coords("claim")
+
+
+def _markdown(title: str, found: Mapping[str, Measured]) -> str:
+    if not found:
+        return f"# {title}\n\nThis scene checks no claims.\n"
+    rows = [
+        [name, CLAIMS[name].statement, measured.text, HOLDS_MEANINGS[HOLDS[measured.holds]].replace("_", " ")]
+        for name, measured in found.items()
+    ]
+    lines = [["claim", "the paper says", "measured here", "holds"], ["---"] * 4, *rows]
+    notes = (
+        "Excess and error are of an estimate over the numerical curve. "
+        f"Loads are low up to {HALF:.0%} of the compliance at full contact, high above. "
+        f"Close means within {CLOSE:.0%} of the compliance at full contact, extremely small {EXTREMELY_SMALL:.0%}; "
+        f"the few elements agree closely within {AGREE_CLOSELY:.0%} of the compliance itself. "
+        f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
+        "contact: below, one contact carries all, and above, the resistance vanishes, so that no ratio has a meaning."
+    )
+    # g_0 and p_0* would read as emphasis.
+    table = [
+        "| " + " | ".join(cell.replace("|", r"\|").replace("*", r"\*") for cell in line) + " |" for line in lines
+    ]
+    return "\n".join([f"# {title}", "", *table, "", notes, ""])

@@ -1,0 +1,61 @@
+"""The figures: one module a kind, each with `draw(studies, title)`, in the one style of `style`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import matplotlib.style
+import xarray as xr
+
+from weier.figures import style
+from weier.files import replacing
+
+KINDS = (
+    "borodich_galanov",
+    "compliance",
+    "phases",
+    "profiles",
+    "resistance",
+    "truncated_compliance",
+    "truncated_resistance",
+)
+
+# No dates: the same data make the same bytes.
+METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+
+
+def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path) -> None:
+    """Draw one figure, as PDF, SVG and PNG beside each other.
+
+    Parameters
+    ----------
+    kind : str
+        A module of weier.figures, one of KINDS.
+    studies : sequence of Dataset
+        What it shows, over case, method, mean_pressure and term.
+    title : str
+        One line over the figure; empty for none.
+    path : path
+        Where to write: its suffix gives way to .pdf, .svg and .png.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind, or nothing in the studies that it could show.
+
+    """
+    if kind not in KINDS:
+        raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(KINDS)}")
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # The reset keeps the matplotlibrc of whoever draws out of the figure.
+    with matplotlib.style.context(style.RC, after_reset=True):
+        figure = import_module(f"weier.figures.{kind}").draw(studies, title)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
+        for suffix, metadata in METADATA.items():
+            with replacing(path.with_suffix(f".{suffix}")) as beside:
+                figure.savefig(beside, format=suffix, metadata=metadata)

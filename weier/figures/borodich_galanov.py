@@ -1,0 +1,34 @@
+"""Fig. 9: bounds on the stiffness of the self-similar punch of Borodich and Galanov, Appendix B. It needs no data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from weier.borodich_galanov import stiffness_curve
+from weier.figures import style
+
+HIGHEST = 4.0  # k/k_H: the upper bound grows without limit as epsilon -> 1
+
+
+def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
+    """Both bounds on kappa = k/k_H over the roughness epsilon: the curve of (B.16), (B.19) for a parameter x."""
+    figure, (axes,) = style.column(1)
+    # Both roots as x = 1/(2 sin t): even steps of t are fine where the bounds are steep. They meet at t = pi/6.
+    lower, upper = (0.5 / np.sin(np.linspace(np.pi / 6, end, 400)) for end in (1e-6, np.pi / 3 - 1e-6))
+    for x, label, color, dash in (
+        (upper, "upper bound", style.VERMILLION, style.DASHES[0]),
+        (lower, "lower bound", style.BLUE, style.DASHES[1]),
+    ):
+        axes.plot(*stiffness_curve(x), label=label, color=color, linestyle=dash)
+    axes.axhline(1, color=style.BLACK, linewidth=0.5)
+    axes.annotate("smooth punch", (0.98, 1), (0, 2), textcoords="offset points", ha="right", fontsize=8)
+    axes.set(xlim=(0, 1), ylim=(0, HIGHEST))
+    axes.set_xlabel(r"roughness $\epsilon$")
+    axes.set_ylabel(r"stiffness and conductance $\kappa = k/k_H$")
+    axes.legend(loc="upper left")
+    style.set_title(figure, title)
+    return figure

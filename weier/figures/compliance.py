@@ -1,0 +1,28 @@
+"""Figs 3 and 4: the estimates of compliance against the numerical curve. Their maxima are aligned, h = sum g_n."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from weier import curves
+from weier.figures.methods import compare
+
+
+def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
+    """Compliance over mean pressure by every method, up to full contact.
+
+    Raises
+    ------
+    ValueError
+        If no case of the studies has a curve.
+
+    """
+    figure, panels = compare(studies, title, "compliance")
+    for axes, cases in panels:
+        axes.set_xlim(0, curves.full_contact_load(cases))
+        axes.set_ylim(bottom=0)
+        axes.legend(loc="lower right")
+    return figure

@@ -1,0 +1,50 @@
+"""Fig. 2: what the phase between the waves changes. The maxima of all curves are aligned, h = sum g_n."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+
+from weier import curves
+from weier.figures import style
+
+
+def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
+    """Compliance over mean pressure for each phase, one panel a series, with the average as a solid line.
+
+    Raises
+    ------
+    ValueError
+        If no case of the studies has a numerical solution.
+
+    """
+    solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
+    title, series = style.shown(title, curves.groups(solved, "D", "gamma", "m"), "series")
+    figure, panels = style.column(len(series))
+    for number, (axes, cases) in enumerate(zip(panels, series, strict=True)):
+        _phases(axes, cases)
+        style.name_panel(axes, number, len(series), style.describe(cases[0], "D", "gamma", "m"))
+        axes.set_ylabel(style.LABELS["compliance"])
+    panels[-1].set_xlabel(style.LABELS["mean_pressure"])
+    colors = ScalarMappable(Normalize(0, np.pi), ListedColormap(style.shade(np.linspace(0, 1, 256))))
+    bar = figure.colorbar(colors, ax=panels, label=r"phase $|\phi|$", aspect=30)
+    bar.set_ticks([0, np.pi / 2, np.pi], labels=["0", r"$\pi/2$", r"$\pi$"])
+    style.set_title(figure, title)
+    return figure
+
+
+def _phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+    loads = cases[0]["mean_pressure"].values
+    h = np.array([curves.numerical(case, "compliance") for case in cases])
+    for row, color in zip(h, style.shade(curves.phase_angle(case) / np.pi for case in cases), strict=True):
+        axes.plot(loads, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
+    axes.plot(loads, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases")
+    axes.set_xlim(0, curves.full_contact_load(cases))
+    axes.set_ylim(bottom=0)
+    axes.legend(loc="lower right")

@@ -1,0 +1,57 @@
+"""Fig. 7: what additional terms change in the compliance, with the bounds on the endless series."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from weier import curves
+from weier.figures import truncation
+
+ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
+ZOOM = 0.03, 0.05  # of the ranges of loads and values that the inset shows
+INSET = 0.5, 0.45, 0.42, 0.38  # of the axes: left, bottom, width, height
+
+
+def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
+    """Compliance from the mean plane, which all series share, over mean pressure for each number of terms.
+
+    Raises
+    ------
+    ValueError
+        If no case of the studies has a numerical solution.
+
+    Notes
+    -----
+    (27) bounds the mean gap d, so that curves of different m are compared as h - sum g_n = -d, not at full contact
+    nor at first contact.
+    """
+    figure, panels = truncation.compare(studies, title, "compliance", from_mean_plane)
+    for axes, cases in panels:
+        axes.set_xlim(0, curves.full_contact_load(cases))
+        axes.set_ylabel(r"compliance from mean plane $-d/g_0$")
+        axes.legend(loc="lower right")
+        _zoom(axes, cases)
+    return figure
+
+
+def from_mean_plane(case: xr.Dataset, h: np.ndarray) -> np.ndarray:
+    """The compliance counted from the mean plane, -d, in g_0."""
+    return h - float(case["total_amplitude"])
+
+
+def _zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+    """An inset where the bounds are too close to the curve to be seen in the whole."""
+    longest = cases[-1]
+    loads, h = longest["mean_pressure"].values, truncation.numerical(longest, "compliance")
+    load = ZOOM_AT * axes.get_xlim()[1]
+    value = np.interp(load, loads, from_mean_plane(longest, h))
+    across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
+    inset = axes.inset_axes(INSET, xlim=(load - across, load + across), ylim=(value - up, value + up))
+    truncation.draw_curves(inset, cases, "compliance", from_mean_plane)
+    inset.set(xticks=[], yticks=[])
+    axes.indicate_inset_zoom(inset, edgecolor="0.4")

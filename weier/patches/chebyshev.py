@@ -1,0 +1,105 @@
+"""Densities sqrt(1-t^2) phi(t) on [-1, 1]: Gauss nodes, expansion in U_k, and their closed-form integrals.
+
+With phi = sum a_k U_k(t), t inside or outside [-1, 1], and T_n(t) replaced outside by rho^-n,
+rho = t + sign(t) sqrt(t^2-1):
+
+    int sqrt(1-s^2) U_k(s)/(t-s) ds      = pi T_(k+1)(t)
+    int sqrt(1-s^2) U_k(s) ln|t-s| ds    = (L_k - L_(k+2))/2,  L_0 = pi (ln|rho| - ln 2),  L_n = -(pi/n) T_n(t)
+
+so that both are exact up to and beyond the edges, where a plain quadrature fails.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.jit import kernel
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def nodes(count: int) -> Array:
+    """Gauss-Chebyshev nodes of the second kind, descending: cos(q pi/(count+1)), q = 1..count."""
+    return np.cos(np.arange(1, count + 1) * (np.pi / (count + 1)))
+
+
+@kernel
+def weights(count: int) -> Array:
+    """Weights for int sqrt(1-s^2) phi(s) ds at `nodes`."""
+    return np.pi / (count + 1) * np.sin(np.arange(1, count + 1) * (np.pi / (count + 1))) ** 2
+
+
+@kernel
+def collocation_points(count: int) -> Array:
+    """The count + 1 zeros of T_(count+1), where the quadrature of the Cauchy integral is exact."""
+    return np.cos((np.arange(count + 1) + 0.5) * (np.pi / (count + 1)))
+
+
+@kernel
+def coefficients(values: Array) -> Array:
+    """Coefficients a_k of sum a_k U_k through `values` at the nodes."""
+    count = values.size
+    sine = np.sin(np.arange(2 * count + 2) * (np.pi / (count + 1)))
+    a = np.zeros(count)
+    for k in range(count):
+        for q in range(count):
+            a[k] += sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)] * values[q]
+        a[k] *= 2 / (count + 1)
+    return a
+
+
+@kernel
+def series(a: Array, t: float) -> float:
+    """phi(t) = sum a_k U_k(t), -1 <= t <= 1 (Clenshaw)."""
+    after, here = 0.0, 0.0
+    for k in range(a.size - 1, -1, -1):
+        here, after = a[k] + 2 * t * here - after, here
+    return here
+
+
+@kernel
+def integrals(a: Array, t: float) -> tuple[float, float]:
+    """The Cauchy integral and the logarithmic potential at t, any real t."""
+    if abs(t) <= 1:
+        rho, first, ratio, stretch = 0.0, t, 2 * t, 1.0
+    else:
+        rho = t + np.copysign(np.sqrt((t - 1) * (t + 1)), t)
+        first, ratio, stretch = 1 / rho, 1 / rho, 0.0
+    cauchy = 0.0
+    potential = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
+    before, here = 1.0, first  # T_k, T_(k+1)
+    for k in range(a.size):
+        cauchy += a[k] * here
+        after = ratio * here - stretch * before
+        if k > 0:
+            potential -= 0.5 * a[k] * before / k
+        potential += 0.5 * a[k] * after / (k + 2)
+        before, here = here, after
+    return np.pi * cauchy, np.pi * potential
+
+
+@kernel
+def central_logarithm(count: int) -> Array:
+    """Weights of int sqrt(1-s^2) phi(s) ln|s| ds for phi through values at the nodes."""
+    sine = np.sin(np.arange(2 * count + 2) * (np.pi / (count + 1)))
+    row = np.zeros(count)
+    unit = np.zeros(count)
+    for k in range(count):
+        unit[k] = 1.0
+        potential = integrals(unit, 0.0)[1]
+        unit[k] = 0.0
+        for q in range(count):
+            row[q] += potential * 2 / (count + 1) * sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)]
+    return row
+
+
+@kernel
+def partial_integral(a: Array, t: float) -> float:
+    """int_-1^t sqrt(1-s^2) phi(s) ds, -1 <= t <= 1."""
+    angle = np.arccos(min(max(t, -1.0), 1.0))
+    total = 0.5 * a[0] * (np.pi - angle + 0.5 * np.sin(2 * angle))
+    for k in range(1, a.size):
+        total += 0.5 * a[k] * (np.sin((k + 2) * angle) / (k + 2) - np.sin(k * angle) / k)
+    return total

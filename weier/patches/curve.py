@@ -1,0 +1,174 @@
+"""Curves over the loads, and the contact edges along them."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from weier.patches.fields import State
+from weier.patches.guess import Surface, surface
+from weier.patches.march import solutions
+from weier.patches.settle import residual
+from weier.patches.solution import Solution, solution
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-10
+
+
+class Curve(NamedTuple):
+    """Exact curves over the loads, each of shape (loads,).
+
+    compliance : h, in g_0, from the profile whose waves all peak together
+    indentation : the same from first contact, in g_0, with full relative accuracy at light loads
+    resistance : dh/dp, in g_0/p_0*
+    contact_fraction : length in contact per length
+    patch_count : contacts in one period; 0 in full contact
+    residual : largest violation of a contact condition, on a freshly evaluated operator, in g_0
+    work : Newton steps
+    seconds : time spent
+    """
+
+    compliance: Array
+    indentation: Array
+    resistance: Array
+    contact_fraction: Array
+    patch_count: NDArray[np.int64]
+    residual: Array
+    work: NDArray[np.int64]
+    seconds: Array
+
+
+def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
+    """Compliance and resistance of a truncated series by contact patches.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, positive, in p_0*.
+    tolerance : float
+        Relative size of the last Newton step and of the last Chebyshev coefficients.
+
+    Returns
+    -------
+    Curve
+        Arrays over the loads.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not positive and increasing, or the tolerance is not within reach.
+    ConvergenceError
+        If a load cannot be solved, or its solution fails a check.
+
+    Notes
+    -----
+    Chebyshev collocation of the singular integral equation on every contact, whose edges are unknowns, or on every
+    gap where that takes fewer nodes. The error falls exponentially with the nodes.
+
+    """
+    loads = checked_loads(mean_pressure)
+    _check_tolerance(tolerance)
+    seen = surface(profile)
+    rows = np.empty((loads.size, 8))
+    start = perf_counter()
+    for row, (state, steps) in zip(rows, solutions(profile, seen, loads, tolerance), strict=True):
+        row[:6] = _measures(seen, state)
+        row[6:] = steps, perf_counter() - start
+        start = perf_counter()
+    compliance, indentation, resistance, fraction, count, miss, work, seconds = rows.T
+    return Curve(
+        compliance,
+        indentation,
+        resistance,
+        fraction,
+        count.astype(np.int64),
+        miss,
+        work.astype(np.int64),
+        seconds,
+    )
+
+
+def _measures(seen: Surface, state: State | None) -> tuple[float, float, float, float, int, float]:
+    """Compliance, indentation, resistance, contact fraction, patches, residual; of full contact for None."""
+    total, top = seen.total_amplitude, seen.heights.top
+    if state is None:
+        return total, top, 0.0, 1.0, 0, 0.0
+    share = float(2 * state.segments.half_width.sum() / seen.heights.period)
+    count, resistance = state.segments.centre.size, float(state.sensitivity[-1])
+    miss = residual(seen, state)
+    if state.dual:
+        return total + state.approach, top + state.approach, resistance, 1 - share, count, miss
+    return total - top + state.approach, state.approach, resistance, share, count, miss
+
+
+def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
+    """The contacts under one mean pressure, and with them the pressure and the gap everywhere.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : float
+        Positive, in p_0*.
+    tolerance : float
+        As in `curve`.
+
+    Returns
+    -------
+    Solution
+        Evaluates pressure, gap and displacement at any x.
+
+    Raises
+    ------
+    ValueError
+        If the load is not positive, or the tolerance is not within reach.
+    ConvergenceError
+        If the load cannot be solved.
+
+    """
+    return solve_loads(profile, [mean_pressure], tolerance)[0]
+
+
+def solve_loads(
+    profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
+) -> list[Solution]:
+    """The same for several loads, increasing, each started from the one before."""
+    loads = checked_loads(mean_pressure)
+    _check_tolerance(tolerance)
+    seen = surface(profile)
+    found = solutions(profile, seen, loads, tolerance)
+    return [solution(seen, state, load) for load, (state, _) in zip(loads, found, strict=True)]
+
+
+def edges(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Array]:
+    """Contact edges of each load: arrays of shape (patches, 2), in lambda_0, left edges in [0, period).
+
+    Empty in full contact. For the figure of contacts against load.
+    """
+    return [at.edges for at in solve_loads(profile, mean_pressure, tolerance)]
+
+
+def checked_loads(mean_pressure: ArrayLike) -> Array:
+    """The loads as an array, if they rise from above 0.
+
+    Raises
+    ------
+    ValueError
+        If they do not.
+    """
+    loads = np.atleast_1d(np.asarray(mean_pressure, float))
+    if loads.ndim != 1 or not np.all(np.isfinite(loads)) or np.any(np.diff(loads, prepend=0.0) <= 0):
+        raise ValueError(f"mean_pressure must be positive and strictly increasing, got {mean_pressure!r}")
+    return loads
+
+
+def _check_tolerance(tolerance: float) -> None:
+    if not 1e-13 <= tolerance <= 1e-6:
+        raise ValueError(f"tolerance must lie in [1e-13, 1e-6], got {tolerance}")

@@ -1,0 +1,133 @@
+"""From load to load: the first solution, the predictor, and what to do when a step fails."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.errors import ConvergenceError
+from weier.patches.collocation import CLOSED, Segments, moved, segments, spaces
+from weier.patches.fields import State
+from weier.patches.guess import (
+    TAIL,
+    Guess,
+    Surface,
+    adjusted_nodes,
+    as_state,
+    hertz_start,
+    resampled,
+    tails,
+)
+from weier.patches.settle import settle
+from weier.patches.start import CELLS_PER_WAVE, coarse_start
+from weier.patches.topology import without_cramped
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+DEEPEST = 8  # halvings of a step in ln(p)
+COARSE_EVERY = 3  # of these, boundary elements are tried
+LIGHTER = 4.0  # factor to lighter loads, until a single contact is enough
+MOST_LIGHTER = 30
+NARROWEST = 0.01  # of a half-width squared, kept by the predictor
+
+
+def solutions(
+    profile: Profile, surface: Surface, mean_pressure: Array, tolerance: float
+) -> Iterator[tuple[State | None, int]]:
+    """The solution and the Newton steps of each load, in rising order; None in full contact.
+
+    Raises
+    ------
+    ConvergenceError
+        If a load cannot be reached.
+    """
+    state: State | None = None
+    for load in mean_pressure:
+        if load >= surface.full_load:
+            yield None, 0
+            continue
+        if state is None:
+            state, steps = first(profile, surface, float(load), tolerance)
+        else:
+            state, steps = following(profile, surface, state, float(load), tolerance)
+        yield state, steps
+
+
+def first(profile: Profile, surface: Surface, load: float, tolerance: float) -> tuple[State, int]:
+    """A solution with no neighbour: from Hertz or boundary elements, else by way of lighter loads."""
+    starts = [lambda: coarse_start(profile, surface, load), lambda: hertz_start(surface, load, False)]
+    lone = hertz_start(surface, load, False).segments.half_width.max()
+    if lone * CELLS_PER_WAVE < profile.period / profile.wavenumber[-1]:
+        starts.reverse()  # boundary elements could not see it
+    for start in starts:
+        try:
+            return settle(surface, start(), load, tolerance)
+        except ConvergenceError:
+            continue
+    lighter = load
+    for _ in range(MOST_LIGHTER):
+        lighter /= LIGHTER
+        try:
+            state, steps = settle(surface, hertz_start(surface, lighter, False), lighter, tolerance)
+        except ConvergenceError:
+            continue
+        state, more = following(profile, surface, state, load, tolerance)
+        return state, steps + more
+    raise ConvergenceError(f"no solution to start from below the mean pressure {load:.6g} p_0*")
+
+
+def following(
+    profile: Profile, surface: Surface, state: State, load: float, tolerance: float, depth: int = 0
+) -> tuple[State, int]:
+    """The solution of the next load; where the step fails, through loads in between."""
+    try:
+        return settle(surface, predicted(surface, state, load, tolerance), load, tolerance)
+    except ConvergenceError:
+        if depth == DEEPEST:
+            raise
+    if depth % COARSE_EVERY == 0:
+        try:
+            return settle(surface, coarse_start(profile, surface, load), load, tolerance)
+        except ConvergenceError:
+            pass
+    between = float(np.sqrt(state.load * load))
+    middle, steps = following(profile, surface, state, between, tolerance, depth + 1)
+    end, more = following(profile, surface, middle, load, tolerance, depth + 1)
+    return end, steps + more
+
+
+def predicted(surface: Surface, state: State, load: float, tolerance: float) -> Guess:
+    """Half-widths squared, and densities over half-widths, along the tangent: exact for Hertz's contact."""
+    change = load - state.load
+    old, period = state.segments, surface.heights.period
+    n, N = old.centre.size, state.phi.size
+    rate = state.sensitivity[N + n : N + 2 * n]
+    growth = np.sqrt(np.maximum(1 + 2 * rate * change, NARROWEST))
+    centre = old.centre + state.sensitivity[N : N + n] * old.half_width * change
+    placed = moved(old, centre, old.half_width * growth, period)
+    closing = spaces(placed, period) <= CLOSED * spaces(old, period)
+    if np.all(closing):
+        return Guess(state.dual, old, state.phi, state.approach)
+    if np.any(closing):
+        return without_cramped(surface, state, closing, np.zeros(n, np.bool_))
+    count, power = np.diff(old.first), 2 if state.dual else 1
+    slope = state.sensitivity[:N] - power * state.phi * np.repeat(rate, count)
+    phi = (state.phi + slope * change) * np.repeat(growth, count) ** power
+    approach = state.approach + state.sensitivity[-1] * change
+    return _with_nodes(surface, Guess(state.dual, placed, phi, approach), tails(state), load, tolerance)
+
+
+def _with_nodes(surface: Surface, guess: Guess, tail: Array, load: float, tolerance: float) -> Guess:
+    # As many nodes as the last solution would have needed.
+    placed: Segments = guess.segments
+    aim, count = TAIL * tolerance, np.diff(placed.first)
+    new_count = adjusted_nodes(count, tail, aim, (tail > aim) | (tail < 1e-3 * aim))
+    if np.array_equal(new_count, count):
+        return guess
+    waves = surface.of(guess.dual)
+    new = segments(placed.summit, placed.origin, placed.centre, placed.half_width, new_count, waves.period)
+    phi = resampled(as_state(guess, load), waves, new, False)
+    return Guess(guess.dual, new, phi, guess.approach)

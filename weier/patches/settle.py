@@ -1,0 +1,125 @@
+"""One load: Newton on the segments at hand, corrected until every contact condition holds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.errors import ConvergenceError
+from weier.jit import kernel
+from weier.patches.collocation import CONVERGED, TOPOLOGY, Iterate, moved, newton
+from weier.patches.fields import State, clearance, expand
+from weier.patches.guess import Guess, Surface, cheaper, refined
+from weier.patches.topology import corrected, without_cramped
+from weier.patches.waves import Waves
+
+Array = NDArray[np.float64]
+
+MOST_ROUNDS = 16
+MOST_UNKNOWNS = 6000
+MANY_UNKNOWNS = 400  # from here on a Newton step costs more than a look at all signs
+LOOSE = 1e-3  # last Newton step before that look
+CERTIFIED = 100  # residual that is accepted, in units of the tolerance
+
+
+def settle(surface: Surface, guess: Guess, load: float, tolerance: float) -> tuple[State, int]:
+    """Solve, check, correct, until nothing is left to correct. Returns the solution and the Newton steps.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton stalls, the corrections do not come to rest, or the solution fails its certificate.
+    """
+    steps, size, checked = 0, float("nan"), False
+    for _ in range(MOST_ROUNDS):
+        guess = cheaper(surface, guess, load)
+        unknowns = guess.phi.size + 2 * guess.segments.centre.size + 1
+        if unknowns > MOST_UNKNOWNS:
+            raise ConvergenceError(
+                f"the contacts under the mean pressure {load:.6g} p_0* need {unknowns} unknowns, more than "
+                f"{MOST_UNKNOWNS}; take boundary elements"
+            )
+        loose = unknowns > MANY_UNKNOWNS and not checked
+        found = _newton(surface, guess, load, LOOSE if loose else tolerance)
+        steps, size = steps + found.steps, found.size
+        state = _as_solution(guess, load, found, surface.heights.period)
+        if found.status == TOPOLOGY:
+            guess, checked = without_cramped(surface, state, found.closing, found.vanishing), False
+            continue
+        if found.status != CONVERGED:
+            break
+        correction = corrected(surface, state, LOOSE if loose else tolerance)
+        if correction is not None:
+            guess, checked = correction, False
+        elif loose:
+            guess, checked = Guess(guess.dual, state.segments, state.phi, state.approach), True
+        else:
+            finer = refined(surface, state, tolerance)
+            if finer is None:
+                _certify(surface, state, tolerance)
+                return state, steps
+            guess, checked = finer, True
+    raise ConvergenceError(f"the contacts under the mean pressure {load:.6g} p_0* did not settle", size)
+
+
+def _newton(surface: Surface, guess: Guess, load: float, tolerance: float) -> Iterate:
+    try:
+        return newton(
+            guess.segments,
+            guess.phi,
+            guess.approach,
+            surface.of(guess.dual),
+            load,
+            guess.dual,
+            tolerance,
+        )
+    except np.linalg.LinAlgError:
+        raise ConvergenceError(f"singular equations under the mean pressure {load:.6g} p_0*") from None
+
+
+def _as_solution(guess: Guess, load: float, found: Iterate, period: float) -> State:
+    placed = moved(guess.segments, found.centre, found.half_width, period)
+    coefficient = expand(placed, found.phi)
+    return State(guess.dual, load, found.approach, placed, found.phi, coefficient, found.sensitivity)
+
+
+def residual(surface: Surface, state: State) -> float:
+    """Largest violation of a contact condition on the segments, as a length in g_0.
+
+    Notes
+    -----
+    Potentials in closed form, at the nodes: neither the matrix nor the points of the collocation. The gap of a
+    contact counts as it is; the pressure in a gap counts by what it would displace over the gap's width.
+    """
+    return float(_violation(state, surface.of(state.dual)).max())
+
+
+@kernel
+def _violation(state: State, waves: Waves) -> Array:
+    # Of each segment; every second node will do, for a polynomial of their number.
+    segments = state.segments
+    worst = np.zeros(segments.centre.size)
+    for j in range(worst.size):
+        r = segments.half_width[j]
+        for q in range(segments.first[j], segments.first[j + 1], 2):
+            y = segments.centre[j] + r * segments.node[q]
+            worst[j] = max(worst[j], abs(clearance(state, waves, segments.summit[j], y)))
+        worst[j] *= 2 * r if state.dual else 1.0
+        if state.dual:
+            a = state.coefficient[segments.first[j]]
+            worst[j] = max(worst[j], abs(0.5 * np.pi * r * a))  # the gap closes at its far end
+    return worst
+
+
+def _certify(surface: Surface, state: State, tolerance: float) -> None:
+    # Signs were checked by `corrected`; what remains are the equations themselves and the load.
+    period = surface.heights.period
+    reached = residual(surface, state) / (state.load * period if state.dual else state.approach)
+    if not state.dual:
+        carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first[:-1]])
+        reached = max(reached, abs(carried / (state.load * period) - 1))
+    if not reached <= CERTIFIED * tolerance:
+        raise ConvergenceError(
+            f"the contacts under the mean pressure {state.load:.6g} p_0* miss their conditions by {reached:.1e}",
+            reached,
+        )

@@ -1,0 +1,102 @@
+"""A cosine series seen from its summits, so that differences of height near a summit keep all their digits."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.jit import kernel
+
+Array = NDArray[np.float64]
+
+SAMPLES_PER_WAVE = 16
+NEWTON_STEPS = 8
+ROUNDING = 1e-14  # summits of one height to within this, of the sum of amplitudes, are of one height
+SMALL_ANGLE = 0.3  # below it, sin(y) - y comes from its series
+
+
+class Waves(NamedTuple):
+    """S(x) = sum a_n cos(k_n x + phi_n) and its local maxima ("summits"), for the kernels.
+
+    `cosine` and `sine`, shape (summits, terms), are those of the phases at each summit; `rise`, shape
+    (summits,), is the height of each over the highest (<= 0); `top` is the height of the highest.
+    """
+
+    amplitude: Array
+    frequency: Array
+    period: float
+    place: Array
+    cosine: Array
+    sine: Array
+    rise: Array
+    top: float
+
+
+def waves(amplitude: Array, wavenumber: list[int], phase: Array, period: float) -> Waves:
+    """The summits of the series with whole numbers of waves in one period."""
+    frequency = 2 * np.pi * np.array(wavenumber, float) / period
+    points = SAMPLES_PER_WAVE * wavenumber[-1]
+    j = np.arange(points)
+    angle = np.array([(k * j % points) * (2 * np.pi / points) for k in wavenumber]) + phase[:, None]
+    z = amplitude @ np.cos(angle)
+    summit = np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
+    x = summit * (period / points)
+    theta = angle[:, summit].T.copy()
+    for _ in range(NEWTON_STEPS):
+        slope = -np.sin(theta) @ (amplitude * frequency)
+        curvature = -np.cos(theta) @ (amplitude * frequency**2)
+        step = np.clip(-slope / np.minimum(curvature, -1e-300), -period / points, period / points)
+        x += step
+        theta += step[:, None] * frequency  # the phases themselves: the slope at a summit is 0 to rounding
+    height = np.cos(theta) @ amplitude
+    top = float(height.max())
+    rise = height - top
+    rise[rise > -ROUNDING * np.abs(amplitude).sum()] = 0.0
+    return Waves(amplitude, frequency, float(period), x, np.cos(theta), np.sin(theta), rise, top)
+
+
+@kernel
+def excess(waves: Waves, summit: int, y: float) -> tuple[float, float, float]:
+    """S - top, S' and S'' at the distance y from a summit, without cancellation for small y."""
+    value, slope, curvature = waves.rise[summit], 0.0, 0.0
+    for n in range(waves.amplitude.size):
+        a, k = waves.amplitude[n], waves.frequency[n]
+        c, s = waves.cosine[summit, n], waves.sine[summit, n]
+        angle = k * y
+        half = np.sin(0.5 * angle)
+        sine, drop = np.sin(angle), -2 * half * half
+        value += a * (c * drop - s * _sine_less_angle(angle, sine))
+        slope -= a * k * (c * sine + s * drop)
+        curvature -= a * k * k * (c * (1 + drop) - s * sine)
+    return value, slope, curvature
+
+
+@kernel
+def _sine_less_angle(y: float, sine: float) -> float:
+    if abs(y) > SMALL_ANGLE:
+        return sine - y
+    q = y * y
+    return -y * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156)))))
+
+
+@kernel
+def nearest_summit(waves: Waves, x: float) -> int:
+    """Index of the summit nearest to x, on the periodic line."""
+    best, where = np.inf, 0
+    for j in range(waves.place.size):
+        d = x - waves.place[j]
+        d = abs(d - waves.period * np.rint(d / waves.period))
+        if d < best:
+            best, where = d, j
+    return where
+
+
+
+
+@kernel
+def offset(waves: Waves, summit: int, x: float) -> float:
+    """Distance from a summit to the nearest image of x."""
+    y = x - waves.place[summit]
+    return y - waves.period * np.rint(y / waves.period)
