@@ -104,7 +104,8 @@ def test_a_study_more_solves_only_its_own_cases(finished):
 def test_a_bad_scene_stops_before_anything_runs(finished):
     path = finished / "config/scenes/test.yaml"
     path.write_text(SCENE.replace("loads", "lods"))
-    done = subprocess.run(["snakemake", "-n", "--config", "scenes=test"], cwd=finished, capture_output=True, text=True)
+    command = ["snakemake", "--dry-run", "--config", "scenes=test"]
+    done = subprocess.run(command, cwd=finished, capture_output=True, text=True)
     path.write_text(SCENE)
     assert done.returncode != 0
     assert "config/scenes/test.yaml: the top level" in done.stdout + done.stderr

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 import numba
@@ -17,11 +18,13 @@ from weier.profile import Profile
 from weier.solve import METHODS, solve
 from weier.version import VERSION
 
+Command = Callable[..., Any]
+
 SCENE = click.argument("scene_file", type=click.Path(path_type=Path))
 FILES = click.argument("files", nargs=-1, type=click.Path(path_type=Path))
 
 
-def output(name: str) -> object:
+def output(name: str) -> Callable[[Command], Command]:
     """An argument that is a file to write."""
     return click.argument(name, type=click.Path(path_type=Path))
 

@@ -6,7 +6,6 @@ Where a number is missing, `status` says why.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from weier.files import replacing
 from weier.version import VERSION
 
 Array = NDArray[np.float64]
@@ -118,12 +118,8 @@ def write(data: xr.Dataset, path: str | Path, title: str) -> None:
         normalisation=NORMALISED,
         references=PAPER,
     )
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
+    with replacing(path) as beside:
         data.to_netcdf(beside, encoding={name: {"_FillValue": None} for name in data.coords})
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
 
 
 def read(path: str | Path) -> xr.Dataset:
