@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numba
 
 from weier import batch as batches
 from weier import claims as claim
-from weier import dataset, scene, study
+from weier import dataset, jit, scene, study
 from weier.errors import ConvergenceError
 from weier.profile import Profile
 from weier.solve import METHODS, solve
@@ -38,7 +37,7 @@ def cli() -> None:
 @cli.command()
 def compile() -> None:
     """Compile all kernels, once for all later runs."""
-    if numba.config.DISABLE_JIT:
+    if jit.disabled():
         return
     profile = Profile(D=1.25, gamma=2, m=2)
     for method in METHODS:

@@ -45,6 +45,12 @@ def cache_folder() -> Path:
 _FOLDER = str(cache_folder())
 
 
+def disabled() -> bool:
+    """Whether the kernels run as plain Python, NUMBA_DISABLE_JIT=1."""
+    config: Any = numba.config
+    return bool(config.DISABLE_JIT)
+
+
 @contextmanager
 def _cached_here() -> Iterator[None]:
     # numba reads the folder when a function is decorated; other packages keep their own.

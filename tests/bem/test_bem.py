@@ -5,7 +5,7 @@ import pytest
 
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile, westergaard
-from weier.bem import curve
+from weier.bem import curve, field
 from weier.halfplane import influence_coefficients
 
 THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -124,6 +124,28 @@ def test_a_curve_rises_and_flattens():
     # The discrete minimum is convex in the load, so its derivative h is monotone and its slope falls.
     assert np.all(np.diff(slopes) <= 1e-8 / np.diff(loads)[1:])
     assert np.all(found.residual <= 1e-10)
+
+
+def test_fields_meet_the_contact_conditions_and_agree_with_the_curve():
+    profile, load = THREE_WAVES, 0.3
+    found = field(profile, load, points=800)
+    h = curve(profile, np.array([load]), points=800).compliance[0]
+    assert np.all(found.pressure >= 0)
+    assert found.pressure.mean() == pytest.approx(load, rel=1e-12)
+    assert np.all(found.gap >= -1e-10)
+    assert np.all(np.minimum(found.pressure, found.gap) <= 1e-10)
+    assert found.gap.mean() == pytest.approx(profile.total_amplitude - h, abs=1e-9)
+    dense = np.array([np.roll(influence_coefficients(800), j) for j in range(800)])
+    assert found.displacement == pytest.approx(dense @ found.pressure, abs=1e-12)
+
+
+def test_fields_of_one_wave_are_westergaards():
+    """Errors of the nodal pressure are largest at the edges, where it falls as a square root: h^(1/2)."""
+    found = field(Profile(1.5, 2, 1), 0.3, points=512)
+    assert found.gap == pytest.approx(westergaard.gap(found.x, 0.3), abs=2e-4)
+    error = np.abs(found.pressure - westergaard.pressure(found.x, 0.3))
+    assert error.max() <= np.sqrt(1 / 512)
+    assert np.median(error) <= 1e-4
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import direct, fft
-from weier.bem.contact import Answer
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
 from weier.profile import Profile
@@ -88,7 +87,7 @@ def curve(
     points = checked_points(profile, points)
     if solver == "fft":
         hierarchy = nested_grids(profile, points, tolerance)
-        start = _full_contact(hierarchy, float(mean_pressure[-1]))
+        start = full_contact(hierarchy, float(mean_pressure[-1]))
         answer = fft.solve_loads(hierarchy, start, mean_pressure, resistance)
     elif solver == "direct":
         start = np.ones(points)
@@ -96,7 +95,16 @@ def curve(
         answer = direct.solve_loads(profile.sampled_height(points), influence, start, mean_pressure, tolerance)
     else:
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
-    return _checked_curve(profile, mean_pressure, points, tolerance, answer)
+    checked_residual(answer.residual, mean_pressure, points, tolerance)
+    return Curve(
+        profile.total_amplitude - answer.flat,
+        answer.resistance,
+        answer.contact_nodes / points,
+        answer.patches,
+        answer.residual,
+        answer.work,
+        points,
+    )
 
 
 def checked_points(profile: Profile, points: int | None = None) -> int:
@@ -141,28 +149,26 @@ def _inverse(eigenvalue: Array) -> Array:
     return np.concatenate([[0.0], 1 / eigenvalue[1:]])
 
 
-def _full_contact(hierarchy: fft.Hierarchy, load: float) -> Array:
+def full_contact(hierarchy: fft.Hierarchy, load: float) -> Array:
     """Pressure that would flatten the coarsest grid under this load."""
     grid = fft.part_of_hierarchy(hierarchy, 0)
     return load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
 
 
-def _checked_curve(profile: Profile, loads: Array, points: int, tolerance: float, answer: Answer) -> Curve:
-    worst = int(np.argmax(np.nan_to_num(answer.residual, nan=math.inf)))
-    residual = float(answer.residual[worst])
-    if not residual <= tolerance:
+def checked_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
+    """Refuse a solution with a residual above the tolerance, in g_0, or without one.
+
+    Raises
+    ------
+    ConvergenceError
+        With the worst residual and its load.
+
+    """
+    worst = int(np.argmax(np.nan_to_num(residual, nan=math.inf)))
+    if not residual[worst] <= tolerance:
         raise ConvergenceError(
-            f"boundary elements on {points} points stopped at a residual of {residual:.1e} g_0 under the mean "
+            f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
             f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
             "tolerance",
-            residual,
+            float(residual[worst]),
         )
-    return Curve(
-        profile.total_amplitude - answer.flat,
-        answer.resistance,
-        answer.contact_nodes / points,
-        answer.patches,
-        answer.residual,
-        answer.work,
-        points,
-    )

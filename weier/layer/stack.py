@@ -93,7 +93,7 @@ def curve(
     Notes
     -----
     The resistance is the exact derivative of the discrete compliance. With more `points` the error of the
-    compliance falls as N^-2.4 to N^-3, that of the resistance as N^-2 to N^-2.7: the pressure has kinks where the
+    compliance falls as N^-2.4 to N^-3, that of the resistance as N^-1 to N^-2.7: the pressure has kinks where the
     layer is pressed flat. At 24 points the compliance is within 2e-6 of the total amplitude and the resistance below
     p_0* within 6e-4 of itself (D from 1.1 to 1.9, gamma from 2 to 10, m up to 4); where the resistance vanishes,
     close to full contact, its relative error reaches a few per cent. The fixed point of m = inf is approached until

@@ -1,0 +1,1 @@
+"""Side by side: weier, the paper's dense inversion, tamaas and ContactMechanics on one profile; `python -m benchmarks`."""

@@ -1,0 +1,90 @@
+"""What all are given, and what all are judged by: one profile, its loads, the operator, the residual, the truth."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier import Profile, solve
+from weier.halfplane import eigenvalues
+from weier.solve import METHODS
+
+Array = NDArray[np.float64]
+
+FINEST_TRUTH = 2**17  # nodes; leaves an error of 1e-8 g_0 where the contact patches are not to be had
+
+
+class Problem(NamedTuple):
+    """A profile on equally spaced nodes under increasing mean pressures, and the residual allowed, in g_0."""
+
+    profile: Profile
+    loads: Array
+    points: int
+    tolerance: float
+
+    @property
+    def height(self) -> Array:
+        """Profile at the nodes, shape (points,), in g_0."""
+        return self.profile.sampled_height(self.points)
+
+
+class Step(NamedTuple):
+    """The answer to one load: nodal pressure in p_0*, work in the solver's own measure, whether it says it converged."""
+
+    pressure: Array
+    work: float
+    converged: bool
+
+
+class Judgement(NamedTuple):
+    """What one pressure is worth: compliance and largest violation of a contact condition in g_0, load error (1)."""
+
+    compliance: float
+    residual: float
+    load_error: float
+
+
+def linear_elements(points: int, period: float) -> Array:
+    """Displacement per pressure of each wave for piecewise-linear pressure: the paper's boundary elements."""
+    return eigenvalues(points, period)
+
+
+def fourier(points: int, period: float) -> Array:
+    """The same for trigonometric pressure, cut off at the grid: what FFT codes call the 1/|k| kernel."""
+    waves = np.arange(1, points // 2 + 1)
+    return np.concatenate([[0.0], period / waves])
+
+
+def judge(problem: Problem, height: Array, eigenvalue: Array, load: float, pressure: Array) -> Judgement:
+    """Apply the operator afresh: |gap| where there is pressure, penetration elsewhere, tension as its own deflection.
+
+    The flat rests at the mean height of the surface under pressure.
+    """
+    deformed = height - np.fft.irfft(eigenvalue * np.fft.rfft(pressure), problem.points)
+    contact = pressure > 0
+    flat = deformed[contact].mean()
+    gap = flat - deformed
+    node = np.fft.irfft(eigenvalue, problem.points)[0]
+    residual = max(np.abs(gap[contact]).max(), -gap.min(), -pressure.min() * node)
+    return Judgement(problem.profile.total_amplitude - flat, residual, abs(pressure.mean() / load - 1))
+
+
+class Truth(NamedTuple):
+    """Compliance over the loads, in g_0, by whom, and the seconds that took once compiled."""
+
+    compliance: Array
+    method: str
+    seconds: float
+
+
+def truth(profile: Profile, loads: Array, points: int) -> Truth:
+    """By the contact patches, exact to ten digits; without them, boundary elements finer than any compared."""
+    if "patches" in METHODS:
+        settings = {"method": "patches"}
+    else:
+        settings = {"method": "bem", "points": max(FINEST_TRUTH, 2 * points), "resistance": False}
+    solve(profile, loads[-1:], **settings)  # compiles
+    found = solve(profile, loads, **settings)
+    return Truth(found["compliance"].values, str(found.attrs["method"]), float(found.attrs["seconds"]))

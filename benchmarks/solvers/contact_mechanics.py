@@ -1,0 +1,60 @@
+"""ContactMechanics: the constrained conjugate gradients of Polonsky and Keer on a periodic line scan."""
+
+from __future__ import annotations
+
+import math
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.problem import Problem, Step
+
+Array = NDArray[np.float64]
+
+ITERATIONS = 20_000
+
+
+class Silent:
+    """A logger that says nothing; its own silent one walks the call stack twice a load, some 50 ms."""
+
+    def pr(self, *text: Any) -> None:
+        """Nothing."""
+
+    def st(self, *values: Any, **options: Any) -> None:
+        """Nothing."""
+
+
+class ConstrainedGradients:
+    """A substrate, a line scan and the solver; the forces of the last load are where the next starts."""
+
+    def __init__(self, problem: Problem) -> None:
+        package = import_module("ContactMechanics")
+        period = float(problem.profile.period)
+        # u_k = p_k/(pi E* k): heights in g_0, pressure in p_0*; forces are pressure times the length of a cell.
+        self.substrate = package.PeriodicFFTElasticHalfSpace((problem.points,), 1 / math.pi, (period,))
+        line_scan = import_module("SurfaceTopography").UniformLineScan
+        self.scan = line_scan(problem.height, period, periodic=True)
+        self.gradients = import_module("ContactMechanics.Optimization").constrained_conjugate_gradients
+        self.cell = period / problem.points
+
+    def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
+        """From the forces given; all that matters is the penetration, for the force is held."""
+        result = self.gradients(
+            self.substrate,
+            self.scan,
+            external_force=load * self.cell * self.scan.nb_grid_pts[0],
+            initial_forces=None if start is None else -start * self.cell,
+            pentol=tolerance,
+            forcetol=math.inf,
+            thermotol=math.inf,
+            maxiter=ITERATIONS,
+            logger=Silent(),
+        )
+        return Step(np.array(result.jac) / self.cell, float(result.nfev), bool(result.success))
+
+
+def begin(problem: Problem) -> ConstrainedGradients:
+    """A substrate with its FFT plans."""
+    return ConstrainedGradients(problem)
