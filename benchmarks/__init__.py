@@ -1,1 +1,1 @@
-"""Side by side: weier, the paper's dense inversion, tamaas and ContactMechanics on one profile; `python -m benchmarks`."""
+"""Side by side, `python -m benchmarks`: weier, the paper's dense inversion, tamaas and ContactMechanics."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ class Problem(NamedTuple):
 
 
 class Step(NamedTuple):
-    """The answer to one load: nodal pressure in p_0*, work in the solver's own measure, whether it says it converged."""
+    """The answer to one load: nodal pressure in p_0*, work done, whether the solver says that it converged."""
 
     pressure: Array
     work: float
@@ -82,9 +82,9 @@ class Truth(NamedTuple):
 def truth(profile: Profile, loads: Array, points: int) -> Truth:
     """By the contact patches, exact to ten digits; without them, boundary elements finer than any compared."""
     if "patches" in METHODS:
-        settings = {"method": "patches"}
+        settings: dict[str, Any] = {"method": "patches"}
     else:
-        settings = {"method": "bem", "points": max(FINEST_TRUTH, 2 * points), "resistance": False}
+        settings: dict[str, Any] = {"method": "bem", "points": max(FINEST_TRUTH, 2 * points), "resistance": False}
     solve(profile, loads[-1:], **settings)  # compiles
     found = solve(profile, loads, **settings)
     return Truth(found["compliance"].values, str(found.attrs["method"]), float(found.attrs["seconds"]))

@@ -1,4 +1,4 @@
-"""The paper's solver as a scientist would write it in NumPy: a dense matrix, an active set, inversion (Section 5.1)."""
+"""The paper's solver as one would write it in NumPy: a dense matrix, an active set, inversion (Section 5.1)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ class Inversion(NamedTuple):
         points = self.height.size
         stiffness = 1 / self.influence[0, 0]
         contact = np.ones(points, bool) if start is None else start > 0
-        for rounds in range(1, ROUNDS + 1):
+        rounds, changed = 0, True
+        while changed and rounds < ROUNDS:
             nodes = np.flatnonzero(contact)
             border = np.ones((nodes.size, 1))
             matrix = np.block([[self.influence[np.ix_(nodes, nodes)], border], [border.T / points, np.zeros((1, 1))]])
@@ -36,10 +37,9 @@ class Inversion(NamedTuple):
             pressure[nodes] = solution[:-1]
             gap = solution[-1] - self.height + self.influence[:, nodes] @ pressure[nodes]
             wrong = np.where(contact, pressure < -tolerance * stiffness, gap < -tolerance)
-            if not wrong.any():
-                break
             contact ^= wrong
-        return Step(np.maximum(pressure, 0.0), rounds, not wrong.any())
+            rounds, changed = rounds + 1, bool(wrong.any())
+        return Step(np.maximum(pressure, 0.0), rounds, not changed)
 
 
 def begin(problem: Problem) -> Inversion:

@@ -17,67 +17,53 @@ ITERATIONS = 20_000
 
 
 class PolonskyKeer:
-    """A model and its solver; the pressure in the model is where the next load starts."""
+    """A model and its solver; `count`, if any, counts the gradients."""
 
-    def __init__(self, problem: Problem) -> None:
-        self.package: Any = import_module("tamaas")
-        self.package.set_log_level(self.package.LogLevel.error)
-        self.model = self.package.Model(
-            self.package.model_type.basic_1d, [float(problem.profile.period)], [problem.points]
-        )
+    def __init__(self, problem: Problem, count: Any = None) -> None:
+        package: Any = import_module("tamaas")
+        package.set_log_level(package.LogLevel.error)
+        self.model = package.Model(package.model_type.basic_1d, [float(problem.profile.period)], [problem.points])
         self.model.nu = 0.0
         self.model.E = 1 / math.pi  # u_k = p_k/(pi E* k): heights in g_0, pressure in p_0*
-        self.height = problem.height
-
-    def solver(self, tolerance: float) -> Any:
-        """Its solver for the pressure at this relative complementarity error."""
-        solver = self.package.PolonskyKeerRey(self.model, self.height, tolerance)
-        solver.max_iter = ITERATIONS
-        return solver
+        self.solver = package.PolonskyKeerRey(self.model, problem.height, problem.tolerance)
+        self.solver.max_iter = ITERATIONS
+        self.failure = package.FloatingPointError
+        self.count = count
+        if count:
+            self.solver.addFunctionalTerm(count)
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """From the pressure given; from uniform pressure where that fails, as it does with few nodes in contact."""
-        solver = self.solver(tolerance)
+        """From the pressure given; where that fails, as it does with few nodes in contact, from uniform pressure."""
+        self.solver.tolerance = tolerance
+        before = self.count.gradients if self.count else math.nan
+        converged = False
         for pressure in (load if start is None else start, load):
             self.model.traction[...] = pressure
             try:
-                error = solver.solve(load)
-            except self.package.FloatingPointError:
+                converged = self.solver.solve(load) <= tolerance
+            except self.failure:
                 continue
-            return Step(np.array(self.model.traction), math.nan, error <= tolerance)
-        return Step(np.full(self.height.size, load), math.nan, False)
-
-
-class CountedPolonskyKeer(PolonskyKeer):
-    """The same, which counts gradients: each iteration takes one pair of FFTs for it and one for its step."""
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem)
-
-        class Count(self.package.Functional):  # type: ignore[misc, name-defined]
-            gradients = 0
-
-            def computeF(self, pressure: Array, gap: Array) -> float:
-                return 0.0
-
-            def computeGradF(self, pressure: Array, gap: Array) -> None:
-                self.gradients += 1
-
-        self.count = Count()
-
-    def solver(self, tolerance: float) -> Any:
-        """Its solver with the counter as one more term of the energy, always 0."""
-        solver = super().solver(tolerance)
-        solver.addFunctionalTerm(self.count)
-        return solver
-
-    def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """The same pressure, and the pairs of FFTs."""
-        self.count.gradients = 0
-        step = super().solve(load, start, tolerance)
-        return step._replace(work=2.0 * self.count.gradients)
+            break
+        # An iteration takes one pair of FFTs for the gradient and one for the length of the step.
+        work = 2.0 * (self.count.gradients - before) if self.count else math.nan
+        return Step(np.array(self.model.traction), work, converged)
 
 
 def begin(problem: Problem) -> PolonskyKeer:
     """A model with its FFT plans."""
     return PolonskyKeer(problem)
+
+
+def begin_counted(problem: Problem) -> PolonskyKeer:
+    """The same with one more term of the energy, always 0, that sees each gradient: Python is called for it."""
+
+    class Count(import_module("tamaas").Functional):  # type: ignore[misc]
+        gradients = 0
+
+        def computeF(self, pressure: Array, gap: Array) -> float:
+            return 0.0
+
+        def computeGradF(self, pressure: Array, gap: Array) -> None:
+            self.gradients += 1
+
+    return PolonskyKeer(problem, Count())

@@ -1,26 +1,21 @@
-"""What the paper says about its results, measured on the numbers of a scene.
+"""What a claim of the paper comes to on the cases of a scene: one small function a claim.
 
-A claim is a small function of cases: it measures what the paper says in words, and judges whether that holds.
 The numerical curve is that of the most accurate method a case has.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier import curves, dataset
+from weier import curves
 from weier.bounds import compliance_bounds, resistance_bounds
-from weier.files import replacing
 from weier.profile import tail_amplitude
-from weier.scene import Scene
-from weier.study import gather
 
 Array = NDArray[np.float64]
 Cases = Sequence[xr.Dataset]
@@ -31,17 +26,21 @@ CLOSE = 0.05  # "fairly close", "good results", "relatively small": of the compl
 EXTREMELY_SMALL = 0.02  # of the compliance at full contact
 ALIGNED = np.pi / 6  # "close to zero and pi": no farther from them than this
 HALF = 0.5  # of the compliance at full contact: low loads lie below, high loads above
-INTERMEDIATE = (
-    0.1,
-    0.9,
-)  # of it. Below, one contact carries all; above, the resistance vanishes: no ratio has a meaning
+# Of it. Below, one contact carries all; above, the resistance vanishes: no ratio has a meaning.
+INTERMEDIATE = (0.1, 0.9)
 ABOUT = 1.25  # "as much as 30%", "about 12%": up to this times that
 NOISE = 1e-3  # g_0: the error of the boundary elements; a smaller difference has no sign
 ROUNDING = 1e-9
 MOST_CASES = 4  # that a text names one by one
 
-HOLDS = {False: 0, True: 1, None: 2}
-HOLDS_MEANINGS = {0: "no", 1: "yes", 2: "not_measured"}
+CRITERIA = (
+    "Excess and error are of an estimate over the numerical curve. "
+    f"Loads are low up to {HALF:.0%} of the compliance at full contact, high above. "
+    f"Close means within {CLOSE:.0%} of the compliance at full contact, extremely small {EXTREMELY_SMALL:.0%}; "
+    f"the few elements agree closely within {AGREE_CLOSELY:.0%} of the compliance itself. "
+    f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
+    "contact: below, one contact carries all, and above, the resistance vanishes, so that no ratio has a meaning."
+)
 
 
 class Measured(NamedTuple):
@@ -52,62 +51,8 @@ class Measured(NamedTuple):
     holds: bool | None = None
 
 
-class Claim(NamedTuple):
-    """A statement of the paper, the quantity measured for it, the paper's value of that (NaN for none), and how."""
-
-    statement: str
-    quantity: str
-    paper_value: float
-    measure: Callable[[Cases], Measured]
-
-
 class MissingError(ValueError):
     """The studies lack what a claim is about."""
-
-
-def write(scene: Scene, studies: Mapping[str, xr.Dataset], path: str | Path, table: str | Path) -> None:
-    """Evaluate the claims of a scene; write its whole dataset with them, and a Markdown table of them.
-
-    Parameters
-    ----------
-    scene : Scene
-        Names the claims, and the studies each looks at.
-    studies : mapping of Dataset
-        All studies of the scene by name, over case, method, mean_pressure and term.
-    path, table : path
-        The netCDF file and the Markdown file to write.
-
-    Raises
-    ------
-    ValueError
-        If the scene names a claim that is not in CLAIMS.
-
-    """
-    found = {name: evaluate(name, [studies[study] for study in wanted]) for name, wanted in scene.claims.items()}
-    keys = dict.fromkeys(key for study in studies.values() for key in study["key"].values.tolist())
-    data = gather(list(studies.values()), list(keys))
-    dataset.write(_with_claims(data, found) if found else data, path, scene.title)
-    table = Path(table)
-    table.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(table) as beside:
-        beside.write_text(_markdown(scene.title, found), encoding="utf-8")
-
-
-def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
-    """What a claim measures on these studies; where they lack what it is about, a text that says so.
-
-    Raises
-    ------
-    ValueError
-        If there is no claim of this name.
-
-    """
-    if name not in CLAIMS:
-        raise ValueError(f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}")
-    try:
-        return CLAIMS[name].measure(curves.cases(studies))
-    except MissingError as error:
-        return Measured(f"Not measured: {error}.")
 
 
 def few_elements(cases: Cases) -> Measured:
@@ -297,70 +242,6 @@ def _places(case: xr.Dataset, wave: Array) -> tuple[dict[str, float], bool]:
     return places, within
 
 
-CLAIMS = {
-    "twelve_elements": Claim(
-        "Even with as few as 12 elements, the results agree closely with Eq. (12), except at very light loads where "
-        "only one element is in contact (5.1).",
-        "largest relative error of the compliance with more than one element in contact",
-        np.nan,
-        few_elements,
-    ),
-    "phase_spread": Claim(
-        "The curves for gamma = 2 lie fairly close to their average for all phases except those close to zero and "
-        "pi; the effect of phase is extremely small at gamma = 5 (5.2).",
-        "largest spread of the curves for the larger gamma, of the compliance at full contact",
-        np.nan,
-        phase_spread,
-    ),
-    "archard_above": Claim(
-        "The Archard approximation overestimates the compliance at all values of load (5.3).",
-        "least excess of the compliance in partial contact, in g_0",
-        np.nan,
-        archard_above,
-    ),
-    "demelio_below": Claim(
-        "The Demelio approximation underestimates the compliance at low loads (5.3).",
-        "largest excess of the compliance at low loads, in g_0",
-        np.nan,
-        demelio_below,
-    ),
-    "layer_close": Claim(
-        "The non-linear layer model gives good results at low loads, but tends to underestimate the compliance "
-        "slightly at high loads (5.3).",
-        "largest error of the compliance at low loads, of that at full contact",
-        np.nan,
-        layer_close,
-    ),
-    "errors_grow_with_dimension": Claim(
-        "The higher fractal dimension generally makes the approximations less accurate (5.3).",
-        "least growth of the largest error of an estimate, as a ratio",
-        np.nan,
-        errors_grow_with_dimension,
-    ),
-    "resistance_errors": Claim(
-        "The Archard approximation tends to underestimate the resistance, particularly at high loads; the Demelio "
-        "approximation consistently overestimates it, by as much as 30%; the non-linear layer is best, its largest "
-        "error an overestimate of about 12% at intermediate loads (5.4).",
-        "largest relative error of the resistance by the non-linear layer",
-        0.12,
-        resistance_errors,
-    ),
-    "fourth_term": Claim(
-        "Additional fine scale features have a relatively small effect (5.5).",
-        "largest change of the mean gap with the last term, of the compliance at full contact",
-        np.nan,
-        last_term,
-    ),
-    "one_wave_bounds": Claim(
-        "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "
-        "three methods (5).",
-        "largest distance of an estimate from the one-wave solution, of G_1",
-        np.nan,
-        one_wave_bounds,
-    ),
-}
-
-
 def _need(there: object, what: str) -> None:
     if not there:
         raise MissingError(f"there are no {what}")
@@ -419,51 +300,3 @@ def _listed(texts: Iterable[str]) -> str:
     texts = list(texts)
     more = len(texts) - MOST_CASES
     return "; ".join(texts[:MOST_CASES]) + (f"; and {more} more cases." if more > 0 else ".")
-
-
-def _with_claims(data: xr.Dataset, found: Mapping[str, Measured]) -> xr.Dataset:
-    claims = [CLAIMS[name] for name in found]
-    columns = {
-        "claim": (list(found), "claim of the paper"),
-        "claim_statement": ([claim.statement for claim in claims], "what the paper says"),
-        "claim_measured": ([measured.text for measured in found.values()], "what is measured here"),
-        "claim_quantity": ([claim.quantity for claim in claims], "quantity measured for the claim"),
-        "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
-        "claim_measured_value": ([measured.value for measured in found.values()], "value of the quantity here"),
-        "claim_holds": (
-            np.array([HOLDS[measured.holds] for measured in found.values()], "i1"),
-            "whether the statement of the paper fits what is measured here",
-        ),
-    }
-    variables = {
-        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1"})
-        for name, (values, long_name) in columns.items()
-    }
-    variables["claim_holds"].attrs |= {
-        "flag_values": np.array(list(HOLDS_MEANINGS), "i1"),
-        "flag_meanings": " ".join(HOLDS_MEANINGS.values()),
-    }
-    return data.assign(variables).set_coords("claim")
-
-
-def _markdown(title: str, found: Mapping[str, Measured]) -> str:
-    if not found:
-        return f"# {title}\n\nThis scene checks no claims.\n"
-    rows = [
-        [name, CLAIMS[name].statement, measured.text, HOLDS_MEANINGS[HOLDS[measured.holds]].replace("_", " ")]
-        for name, measured in found.items()
-    ]
-    lines = [["claim", "the paper says", "measured here", "holds"], ["---"] * 4, *rows]
-    notes = (
-        "Excess and error are of an estimate over the numerical curve. "
-        f"Loads are low up to {HALF:.0%} of the compliance at full contact, high above. "
-        f"Close means within {CLOSE:.0%} of the compliance at full contact, extremely small {EXTREMELY_SMALL:.0%}; "
-        f"the few elements agree closely within {AGREE_CLOSELY:.0%} of the compliance itself. "
-        f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
-        "contact: below, one contact carries all, and above, the resistance vanishes, so that no ratio has a meaning."
-    )
-    # g_0 and p_0* would read as emphasis.
-    table = [
-        "| " + " | ".join(cell.replace("|", r"\|").replace("*", r"\*") for cell in line) + " |" for line in lines
-    ]
-    return "\n".join([f"# {title}", "", *table, "", notes, ""])

@@ -1,0 +1,152 @@
+"""Take the times in turn, judge the answers, and keep everything in one self-describing dataset."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from benchmarks.contenders import CONTENDERS, calibrate, march, seconds
+from benchmarks.problem import Judgement, Problem, Truth, judge
+from weier import Profile
+
+Array = NDArray[np.float64]
+Say = Callable[[str], None]
+Plan = Mapping[int, Sequence[str]]  # who is asked for how many nodes
+
+WRONG = 10.0  # times the residual wanted: an answer said to have converged, yet wrong
+
+RUN = ("method", "points")
+CURVE = (*RUN, "mean_pressure")
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "seconds": ((*RUN, "repeat"), "time for the whole curve, set-up included", "s"),
+    "work": (CURVE, "FFT pairs or dense solutions for this load", "1"),
+    "compliance": (CURVE, "compliance, in g_0", "1"),
+    "residual": (CURVE, "largest violation of a contact condition, freshly evaluated, in g_0", "1"),
+    "load_error": (CURVE, "relative error of the mean pressure", "1"),
+    "own_tolerance": (CURVE, "loosest tolerance of the solver's own that left the residual wanted", "1"),
+    "converged": (CURVE, "1 where the solver says that it converged", "1"),
+    "error": (RUN, "largest error of the compliance over the loads, in g_0", "1"),
+}
+
+
+def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
+    """Every variable, with nothing in it yet."""
+    methods = list(dict.fromkeys(name for names in plan.values() for name in names))
+    sizes = {"method": len(methods), "points": len(plan), "repeat": repeats, "mean_pressure": loads.size}
+    data = xr.Dataset(
+        {
+            name: (dims, np.full([sizes[dim] for dim in dims], np.nan), {"long_name": long_name, "units": units})
+            for name, (dims, long_name, units) in VARIABLES.items()
+        }
+    )
+    return data.assign_coords(
+        method=("method", methods, {"long_name": "program"}),
+        points=("points", list(plan), {"long_name": "nodes in one period", "units": "1"}),
+        mean_pressure=(
+            "mean_pressure", loads, {"long_name": "mean pressure", "units": "1", "normalised_by": "p_0*"}
+        ),
+        label=("method", [CONTENDERS[name].label for name in methods], {"long_name": "program, for people"}),
+        work_unit=("method", [CONTENDERS[name].work for name in methods], {"long_name": "what work counts"}),
+    )  # fmt: skip
+
+
+def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth) -> xr.Dataset:
+    """The truth as a variable, and what else one must know to read the numbers, as attributes."""
+    packages = [CONTENDERS[str(name)].package for name in data["method"].values]
+    attributes = {"long_name": f"compliance by method {known.method}, in g_0", "units": "1"}
+    return data.assign(truth=("mean_pressure", known.compliance, attributes)).assign_attrs(
+        D=profile.D,
+        gamma=str(profile.gamma),
+        m=profile.m,
+        phase=profile.phase,
+        tolerance=tolerance,
+        truth_method=known.method,
+        truth_seconds=known.seconds,
+        threads=1,
+        packages=", ".join(f"{name} {version(name)}" for name in ["numpy", "numba", *filter(None, packages)]),
+        machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
+        comment=(
+            "weier and the dense inversion take piecewise-linear pressure, tamaas and ContactMechanics trigonometric "
+            "pressure (the Fourier kernel 1/|k|): each residual is that of the program's own discretisation."
+        ),
+    )
+
+
+def compare(
+    profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, known: Truth, say: Say
+) -> xr.Dataset:
+    """Judge every method on every size, and time them in turn: A B C A B C.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    loads : array, shape (loads,)
+        Mean pressures, increasing, in p_0*.
+    plan : mapping
+        From the nodes in one period to the names of those who are asked.
+    tolerance : float
+        Residual wanted of everyone, in g_0.
+    repeats : int
+        Runs of each to time.
+    known : Truth
+        What the compliance should be.
+    say : function
+        Told about each step.
+
+    Returns
+    -------
+    Dataset
+        Over method, points, repeat and mean_pressure; NaN where someone was not asked.
+
+    """
+    data = blank(plan, loads, repeats)
+    for points, methods in plan.items():
+        problem = Problem(profile, loads, points, tolerance)
+        for name in methods:
+            _examine(name, problem, known, data)
+            say(f"N = {points}: {CONTENDERS[name].label} judged")
+        for repeat in range(repeats):
+            for name in methods:
+                at = {"method": name, "points": points}
+                taken = seconds(CONTENDERS[name], problem, data["own_tolerance"].sel(at).values)
+                data["seconds"].loc[{**at, "repeat": repeat}] = taken
+                say(f"N = {points}: {CONTENDERS[name].label}, run {repeat + 1} of {repeats}: {taken:.4g} s")
+    return describe(data, profile, tolerance, known)
+
+
+def _examine(name: str, problem: Problem, known: Truth, data: xr.Dataset) -> None:
+    """All but the time, into the row of this method and size."""
+    contender = CONTENDERS[name]
+    own_tolerance = calibrate(contender, problem)
+    solver = (contender.counted or contender.begin)(problem)
+    height, eigenvalue = problem.height, contender.eigenvalue(problem.points, problem.profile.period)
+    rows = []
+    steps = march(solver, problem.loads, own_tolerance)
+    for load, step in zip(problem.loads[::-1], steps, strict=True):
+        rows.append((step.work, step.converged, *judge(problem, height, eigenvalue, load, step.pressure)))
+    at = {"method": name, "points": problem.points}
+    names = ("work", "converged", *Judgement._fields)
+    for variable, values in zip(names, np.array(rows, float)[::-1].T, strict=True):
+        data[variable].loc[at] = values
+    data["own_tolerance"].loc[at] = own_tolerance
+    data["error"].loc[at] = np.abs(data["compliance"].sel(at) - known.compliance).max()
+
+
+def wrong(data: xr.Dataset) -> xr.DataArray:
+    """How many loads each method calls converged though the residual, or the load, is far off."""
+    tolerance = WRONG * data.attrs["tolerance"]
+    far = (data["residual"] > tolerance) | (data["load_error"] > tolerance)
+    said: xr.DataArray = far & (data["converged"] == 1)
+    return said.sum("mean_pressure")
+
+
+def failed(data: xr.Dataset) -> xr.DataArray:
+    """How many loads each method itself says it could not solve."""
+    return (data["converged"] == 0).sum("mean_pressure")

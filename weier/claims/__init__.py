@@ -1,0 +1,107 @@
+"""The claims of a scene: measured, written into its dataset, and as a table to read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from weier import curves, dataset
+from weier.claims import measures
+from weier.claims.measures import Measured, MissingError
+from weier.claims.paper import CLAIMS
+from weier.files import replacing
+from weier.scene import Scene
+from weier.study import gather
+
+__all__ = ["CLAIMS", "Measured", "evaluate", "write"]
+
+HOLDS = {False: 0, True: 1, None: 2}
+HOLDS_MEANINGS = {0: "no", 1: "yes", 2: "not_measured"}
+
+
+def write(scene: Scene, studies: Mapping[str, xr.Dataset], path: str | Path, table: str | Path) -> None:
+    """Evaluate the claims of a scene; write its whole dataset with them, and a Markdown table of them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Names the claims, and the studies each looks at.
+    studies : mapping of Dataset
+        All studies of the scene by name, over case, method, mean_pressure and term.
+    path, table : path
+        The netCDF file and the Markdown file to write.
+
+    Raises
+    ------
+    ValueError
+        If the scene names a claim that is not in CLAIMS.
+
+    """
+    found = {name: evaluate(name, [studies[study] for study in wanted]) for name, wanted in scene.claims.items()}
+    keys = dict.fromkeys(key for study in studies.values() for key in study["key"].values.tolist())
+    data = gather(list(studies.values()), list(keys))
+    dataset.write(_with_claims(data, found) if found else data, path, scene.title)
+    table = Path(table)
+    table.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(table) as beside:
+        beside.write_text(_markdown(scene.title, found), encoding="utf-8")
+
+
+def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
+    """What a claim measures on these studies; where they lack what it is about, a text that says so.
+
+    Raises
+    ------
+    ValueError
+        If there is no claim of this name.
+
+    """
+    if name not in CLAIMS:
+        raise ValueError(f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}")
+    try:
+        return CLAIMS[name].measure(curves.cases(studies))
+    except MissingError as error:
+        return Measured(f"Not measured: {error}.")
+
+
+def _with_claims(data: xr.Dataset, found: Mapping[str, Measured]) -> xr.Dataset:
+    claims = [CLAIMS[name] for name in found]
+    columns = {
+        "claim": (list(found), "claim of the paper"),
+        "claim_statement": ([claim.statement for claim in claims], "what the paper says"),
+        "claim_measured": ([measured.text for measured in found.values()], "what is measured here"),
+        "claim_quantity": ([claim.quantity for claim in claims], "quantity measured for the claim"),
+        "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
+        "claim_measured_value": ([measured.value for measured in found.values()], "value of the quantity here"),
+        "claim_holds": (
+            np.array([HOLDS[measured.holds] for measured in found.values()], "i1"),
+            "whether the statement of the paper fits what is measured here",
+        ),
+    }
+    variables = {
+        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1"})
+        for name, (values, long_name) in columns.items()
+    }
+    variables["claim_holds"].attrs |= {
+        "flag_values": np.array(list(HOLDS_MEANINGS), "i1"),
+        "flag_meanings": " ".join(HOLDS_MEANINGS.values()),
+    }
+    return data.assign(variables).set_coords("claim")
+
+
+def _markdown(title: str, found: Mapping[str, Measured]) -> str:
+    if not found:
+        return f"# {title}\n\nThis scene checks no claims.\n"
+    rows = [
+        [name, CLAIMS[name].statement, measured.text, HOLDS_MEANINGS[HOLDS[measured.holds]].replace("_", " ")]
+        for name, measured in found.items()
+    ]
+    lines = [["claim", "the paper says", "measured here", "holds"], ["---"] * 4, *rows]
+    # g_0 and p_0* would read as emphasis.
+    table = [
+        "| " + " | ".join(cell.replace("|", r"\|").replace("*", r"\*") for cell in line) + " |" for line in lines
+    ]
+    return "\n".join([f"# {title}", "", *table, "", measures.CRITERIA, ""])
