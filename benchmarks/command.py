@@ -39,26 +39,26 @@ def _parts(text: str) -> list[str]:
     return [part.strip() for part in text.split(",") if part.strip()]
 
 
-def installed(methods: Sequence[str]) -> list[str]:
+def installed(programs: Sequence[str]) -> list[str]:
     """Those that can take part; for the others, how to get them."""
-    for name in methods:
+    for name in programs:
         package = CONTENDERS[name].package
         if package and not find_spec(package):
             click.echo(f'{package} is left out, for it is not installed: pip install ".[bench]"', err=True)
-    return [name for name in methods if not CONTENDERS[name].package or find_spec(CONTENDERS[name].package)]
+    return [name for name in programs if not CONTENDERS[name].package or find_spec(CONTENDERS[name].package)]
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
 @click.option("--points", callback=numbers, default="512,2048,8192,32768", help="Nodes N, for everyone.")
 @click.option("--alone", callback=numbers, default="2^17,2^18,2^19,2^20", help="Nodes N, for weier alone.")
-@click.option("--methods", callback=names, default=",".join(CONTENDERS), help="Who takes part.")
+@click.option("--programs", callback=names, default=",".join(CONTENDERS), help="Who takes part.")
 @click.option("--repeats", type=click.IntRange(1), default=3, help="Runs of each, in turn.")
 @click.option("--loads", type=click.IntRange(2), default=40, help="Mean pressures in [1e-3, 2] p_0*, log-spaced.")
 @click.option("--m", type=click.IntRange(1), default=3, help="Terms of the series; 8 needs 156252 nodes or more.")
 @click.option("--tolerance", type=click.FloatRange(0, min_open=True), default=1e-8, help="Residual wanted, in g_0.")
 @click.option("--output", type=click.Path(path_type=Path), default="results/benchmark", help="Folder to write to.")
 def main(
-    points: list[int], alone: list[int], methods: list[str], repeats: int, loads: int, m: int, tolerance: float,
+    points: list[int], alone: list[int], programs: list[str], repeats: int, loads: int, m: int, tolerance: float,
     output: Path,
 ) -> None:  # fmt: skip
     """Compare weier with tamaas, ContactMechanics and the paper's dense inversion, on the same profile and loads.
@@ -66,14 +66,14 @@ def main(
     Writes benchmark.nc, benchmark.md and benchmark.{png,svg,pdf}.
     """
     click.echo(SLIPPY, err=True)
-    methods = installed(methods)
+    programs = installed(programs)
     profile = Profile(D=1.25, gamma=5, m=m, phases=(*PHASES, *np.arange(3.0, m))[:m])
     pressure = np.geomspace(1e-3, 2, loads)
-    ours = [name for name in methods if name.startswith("weier")]
-    plan = dict.fromkeys(alone, ours) | {size: _able(methods, size) for size in points}
+    ours = [name for name in programs if name.startswith("weier")]
+    plan = dict.fromkeys(alone, ours) | {size: _able(programs, size) for size in points}
     plan = dict(sorted(plan.items()))
     known = truth(profile, pressure, max(plan))
-    for name in methods:  # compiles
+    for name in programs:  # compiles
         seconds(CONTENDERS[name], Problem(profile, pressure[-1:], min(plan), tolerance), np.full(1, tolerance))
     data = compare(profile, pressure, plan, tolerance, repeats, known, _progress)
     dataset.write(data, output / "benchmark.nc", "weier and others, side by side")
@@ -82,8 +82,8 @@ def main(
     click.echo(report.table(data))
 
 
-def _able(methods: Sequence[str], points: int) -> list[str]:
-    return [name for name in methods if points <= CONTENDERS[name].largest]
+def _able(programs: Sequence[str], points: int) -> list[str]:
+    return [name for name in programs if points <= CONTENDERS[name].largest]
 
 
 def _progress(text: str) -> None:

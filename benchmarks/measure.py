@@ -21,7 +21,7 @@ Plan = Mapping[int, Sequence[str]]  # who is asked for how many nodes
 
 WRONG = 10.0  # times the residual wanted: an answer said to have converged, yet wrong
 
-RUN = ("method", "points")
+RUN = ("program", "points")
 CURVE = (*RUN, "mean_pressure")
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "seconds": ((*RUN, "repeat"), "time for the whole curve, set-up included", "s"),
@@ -37,8 +37,8 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
 
 def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
     """Every variable, with nothing in it yet."""
-    methods = list(dict.fromkeys(name for names in plan.values() for name in names))
-    sizes = {"method": len(methods), "points": len(plan), "repeat": repeats, "mean_pressure": loads.size}
+    programs = list(dict.fromkeys(name for names in plan.values() for name in names))
+    sizes = {"program": len(programs), "points": len(plan), "repeat": repeats, "mean_pressure": loads.size}
     data = xr.Dataset(
         {
             name: (dims, np.full([sizes[dim] for dim in dims], np.nan), {"long_name": long_name, "units": units})
@@ -46,19 +46,19 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
         }
     )
     return data.assign_coords(
-        method=("method", methods, {"long_name": "program"}),
+        program=("program", programs, {"long_name": "who solved"}),
         points=("points", list(plan), {"long_name": "nodes in one period", "units": "1"}),
         mean_pressure=(
             "mean_pressure", loads, {"long_name": "mean pressure", "units": "1", "normalised_by": "p_0*"}
         ),
-        label=("method", [CONTENDERS[name].label for name in methods], {"long_name": "program, for people"}),
-        work_unit=("method", [CONTENDERS[name].work for name in methods], {"long_name": "what work counts"}),
+        label=("program", [CONTENDERS[name].label for name in programs], {"long_name": "program, for people"}),
+        work_unit=("program", [CONTENDERS[name].work for name in programs], {"long_name": "what work counts"}),
     )  # fmt: skip
 
 
 def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth) -> xr.Dataset:
     """The truth as a variable, and what else one must know to read the numbers, as attributes."""
-    packages = [CONTENDERS[str(name)].package for name in data["method"].values]
+    packages = [CONTENDERS[str(name)].package for name in data["program"].values]
     attributes = {"long_name": f"compliance by method {known.method}, in g_0", "units": "1"}
     return data.assign(truth=("mean_pressure", known.compliance, attributes)).assign_attrs(
         D=profile.D,
@@ -81,7 +81,7 @@ def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth)
 def compare(
     profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, known: Truth, say: Say
 ) -> xr.Dataset:
-    """Judge every method on every size, and time them in turn: A B C A B C.
+    """Judge every program on every size, and time them in turn: A B C A B C.
 
     Parameters
     ----------
@@ -103,18 +103,18 @@ def compare(
     Returns
     -------
     Dataset
-        Over method, points, repeat and mean_pressure; NaN where someone was not asked.
+        Over program, points, repeat and mean_pressure; NaN where someone was not asked.
 
     """
     data = blank(plan, loads, repeats)
-    for points, methods in plan.items():
+    for points, programs in plan.items():
         problem = Problem(profile, loads, points, tolerance)
-        for name in methods:
+        for name in programs:
             _examine(name, problem, known, data)
             say(f"N = {points}: {CONTENDERS[name].label} judged")
         for repeat in range(repeats):
-            for name in methods:
-                at = {"method": name, "points": points}
+            for name in programs:
+                at = {"program": name, "points": points}
                 taken = seconds(CONTENDERS[name], problem, data["own_tolerance"].sel(at).values)
                 data["seconds"].loc[{**at, "repeat": repeat}] = taken
                 say(f"N = {points}: {CONTENDERS[name].label}, run {repeat + 1} of {repeats}: {taken:.4g} s")
@@ -122,7 +122,7 @@ def compare(
 
 
 def _examine(name: str, problem: Problem, known: Truth, data: xr.Dataset) -> None:
-    """All but the time, into the row of this method and size."""
+    """All but the time, into the row of this program and size."""
     contender = CONTENDERS[name]
     own_tolerance = calibrate(contender, problem)
     solver = (contender.counted or contender.begin)(problem)
@@ -131,7 +131,7 @@ def _examine(name: str, problem: Problem, known: Truth, data: xr.Dataset) -> Non
     steps = march(solver, problem.loads, own_tolerance)
     for load, step in zip(problem.loads[::-1], steps, strict=True):
         rows.append((step.work, step.converged, *judge(problem, height, eigenvalue, load, step.pressure)))
-    at = {"method": name, "points": problem.points}
+    at = {"program": name, "points": problem.points}
     names = ("work", "converged", *Judgement._fields)
     for variable, values in zip(names, np.array(rows, float)[::-1].T, strict=True):
         data[variable].loc[at] = values
@@ -140,7 +140,7 @@ def _examine(name: str, problem: Problem, known: Truth, data: xr.Dataset) -> Non
 
 
 def wrong(data: xr.Dataset) -> xr.DataArray:
-    """How many loads each method calls converged though the residual, or the load, is far off."""
+    """How many loads each program calls converged though the residual, or the load, is far off."""
     tolerance = WRONG * data.attrs["tolerance"]
     far = (data["residual"] > tolerance) | (data["load_error"] > tolerance)
     said: xr.DataArray = far & (data["converged"] == 1)
@@ -148,5 +148,5 @@ def wrong(data: xr.Dataset) -> xr.DataArray:
 
 
 def failed(data: xr.Dataset) -> xr.DataArray:
-    """How many loads each method itself says it could not solve."""
+    """How many loads each program itself says it could not solve."""
     return (data["converged"] == 0).sum("mean_pressure")

@@ -81,10 +81,11 @@ class Truth(NamedTuple):
 
 def truth(profile: Profile, loads: Array, points: int) -> Truth:
     """By the contact patches, exact to ten digits; without them, boundary elements finer than any compared."""
+    settings: dict[str, Any]
     if "patches" in METHODS:
-        settings: dict[str, Any] = {"method": "patches"}
+        settings = {"method": "patches"}
     else:
-        settings: dict[str, Any] = {"method": "bem", "points": max(FINEST_TRUTH, 2 * points), "resistance": False}
+        settings = {"method": "bem", "points": max(FINEST_TRUTH, 2 * points), "resistance": False}
     solve(profile, loads[-1:], **settings)  # compiles
     found = solve(profile, loads, **settings)
     return Truth(found["compliance"].values, str(found.attrs["method"]), float(found.attrs["seconds"]))

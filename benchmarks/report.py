@@ -1,31 +1,39 @@
-"""What the numbers say: a Markdown table with ratios, and a figure of two panels."""
+"""What the numbers say: a Markdown table with ratios, and a figure."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib.style
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from benchmarks.contenders import PAIRS
 from benchmarks.measure import failed, wrong
 from weier.figures import METADATA, style
 from weier.files import replacing
 
 OURS = "weier"
-LOOKS = {
-    "weier": style.Line("", style.BLACK, "-"),
-    "weier_resistance": style.Line("", style.GREEN, style.DASHES[3]),
-    "tamaas": style.Line("", style.VERMILLION, style.DASHES[1]),
-    "contact_mechanics": style.Line("", style.BLUE, style.DASHES[2]),
-    "dense": style.Line("", style.PURPLE, style.DASHES[4]),
+HEIGHT = 2.0  # inches a panel
+LOOKS: dict[str, dict[str, Any]] = {
+    "weier": {"color": style.BLACK, "linestyle": style.DASHES[0], "marker": "o"},
+    "weier_resistance": {"color": style.GREEN, "linestyle": style.DASHES[3], "marker": "s"},
+    "tamaas": {"color": style.VERMILLION, "linestyle": style.DASHES[1], "marker": "D"},
+    "contact_mechanics": {"color": style.BLUE, "linestyle": style.DASHES[2], "marker": "^"},
+    "dense": {"color": style.PURPLE, "linestyle": style.DASHES[4], "marker": "v"},
 }
-MARKERS = dict(zip(LOOKS, "osD^v", strict=True))
+WORDS = {
+    "points": "nodes $N$",
+    "time": "time for a curve (s)",
+    "pairs": "FFT pairs a load",
+    "error": "largest error of $h/g_0$",
+}
 
 
 def median(data: xr.Dataset) -> xr.DataArray:
-    """Seconds of each method and size: the median of the repeats."""
+    """Seconds of each program and size: the median of the repeats."""
     return data["seconds"].median("repeat")
 
 
@@ -34,18 +42,18 @@ def table(data: xr.Dataset) -> str:
     head = ("N", "program", "seconds", f"/ {OURS}", "work a load", "residual", "error of h", "loads wrong")
     lines = [_line(head), _line(["---"] * len(head))]
     for points in data["points"].values:
-        for method in data["method"].values:
-            row = data.sel({"method": method, "points": points})
+        for program in data["program"].values:
+            row = data.sel({"program": program, "points": points})
             if row["seconds"].notnull().any():
                 lines.append(_line(_cells(data, row)))
     return "\n".join([*_preface(data), "", *lines, ""])
 
 
 def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
-    at = {"method": row["method"], "points": row["points"]}
+    at = {"program": row["program"], "points": row["points"]}
     ours = (
-        float(median(data).sel({"method": OURS, "points": row["points"]}))
-        if OURS in data["method"].values
+        float(median(data).sel({"program": OURS, "points": row["points"]}))
+        if OURS in data["program"].values
         else np.nan
     )
     own = float(median(data).sel(at))
@@ -95,49 +103,47 @@ def write_table(data: xr.Dataset, path: Path) -> None:
 
 
 def draw(data: xr.Dataset, path: Path) -> None:
-    """Draw time and work against N, and error against time, as PDF, SVG and PNG beside each other."""
+    """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG beside each other."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with matplotlib.style.context(style.RC, after_reset=True):
-        figure, (time, accuracy) = style.column(2)
-        _draw_cost(time, data)
-        _draw_accuracy(accuracy, data)
+        figure, (time, pairs, accuracy) = style.column(3, HEIGHT)
+        data = data.assign(time=median(data), pairs=_pairs(data))
+        _panel(time, 0, data, "points", "time")
+        _panel(pairs, 1, data, "points", "pairs")
+        _panel(accuracy, 2, data, "time", "error")
+        _mark_patches(accuracy, data)
+        figure.legend(*time.get_legend_handles_labels(), loc="outside upper center", ncols=2, handlelength=3.2)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
         for suffix, metadata in METADATA.items():
             with replacing(path.with_suffix(f".{suffix}")) as beside:
                 figure.savefig(beside, format=suffix, metadata=metadata)
 
 
-def _draw_cost(axes: Axes, data: xr.Dataset) -> None:
-    """Seconds as lines on the left, FFT pairs a load as open marks on the right."""
-    style.name_panel(axes, 0, 2, "time (lines) and FFT pairs a load (open marks)")
-    axes.set(xscale="log", yscale="log", xlabel="nodes $N$", ylabel="time for a curve (s)")
-    axes.set_xscale("log", base=2)
-    pairs = axes.twinx()
-    pairs.set(yscale="log", ylabel="FFT pairs a load")
-    axes.tick_params(right=False, which="both")
-    for method in data["method"].values:
-        row = data.sel({"method": method})
-        look = {**LOOKS[str(method)]._asdict(), "label": str(row["label"].values)}
-        axes.plot(row["points"], median(row), marker=MARKERS[str(method)], **look)
-        if str(row["work_unit"].values) == "FFT pairs":
-            pairs.plot(
-                row["points"], row["work"].mean("mean_pressure"), linestyle="none", marker=MARKERS[str(method)],
-                color=look["color"], markerfacecolor="white", markeredgewidth=0.7,
-            )  # fmt: skip
-    axes.legend(loc="upper left", fontsize=6.5)
-    axes.margins(y=0.35)
+def _pairs(data: xr.Dataset) -> xr.DataArray:
+    return data["work"].mean("mean_pressure").where(data["work_unit"] == PAIRS)
 
 
-def _draw_accuracy(axes: Axes, data: xr.Dataset) -> None:
-    """The error bought with time: each mark a size."""
-    style.name_panel(axes, 1, 2, "accuracy bought with time")
-    axes.set(xscale="log", yscale="log", xlabel="time for a curve (s)", ylabel="largest error of $h/g_0$")
-    for method in data["method"].values:
-        row = data.sel({"method": method})
-        look = LOOKS[str(method)]._replace(label=str(row["label"].values))._asdict()
-        axes.plot(median(row), row["error"], marker=MARKERS[str(method)], **look)
+def _panel(axes: Axes, number: int, data: xr.Dataset, x: str, y: str) -> None:
+    """A line for each program, a mark for each size."""
+    axes.set(xscale="log", yscale="log", xlabel=WORDS[x], ylabel=WORDS[y])
+    if x == "points":
+        axes.set_xscale("log", base=2)
+    style.name_panel(axes, number, 3, "")
+    for program in data["program"].values:
+        row = data.sel({"program": program})
+        there = row[x].notnull() & row[y].notnull()
+        if there.any():
+            look = {**LOOKS[str(program)], "label": str(row["label"].values)}
+            axes.plot(row[x].values[there], row[y].values[there], **look)
+
+
+def _mark_patches(axes: Axes, data: xr.Dataset) -> None:
+    """The time that contact patches take for ten digits: off the scale of errors."""
     if data.attrs["truth_method"] == "patches":
-        axes.axvline(data.attrs["truth_seconds"], color="0.5", linewidth=0.8)
+        at = data.attrs["truth_seconds"]
+        axes.axvline(at, color="0.5", linewidth=0.8, zorder=0)
         axes.annotate(
-            "contact patches\n(ten digits)", (data.attrs["truth_seconds"], 0.98), rotation=90, fontsize=6.5,
-            xycoords=("data", "axes fraction"), ha="right", va="top", color="0.35",
+            "contact patches: ten digits", (at, 0.04), xycoords=("data", "axes fraction"), rotation=90, fontsize=6.5,
+            ha="right", va="bottom", color="0.35",
         )  # fmt: skip

@@ -22,26 +22,41 @@ Array = NDArray[np.float64]
 @kernel
 def nodes(count: int) -> Array:
     """Gauss-Chebyshev nodes of the second kind, descending: cos(q pi/(count+1)), q = 1..count."""
-    return np.cos(np.arange(1, count + 1) * (np.pi / (count + 1)))
+    node = np.empty(count)
+    for q in range(count):
+        node[q] = np.cos((q + 1) * (np.pi / (count + 1)))
+    return node
 
 
 @kernel
 def weights(count: int) -> Array:
     """Weights for int sqrt(1-s^2) phi(s) ds at `nodes`."""
-    return np.pi / (count + 1) * np.sin(np.arange(1, count + 1) * (np.pi / (count + 1))) ** 2
+    weight = np.empty(count)
+    for q in range(count):
+        weight[q] = np.pi / (count + 1) * np.sin((q + 1) * (np.pi / (count + 1))) ** 2
+    return weight
 
 
 @kernel
-def collocation_points(count: int) -> Array:
-    """The count + 1 zeros of T_(count+1), where the quadrature of the Cauchy integral is exact."""
-    return np.cos((np.arange(count + 1) + 0.5) * (np.pi / (count + 1)))
+def collocation_point(a: int, count: int) -> float:
+    """Zero a = 0..count of T_(count+1), where the quadrature of the Cauchy integral is exact."""
+    return np.cos((a + 0.5) * (np.pi / (count + 1)))
+
+
+@kernel
+def _sines(count: int) -> Array:
+    # sin(j pi/(count+1)) over a whole turn.
+    sine = np.empty(2 * count + 2)
+    for j in range(sine.size):
+        sine[j] = np.sin(j * (np.pi / (count + 1)))
+    return sine
 
 
 @kernel
 def coefficients(values: Array) -> Array:
     """Coefficients a_k of sum a_k U_k through `values` at the nodes."""
     count = values.size
-    sine = np.sin(np.arange(2 * count + 2) * (np.pi / (count + 1)))
+    sine = _sines(count)
     a = np.zeros(count)
     for k in range(count):
         for q in range(count):
@@ -83,7 +98,7 @@ def integrals(a: Array, t: float) -> tuple[float, float]:
 @kernel
 def central_logarithm(count: int) -> Array:
     """Weights of int sqrt(1-s^2) phi(s) ln|s| ds for phi through values at the nodes."""
-    sine = np.sin(np.arange(2 * count + 2) * (np.pi / (count + 1)))
+    sine = _sines(count)
     row = np.zeros(count)
     unit = np.zeros(count)
     for k in range(count):

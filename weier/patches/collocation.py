@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.jit import kernel
-from weier.patches.chebyshev import central_logarithm, collocation_points, nodes, weights
+from weier.patches.chebyshev import central_logarithm, collocation_point, nodes, weights
 from weier.patches.waves import Waves, excess
 
 Array = NDArray[np.float64]
@@ -78,24 +78,26 @@ def segments(
 ) -> Segments:
     """Segments with `count` nodes each."""
     first = np.zeros(count.size + 1, np.int64)
-    first[1:] = np.cumsum(count)
+    for j in range(count.size):
+        first[j + 1] = first[j] + count[j]
     node, weight, central = np.empty(first[-1]), np.empty(first[-1]), np.empty(first[-1])
     for j in range(count.size):
-        a, b = first[j], first[j + 1]
-        if j > 0 and count[j] == count[j - 1]:
-            node[a:b], weight[a:b] = node[a - count[j] : a], weight[a - count[j] : a]
-            central[a:b] = central[a - count[j] : a]
-        else:
-            node[a:b], weight[a:b] = nodes(count[j]), weights(count[j])
-            central[a:b] = central_logarithm(count[j])
+        if j == 0 or count[j] != count[j - 1]:
+            s, w, c = nodes(count[j]), weights(count[j]), central_logarithm(count[j])
+        for q in range(count[j]):
+            node[first[j] + q], weight[first[j] + q], central[first[j] + q] = s[q], w[q], c[q]
     sine, cosine = _turns(half_width, first, node, period)
     return Segments(summit, origin, centre, half_width, first, node, weight, central, sine, cosine)
 
 
 @kernel
 def _turns(half_width: Array, first: Indices, node: Array, period: float) -> tuple[Array, Array]:
-    angle = node * np.repeat(half_width, np.diff(first)) * (np.pi / period)
-    return np.sin(angle), np.cos(angle)
+    sine, cosine = np.empty(node.size), np.empty(node.size)
+    for j in range(half_width.size):
+        for q in range(first[j], first[j + 1]):
+            angle = np.pi / period * half_width[j] * node[q]
+            sine[q], cosine[q] = np.sin(angle), np.cos(angle)
+    return sine, cosine
 
 
 @kernel
@@ -137,11 +139,10 @@ def assemble(
     n, size = segments.centre.size, phi.size + 2 * segments.centre.size + 1
     jacobian, right = np.zeros((size, size)), np.zeros((size, 2))
     for i in range(n):
-        points = collocation_points(segments.first[i + 1] - segments.first[i])
-        for a in range(points.size):
-            _collocate(
-                jacobian, right, segments, phi, waves, load, dual, i, points[a], segments.first[i] + i + a
-            )
+        count = segments.first[i + 1] - segments.first[i]
+        for a in range(count + 1):
+            row, t = segments.first[i] + i + a, collocation_point(a, count)
+            _collocate(jacobian, right, segments, phi, waves, load, dual, i, t, row)
     for i in range(n):
         row = phi.size + n + i
         if dual:
@@ -268,11 +269,12 @@ def _match_height(
 
 
 @kernel
-def _balance_load(
-    jacobian: Array, right: Array, segments: Segments, phi: Array, force: float, period: float
-) -> None:
+def _balance_load(jacobian: Array, right: Array, segments: Segments, phi: Array, force: float, period: float) -> None:
     n, N = segments.centre.size, phi.size
-    scale = 1 / segments.half_width.max()
+    widest = 0.0
+    for r in segments.half_width:
+        widest = max(widest, r)
+    scale = 1 / widest
     total = 0.0
     for j in range(n):
         share = 0.0
@@ -321,76 +323,88 @@ def newton(
     The status is TOPOLOGY where a segment insists on vanishing or two on meeting: `vanishing` and `closing`
     (by the segment on the left) name them.
     """
-    n, N = segments.centre.size, phi.size
     here = moved(segments, segments.centre.copy(), segments.half_width.copy(), waves.period)
     phi = phi.copy()
-    closing, vanishing = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
     start = spaces(here, waves.period)
+    closing, vanishing = np.zeros(start.size, np.bool_), np.zeros(start.size, np.bool_)
     size, cramped, status, steps = np.inf, 0, STALLED, 0
-    sensitivity = np.zeros(N + 2 * n + 1)
-    for _ in range(MOST_STEPS):
+    change = np.zeros((phi.size + 2 * start.size + 1, 2))
+    while status == STALLED and steps < MOST_STEPS:
         jacobian, right = assemble(here, phi, approach, waves, load, dual)
-        change = np.linalg.solve(jacobian, -right)
-        sensitivity = change[:, 1].copy()
-        step = change[:, 0].copy()
+        change[:] = np.linalg.solve(jacobian, right)
         steps += 1
-        if not np.all(np.isfinite(step)):
+        before, size = size, _size(here, phi, change)
+        if not size < np.inf:
             break
-        damping, closing, vanishing = _damping(
-            here, step[N : N + n], step[N + n : N + 2 * n], waves.period, start
-        )
-        before, size = size, _size(here, phi, step)
-        phi += damping * step[:N]
-        here = moved(
-            here,
-            here.centre + damping * step[N : N + n] * here.half_width,
-            here.half_width * (1 + damping * step[N + n : N + 2 * n]),
-            waves.period,
-        )
-        approach += damping * step[N + 2 * n]
+        damping = _damping(here, change, waves.period, start, closing, vanishing)
+        here = _stepped(here, phi, change, damping, waves.period)
+        approach -= damping * change[-1, 0]
         if damping < 1:
-            cramped += np.any(closing) or np.any(vanishing)
+            cramped += 1 if np.any(closing) or np.any(vanishing) else 0
             if cramped == MOST_CRAMPED:
                 status = TOPOLOGY
-                break
-            continue
-        if size < tolerance or (size < ROUNDING_STEP and size > 0.3 * before):
+        elif size < tolerance or (size < ROUNDING_STEP and size > 0.3 * before):
             status = CONVERGED
-            break
-    return Iterate(
-        status, steps, size, here.centre, here.half_width, phi, approach, sensitivity, closing, vanishing
-    )
+    sensitivity = np.empty(change.shape[0])
+    for i in range(sensitivity.size):
+        sensitivity[i] = -change[i, 1]
+    return Iterate(status, steps, size, here.centre, here.half_width, phi, approach, sensitivity, closing, vanishing)
+
+
+@kernel
+def _stepped(segments: Segments, phi: Array, change: Array, damping: float, period: float) -> Segments:
+    # phi changes in place; the unknowns of place and width are in units of the half-width.
+    n, N = segments.centre.size, phi.size
+    centre, half_width = np.empty(n), np.empty(n)
+    for q in range(N):
+        phi[q] -= damping * change[q, 0]
+    for j in range(n):
+        r = segments.half_width[j]
+        centre[j] = segments.centre[j] - damping * change[N + j, 0] * r
+        half_width[j] = r * (1 - damping * change[N + n + j, 0])
+    return moved(segments, centre, half_width, period)
 
 
 @kernel
 def _damping(
-    segments: Segments, shift: Array, growth: Array, period: float, start: Array
-) -> tuple[float, NDArray[np.bool_], NDArray[np.bool_]]:
-    # The share of a step that keeps all segments apart and of their order of width.
-    n = shift.size
-    closing, vanishing = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+    segments: Segments,
+    change: Array,
+    period: float,
+    start: Array,
+    closing: NDArray[np.bool_],
+    vanishing: NDArray[np.bool_],
+) -> float:
+    # The share of a step that keeps all segments apart and of their order of width; flags what it works against.
+    n = start.size
+    N = change.shape[0] - 2 * n - 1
     damping = 1.0
     space = spaces(segments, period)
     for j in range(n):
         k, r = (j + 1) % n, segments.half_width
-        loss = r[j] * (growth[j] + shift[j]) + r[k] * (growth[k] - shift[k])
+        growth = -change[N + n + j, 0]
+        loss = r[j] * (growth - change[N + j, 0]) - r[k] * (change[N + n + k, 0] - change[N + k, 0])
+        closing[j] = loss > LARGEST_CLOSING * space[j] and (loss > space[j] or space[j] < CLOSED * start[j])
+        vanishing[j] = growth < -1
         if loss > LARGEST_CLOSING * space[j]:
             damping = min(damping, LARGEST_CLOSING * space[j] / loss)
-            closing[j] = loss > space[j] or space[j] < CLOSED * start[j]
-        if growth[j] < SMALLEST_SHRINKAGE:
-            damping = min(damping, SMALLEST_SHRINKAGE / growth[j])
-            vanishing[j] = growth[j] < -1
-        if growth[j] > LARGEST_GROWTH:
-            damping = min(damping, LARGEST_GROWTH / growth[j])
-    return damping, closing, vanishing
+        if growth < SMALLEST_SHRINKAGE:
+            damping = min(damping, SMALLEST_SHRINKAGE / growth)
+        if growth > LARGEST_GROWTH:
+            damping = min(damping, LARGEST_GROWTH / growth)
+    return damping
 
 
 @kernel
-def _size(segments: Segments, phi: Array, step: Array) -> float:
-    # The largest relative change of any segment's density, place or width.
+def _size(segments: Segments, phi: Array, change: Array) -> float:
+    # The largest relative change of any segment's density, place or width; not a number if any is none.
     n, N, size = segments.centre.size, phi.size, 0.0
     for j in range(n):
-        here = slice(segments.first[j], segments.first[j + 1])
-        size = max(size, np.abs(step[here]).max() / np.abs(phi[here]).max())
-        size = max(size, abs(step[N + j]), abs(step[N + n + j]))
+        largest, most = 0.0, 0.0
+        for q in range(segments.first[j], segments.first[j + 1]):
+            largest = max(largest, abs(phi[q]))
+            most = max(most, abs(change[q, 0]))
+        size = max(size, most / largest, abs(change[N + j, 0]), abs(change[N + n + j, 0]))
+    for i in range(change.shape[0]):
+        if not np.isfinite(change[i, 0]):
+            return np.nan
     return size

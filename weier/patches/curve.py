@@ -74,7 +74,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
 
     """
     loads = checked_loads(mean_pressure)
-    _check_tolerance(tolerance)
+    check_tolerance(tolerance)
     seen = surface(profile)
     rows = np.empty((loads.size, 8))
     start = perf_counter()
@@ -136,12 +136,10 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
     return solve_loads(profile, [mean_pressure], tolerance)[0]
 
 
-def solve_loads(
-    profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
-) -> list[Solution]:
+def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
     """The same for several loads, increasing, each started from the one before."""
     loads = checked_loads(mean_pressure)
-    _check_tolerance(tolerance)
+    check_tolerance(tolerance)
     seen = surface(profile)
     found = solutions(profile, seen, loads, tolerance)
     return [solution(seen, state, load) for load, (state, _) in zip(loads, found, strict=True)]
@@ -169,6 +167,13 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
     return loads
 
 
-def _check_tolerance(tolerance: float) -> None:
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance that rounding would not allow, or that would not be one.
+
+    Raises
+    ------
+    ValueError
+        If it lies outside [1e-13, 1e-6].
+    """
     if not 1e-13 <= tolerance <= 1e-6:
         raise ValueError(f"tolerance must lie in [1e-13, 1e-6], got {tolerance}")

@@ -39,8 +39,9 @@ def expand(segments: Segments, phi: Array) -> Array:
     """Coefficients of phi in U_k, segment by segment."""
     a = np.empty(phi.size)
     for j in range(segments.centre.size):
-        here = slice(segments.first[j], segments.first[j + 1])
-        a[here] = coefficients(phi[here])
+        part = coefficients(phi[segments.first[j] : segments.first[j + 1]])
+        for k in range(part.size):
+            a[segments.first[j] + k] = part[k]
     return a
 
 

@@ -28,8 +28,9 @@ SWITCH = 0.7  # change to the other problem when it needs fewer nodes than this 
 
 
 class Surface(NamedTuple):
-    """The heights, and the full-contact pressures with their sign turned: at a summit of the first contact is
-    born, at a summit of the second the last gap closes.
+    """The heights, and the full-contact pressures with their sign turned.
+
+    On the highest summit of the first is the first contact, on that of the second the last gap.
     """
 
     heights: Waves
@@ -73,17 +74,14 @@ def arrange(
     origin = origin - waves.period * np.floor((origin + centre) / waves.period)
     order = np.argsort(origin + centre, kind="stable")
     placed = summit[order], origin[order], centre[order], half_width[order]
-    if count is None:
-        count = _expected_nodes(placed, waves)
-    else:
-        count = count[order]
+    count = _expected_nodes(placed, waves) if count is None else count[order]
     return segments(*placed, count, waves.period), order
 
 
 def _expected_nodes(placed: tuple[Indices, Array, Array, Array], waves: Waves) -> Indices:
     """Nodes for the waves within a segment and the nearness of its neighbours, by Bernstein's ellipse."""
-    summit, origin, centre, half_width = placed
-    bare = segments(*placed, np.full(summit.size, 2), waves.period)
+    half_width = placed[-1]
+    bare = segments(*placed, np.full(half_width.size, 2), waves.period)
     space = spaces(bare, waves.period)
     near = np.maximum(np.minimum(space, np.roll(space, 1)) / half_width, 1e-9)
     ln_rho = np.log1p(near + np.sqrt(near * (near + 2)))
@@ -105,8 +103,11 @@ def tails(state: State) -> Array:
     first = state.segments.first
     tail = np.empty(first.size - 1)
     for j in range(tail.size):
-        a = np.abs(state.coefficient[first[j] : first[j + 1]])
-        tail[j] = max(a[-1], a[-2]) / a.max()
+        largest = 0.0
+        for k in range(first[j], first[j + 1]):
+            largest = max(largest, abs(state.coefficient[k]))
+        last = state.coefficient[first[j + 1] - 2 : first[j + 1]]
+        tail[j] = max(abs(last[0]), abs(last[1])) / largest
     return tail
 
 
@@ -181,7 +182,7 @@ def hertz_start(surface: Surface, load: float, dual: bool) -> Guess:
     """Contacts at the highest crests, a = 2 sqrt(p L/|z''|), or gaps where the full-contact pressure is least."""
     waves = surface.of(dual)
     tops = np.flatnonzero(waves.rise == 0)
-    curvature = np.array([-excess(waves, j, 0.0)[2] for j in tops])
+    curvature = np.array([-excess(waves, int(j), 0.0)[2] for j in tops])
     force = waves.top - load if dual else load * waves.period / tops.size
     half_width = np.minimum(2 * np.sqrt(force / curvature), 0.4 * waves.period / tops.size)
     new, order = arrange(waves, tops, np.zeros(tops.size), half_width)

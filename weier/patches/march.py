@@ -20,7 +20,7 @@ from weier.patches.guess import (
     resampled,
     tails,
 )
-from weier.patches.settle import settle
+from weier.patches.settle import TooLargeError, settle
 from weier.patches.start import CELLS_PER_WAVE, coarse_start
 from weier.patches.topology import without_cramped
 from weier.profile import Profile
@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 DEEPEST = 8  # halvings of a step in ln(p)
 COARSE_EVERY = 3  # of these, boundary elements are tried
+FAR_STEP = 2.0  # in load, from which on boundary elements are tried before the tangent
 LIGHTER = 4.0  # factor to lighter loads, until a single contact is enough
 MOST_LIGHTER = 30
 NARROWEST = 0.01  # of a half-width squared, kept by the predictor
@@ -58,13 +59,14 @@ def solutions(
 
 def first(profile: Profile, surface: Surface, load: float, tolerance: float) -> tuple[State, int]:
     """A solution with no neighbour: from Hertz or boundary elements, else by way of lighter loads."""
-    starts = [lambda: coarse_start(profile, surface, load), lambda: hertz_start(surface, load, False)]
-    lone = hertz_start(surface, load, False).segments.half_width.max()
-    if lone * CELLS_PER_WAVE < profile.period / profile.wavenumber[-1]:
-        starts.reverse()  # boundary elements could not see it
-    for start in starts:
+    tiny = _narrowest(hertz_start(surface, load, False).segments, profile) < 1
+    for hertzian in (tiny, not tiny):  # boundary elements do not see a tiny contact
         try:
-            return settle(surface, start(), load, tolerance)
+            guess = hertz_start(surface, load, False) if hertzian else coarse_start(profile, surface, load)
+            return settle(surface, guess, load, tolerance)
+        except TooLargeError:
+            if not hertzian:
+                raise
         except ConvergenceError:
             continue
     lighter = load
@@ -83,20 +85,27 @@ def following(
     profile: Profile, surface: Surface, state: State, load: float, tolerance: float, depth: int = 0
 ) -> tuple[State, int]:
     """The solution of the next load; where the step fails, through loads in between."""
-    try:
-        return settle(surface, predicted(surface, state, load, tolerance), load, tolerance)
-    except ConvergenceError:
-        if depth == DEEPEST:
-            raise
-    if depth % COARSE_EVERY == 0:
+    far = depth == 0 and load > FAR_STEP * state.load and _narrowest(state.segments, profile) > 1
+    ways = (True, False) if far else (False, True) if depth % COARSE_EVERY == 0 else (False,)
+    for coarse in ways:
         try:
-            return settle(surface, coarse_start(profile, surface, load), load, tolerance)
+            guess = coarse_start(profile, surface, load) if coarse else predicted(surface, state, load, tolerance)
+            return settle(surface, guess, load, tolerance)
+        except TooLargeError:
+            if coarse:
+                raise
         except ConvergenceError:
-            pass
+            if depth == DEEPEST:
+                raise
     between = float(np.sqrt(state.load * load))
     middle, steps = following(profile, surface, state, between, tolerance, depth + 1)
     end, more = following(profile, surface, middle, load, tolerance, depth + 1)
     return end, steps + more
+
+
+def _narrowest(contacts: Segments, profile: Profile) -> float:
+    """Half-width of the narrowest segment in cells of the coarse grid."""
+    return float(contacts.half_width.min()) * CELLS_PER_WAVE * profile.wavenumber[-1] / profile.period
 
 
 def predicted(surface: Surface, state: State, load: float, tolerance: float) -> Guess:

@@ -16,10 +16,15 @@ from weier.patches.waves import Waves
 Array = NDArray[np.float64]
 
 MOST_ROUNDS = 16
-MOST_UNKNOWNS = 6000
+MOST_CRAMPED_ROUNDS = 6  # of these, in a row, that only join and remove segments: the start was no good
+MOST_UNKNOWNS = 8000  # a dense matrix of 0.5 GB, 15 s a step
 MANY_UNKNOWNS = 400  # from here on a Newton step costs more than a look at all signs
 LOOSE = 1e-3  # last Newton step before that look
 CERTIFIED = 100  # residual that is accepted, in units of the tolerance
+
+
+class TooLargeError(ConvergenceError):
+    """More unknowns than a dense matrix should hold."""
 
 
 def settle(surface: Surface, guess: Guess, load: float, tolerance: float) -> tuple[State, int]:
@@ -30,19 +35,21 @@ def settle(surface: Surface, guess: Guess, load: float, tolerance: float) -> tup
     ConvergenceError
         If Newton stalls, the corrections do not come to rest, or the solution fails its certificate.
     """
-    steps, size, checked = 0, float("nan"), False
+    steps, cramped, size, checked = 0, 0, float("nan"), False
     for _ in range(MOST_ROUNDS):
         guess = cheaper(surface, guess, load)
         unknowns = guess.phi.size + 2 * guess.segments.centre.size + 1
         if unknowns > MOST_UNKNOWNS:
-            raise ConvergenceError(
+            raise TooLargeError(
                 f"the contacts under the mean pressure {load:.6g} p_0* need {unknowns} unknowns, more than "
                 f"{MOST_UNKNOWNS}; take boundary elements"
             )
         loose = unknowns > MANY_UNKNOWNS and not checked
-        found = _newton(surface, guess, load, LOOSE if loose else tolerance)
+        state, found = newton_from(surface, guess, load, LOOSE if loose else tolerance)
         steps, size = steps + found.steps, found.size
-        state = _as_solution(guess, load, found, surface.heights.period)
+        cramped = cramped + 1 if found.status == TOPOLOGY else 0
+        if cramped > MOST_CRAMPED_ROUNDS:
+            break
         if found.status == TOPOLOGY:
             guess, checked = without_cramped(surface, state, found.closing, found.vanishing), False
             continue
@@ -62,25 +69,22 @@ def settle(surface: Surface, guess: Guess, load: float, tolerance: float) -> tup
     raise ConvergenceError(f"the contacts under the mean pressure {load:.6g} p_0* did not settle", size)
 
 
-def _newton(surface: Surface, guess: Guess, load: float, tolerance: float) -> Iterate:
+def newton_from(surface: Surface, guess: Guess, load: float, tolerance: float) -> tuple[State, Iterate]:
+    """Where Newton's method leads, with no check: the state, and how it went.
+
+    Raises
+    ------
+    ConvergenceError
+        If the equations are singular.
+    """
+    waves = surface.of(guess.dual)
     try:
-        return newton(
-            guess.segments,
-            guess.phi,
-            guess.approach,
-            surface.of(guess.dual),
-            load,
-            guess.dual,
-            tolerance,
-        )
+        found = newton(guess.segments, guess.phi, guess.approach, waves, load, guess.dual, tolerance)
     except np.linalg.LinAlgError:
         raise ConvergenceError(f"singular equations under the mean pressure {load:.6g} p_0*") from None
-
-
-def _as_solution(guess: Guess, load: float, found: Iterate, period: float) -> State:
-    placed = moved(guess.segments, found.centre, found.half_width, period)
+    placed = moved(guess.segments, found.centre, found.half_width, waves.period)
     coefficient = expand(placed, found.phi)
-    return State(guess.dual, load, found.approach, placed, found.phi, coefficient, found.sensitivity)
+    return State(guess.dual, load, found.approach, placed, found.phi, coefficient, found.sensitivity), found
 
 
 def residual(surface: Surface, state: State) -> float:
@@ -91,7 +95,7 @@ def residual(surface: Surface, state: State) -> float:
     Potentials in closed form, at the nodes: neither the matrix nor the points of the collocation. The gap of a
     contact counts as it is; the pressure in a gap counts by what it would displace over the gap's width.
     """
-    return float(_violation(state, surface.of(state.dual)).max())
+    return float(np.max(_violation(state, surface.of(state.dual))))
 
 
 @kernel
@@ -117,7 +121,7 @@ def _certify(surface: Surface, state: State, tolerance: float) -> None:
     reached = residual(surface, state) / (state.load * period if state.dual else state.approach)
     if not state.dual:
         carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first[:-1]])
-        reached = max(reached, abs(carried / (state.load * period) - 1))
+        reached = max(reached, abs(float(carried) / (state.load * period) - 1))
     if not reached <= CERTIFIED * tolerance:
         raise ConvergenceError(
             f"the contacts under the mean pressure {state.load:.6g} p_0* miss their conditions by {reached:.1e}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -72,7 +73,7 @@ def solution(surface: Surface, state: State | None, mean_pressure: float) -> Sol
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
     segments, period = state.segments, surface.heights.period
     first = segments.first
-    ends = np.array([_ends(state.coefficient[a:b]) for a, b in zip(first[:-1], first[1:], strict=True)])
+    ends = np.array([_ends(state.coefficient[a:b]) for a, b in pairwise(first)])
     strength = ends * np.sqrt(2 / segments.half_width)[:, None]
     left = segments.origin + (segments.centre - segments.half_width)
     half_width, mean_gap = segments.half_width, surface.heights.top - state.approach

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import fft
-from weier.bem.curve import nested_grids
+from weier.bem.curve import full_contact, nested_grids
 from weier.errors import ConvergenceError
 from weier.patches.guess import Guess, Surface, arrange
 from weier.patches.waves import nearest_summit, offset
@@ -32,7 +32,8 @@ def coarse_start(profile: Profile, surface: Surface, load: float) -> Guess:
     middle = 0.5 * (starts + ends) * h
     summit = np.array([nearest_summit(waves, x) for x in middle])
     centre = np.array([offset(waves, j, x) for j, x in zip(summit, middle, strict=True)])
-    new, _ = arrange(waves, summit, centre, 0.5 * (ends - starts + 1) * h)
+    half_width = 0.5 * h * (ends - starts + 1.0)
+    new, _ = arrange(waves, summit, centre, half_width.astype(float))
     phi = np.empty(new.node.size)
     for j in range(new.centre.size):
         here = slice(new.first[j], new.first[j + 1])
@@ -44,16 +45,7 @@ def coarse_start(profile: Profile, surface: Surface, load: float) -> Guess:
 
 
 def _coarse_pressure(profile: Profile, load: float) -> Array:
-    points = CELLS_PER_WAVE * profile.wavenumber[-1]
-    hierarchy = nested_grids(profile, points, COARSE_TOLERANCE)
-    state = fft.make_state(points)
-    for level in range(hierarchy.points.size):
-        grid = fft.part_of_hierarchy(hierarchy, level)
-        part = fft.part_of_state(state, grid.height.size)
-        if level == 0:
-            part.pressure[:] = load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
-            part.contact[:] = part.pressure > 0
-        else:
-            fft.refine(grid.height.size // 2, part)
-        fft.solve_load(load, grid, part)
-    return part.pressure
+    hierarchy = nested_grids(profile, CELLS_PER_WAVE * profile.wavenumber[-1], COARSE_TOLERANCE)
+    state = fft.make_state(hierarchy.points[-1])
+    fft.descend(load, hierarchy, full_contact(hierarchy, load), state)
+    return state.pressure

@@ -68,14 +68,12 @@ def violations_outside(state: State, waves: Waves, tolerance: float) -> Births:
                 moved = x[i] - left + (where - y)
                 _note(births, found, state, waves, summit, where, least, min(moved, space[j] - moved))
                 found += 1
-    return Births(
-        births.summit[:found], births.y[:found], births.half_width[:found], births.curvature[:found]
-    )
+    return Births(births.summit[:found], births.y[:found], births.half_width[:found], births.curvature[:found])
 
 
 @kernel
 def _probes(waves: Waves, left: float, space: float) -> Array:
-    # Gathered at both ends, everywhere finer than the finest wave, and every summit in between.
+    # Gathered at both ends, everywhere finer than the finest wave, and every summit in between; in order.
     finest = 2 * np.pi / waves.frequency[-1]
     count = FEWEST_PROBES + int(np.ceil(0.5 * np.pi * PROBES_PER_WAVE * space / finest))
     x = np.empty(count + waves.place.size)
@@ -84,9 +82,13 @@ def _probes(waves: Waves, left: float, space: float) -> Array:
     for place in waves.place:
         top = place + waves.period * np.ceil((left - place) / waves.period)
         if left < top < left + space:
-            x[count] = top
+            i = count
+            while i > 0 and x[i - 1] > top:
+                x[i] = x[i - 1]
+                i -= 1
+            x[i] = top
             count += 1
-    return np.sort(x[:count])
+    return x[:count]
 
 
 @kernel
@@ -145,7 +147,10 @@ def violations_inside(state: State, tolerance: float) -> tuple[Indices, Array, A
     for j in range(first.size - 1):
         a = state.coefficient[first[j] : first[j + 1]]
         t, value = _signs(state.dual, a)
-        least = -tolerance * np.abs(value).max()
+        most = 0.0
+        for v in value:
+            most = max(most, abs(v))
+        least = -tolerance * most
         i = 0
         while i < t.size:
             if value[i] < least:

@@ -54,7 +54,7 @@ def waves(amplitude: Array, wavenumber: list[int], phase: Array, period: float) 
     top = float(height.max())
     rise = height - top
     rise[rise > -ROUNDING * np.abs(amplitude).sum()] = 0.0
-    return Waves(amplitude, frequency, float(period), x, np.cos(theta), np.sin(theta), rise, top)
+    return Waves(amplitude, frequency, float(period), x.astype(float), np.cos(theta), np.sin(theta), rise, top)
 
 
 @kernel
@@ -91,8 +91,6 @@ def nearest_summit(waves: Waves, x: float) -> int:
         if d < best:
             best, where = d, j
     return where
-
-
 
 
 @kernel

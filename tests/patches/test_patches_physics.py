@@ -1,0 +1,221 @@
+"""What any solution must obey: complementarity, energy, symmetry, and exponential convergence."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from weier import ConvergenceError, Profile, patches
+from weier.patches import settle
+from weier.patches.collocation import CONVERGED
+from weier.patches.guess import arrange, carried_over, surface
+from weier.patches.march import first
+
+THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+LOADS = np.geomspace(1e-3, 2, 40)
+
+
+def assert_complementary(profile: Profile, load: float, points: int = 4001) -> patches.Solution:
+    """p >= 0, gap >= 0, p gap = 0, on a grid that has nothing to do with the solver's nodes."""
+    solution = patches.solve_load(profile, load)
+    x = (np.arange(points) + 0.5) * (profile.period / points)
+    p, gap = solution.pressure(x), solution.gap(x)
+    inside = np.zeros(points, bool)
+    for left, right in solution.edges:
+        inside |= (x - left) % profile.period < right - left
+    assert np.all(p[inside] > 0)
+    assert np.all(gap[~inside] > 0)
+    assert np.all(p * gap == 0)
+    return solution
+
+
+def random_case(seed: int) -> tuple[Profile, float]:
+    rng = np.random.default_rng(seed)
+    gamma = (2, 3, 4, 5, "5/2", "7/2")[rng.integers(6)]
+    m = int(rng.integers(1, 4))
+    profile = Profile(rng.uniform(1.05, 1.95), gamma, m, rng.uniform(0, 2 * np.pi, m))
+    return profile, float(np.exp(rng.uniform(np.log(1e-8), np.log(surface(profile).full_load))))
+
+
+def test_random_cases_are_complementary():
+    for seed in range(40):
+        profile, load = random_case(seed)
+        solution = assert_complementary(profile, load)
+        period = profile.period
+        x = np.concatenate([np.linspace(left, right, 9) for left, right in solution.edges])
+        flat = solution.mean_gap - profile.height(x) + solution.displacement(x)
+        np.testing.assert_allclose(flat, 0, atol=1e-12)
+        count, phi = 60, 0.0  # the load, by a quadrature of its own
+        s = np.cos(np.arange(1, count + 1) * (np.pi / (count + 1)))
+        for centre, half_width in zip(solution.centre, solution.half_width, strict=True):
+            p = solution.pressure(centre + half_width * s)
+            phi += half_width * np.sum(p * np.sqrt((1 - s) * (1 + s))) * np.pi / (count + 1)
+        assert phi / period == pytest.approx(load, rel=1e-6)  # x is rounded within contacts as short as 1e-4
+
+
+@pytest.mark.parametrize("load", [0.03, 0.7, 2.5])
+def test_pressure_and_displacement_are_fourier_pairs(load):
+    solution = patches.solve_load(THREE_WAVES, load)
+    points = 2**14
+    x = np.arange(points) / points
+    p, u = np.fft.rfft(solution.pressure(x)), np.fft.rfft(solution.displacement(x))
+    k = np.arange(1, 200)
+    # The sampled square roots at the edges leave k^-3/2 of error.
+    np.testing.assert_allclose(u[k] * k / points, p[k] / points, atol=3e-5)
+    assert solution.gap(x).mean() == pytest.approx(solution.mean_gap, abs=1e-8)
+
+
+def test_edges_carry_no_singularity():
+    solution = patches.solve_load(THREE_WAVES, 1.0)
+    s = 1e-8
+    for (left, right), (at_left, at_right) in zip(solution.edges, solution.edge_strength, strict=True):
+        inside = solution.pressure([left + s, right - s]) / np.sqrt(s)
+        outside = solution.gap([left - 1e3 * s, right + 1e3 * s]) / (4 / 3 * np.pi * (1e3 * s) ** 1.5)
+        np.testing.assert_allclose(inside, [at_left, at_right], rtol=1e-4)
+        np.testing.assert_allclose(outside, [at_left, at_right], rtol=3e-2)
+
+
+def test_work_is_the_elastic_energy():
+    low, high = 0.02, 0.06  # without an event between
+    assert patches.events(THREE_WAVES, low, high).mean_pressure.size == 0
+    s, w = np.polynomial.legendre.leggauss(12)
+    loads = 0.5 * (low + high) + 0.5 * (high - low) * s
+    work = 0.5 * (high - low) * np.sum(w * loads * patches.curve(THREE_WAVES, loads).resistance)
+    gained = elastic_energy(high) - elastic_energy(low)
+    assert gained == pytest.approx(work, rel=1e-10)
+
+
+def elastic_energy(load: float) -> float:
+    """Half the mean of p u, by Gauss's quadrature on every contact."""
+    solution = patches.solve_load(THREE_WAVES, load)
+    s = np.cos(np.arange(1, 61) * (np.pi / 61))
+    total = 0.0
+    for centre, half_width in zip(solution.centre, solution.half_width, strict=True):
+        x = centre + half_width * s
+        density = solution.pressure(x) * solution.displacement(x)
+        total += half_width * np.sum(density * np.sqrt((1 - s) * (1 + s))) * np.pi / 61
+    return 0.5 * total
+
+
+def test_resistance_is_the_derivative_of_compliance():
+    step = 1e-4
+    for load in (0.05, 0.7, 2.2, 4.0):
+        before, _, after = patches.curve(THREE_WAVES, load * np.array([1 - step, 1, 1 + step])).compliance
+        exact = patches.curve(THREE_WAVES, load).resistance[0]
+        assert (after - before) / (2 * step * load) == pytest.approx(exact, rel=1e-6)
+
+
+def test_compliance_is_concave_and_contact_grows():
+    curve = patches.curve(THREE_WAVES, LOADS)
+    assert np.all(np.diff(curve.compliance) > 0)
+    assert np.all(np.diff(curve.resistance) < 0)
+    assert np.all(np.diff(curve.contact_fraction) > 0)
+    chord = np.diff(curve.compliance) / np.diff(LOADS)
+    assert np.all((chord < curve.resistance[:-1]) & (chord > curve.resistance[1:]))
+    assert curve.residual.max() < 1e-9
+    print(f"40 loads: {curve.seconds.sum():.2f} s, {curve.work.sum()} Newton steps")
+
+
+@pytest.mark.parametrize("load", [1e-6, 0.3, 2.0])
+def test_translation_and_mirror_change_nothing(load):
+    phase, waves = THREE_WAVES.phase, np.array(THREE_WAVES.wavenumber)
+    shift = 0.237
+    there = Profile(1.25, 5, 3, phase - 2 * np.pi * waves * shift)
+    mirrored = Profile(1.25, 5, 3, -phase)
+    here = patches.solve_load(THREE_WAVES, load)
+    a, b, c = (patches.curve(profile, load) for profile in (THREE_WAVES, there, mirrored))
+    for other in (b, c):
+        assert other.indentation[0] == pytest.approx(a.indentation[0], rel=1e-11)
+        assert other.resistance[0] == pytest.approx(a.resistance[0], rel=1e-9)
+        assert other.contact_fraction[0] == pytest.approx(a.contact_fraction[0], rel=1e-10)
+    moved = np.sort(patches.solve_load(there, load).centre % 1)
+    np.testing.assert_allclose(moved, np.sort((here.centre + shift) % 1), atol=1e-11)
+    turned = np.sort(patches.solve_load(mirrored, load).centre % 1)
+    np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
+
+
+@pytest.mark.parametrize(("load", "counts"), [(0.05, range(4, 13)), (0.7, range(12, 29, 2))])
+def test_convergence_is_exponential_in_nodes(load, counts):
+    seen = surface(THREE_WAVES)
+    state, _ = first(THREE_WAVES, seen, load, 1e-12)
+    old, errors = state.segments, []
+    for count in counts:
+        same = np.full(old.centre.size, count)
+        guess, _ = carried_over(seen, state, old.summit, old.centre, old.half_width, same)
+        fewer, found = settle.newton_from(seen, guess, load, 1e-12)
+        assert found.status == CONVERGED
+        errors.append(abs(fewer.approach / state.approach - 1) + 1e-16)
+    rate = -np.polyfit(counts, np.log(errors), 1)[0]
+    print(f"load {load}: error falls {np.exp(rate):.1f} times a node; {errors[0]:.0e} to {errors[-1]:.0e}")
+    assert rate > 0.5
+    assert errors[-1] < 1e-9
+
+
+def test_contacts_and_gaps_are_one_solution():
+    """The two problems, for pressure in contacts and for slope in gaps, have nothing but the profile in common."""
+    seen = surface(THREE_WAVES)
+    load = 2.5
+    dual, _ = first(THREE_WAVES, seen, load, 1e-10)
+    assert dual.dual
+    gaps = patches.solve_load(THREE_WAVES, load)
+    heights = seen.heights
+    summit = np.array([np.argmin(np.abs((heights.place - x + 0.5) % 1 - 0.5)) for x in gaps.centre])
+    centre = (gaps.centre - heights.place[summit] + 0.5) % 1 - 0.5
+    placed, order = arrange(heights, summit, centre, gaps.half_width * 0.999, np.full(summit.size, 80))
+    phi = [gaps.pressure(gaps.centre[j] + gaps.half_width[j] * placed.node[:80] * 0.999) for j in order]
+    phi = np.concatenate(phi) / np.sqrt(1 - placed.node**2)
+    start = settle.Guess(False, placed, phi, 0.0)
+    primal, found = settle.newton_from(seen, start, load, 1e-10)
+    assert found.status == CONVERGED
+    assert primal.approach == pytest.approx(heights.top + dual.approach, abs=1e-10)
+    assert primal.sensitivity[-1] == pytest.approx(dual.sensitivity[-1], rel=1e-8)
+
+
+def test_events_are_where_the_contacts_change():
+    found = patches.events(THREE_WAVES, 0.3, 10.0)
+    assert found.patch_count[-1] == 0
+    assert np.all(np.diff(found.mean_pressure) >= 0)
+    kinds = list(zip(found.mean_pressure, found.patch_count, found.birth, strict=True))
+    for load, count, birth in kinds[:-1:4]:
+        around = patches.curve(THREE_WAVES, load * np.array([1 - 1e-5, 1 + 1e-5])).patch_count
+        assert around[1] == count
+        assert around[1] - around[0] == (1 if birth else -1)
+
+
+def test_events_of_symmetric_profiles_come_in_pairs():
+    found = patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
+    np.testing.assert_array_equal(found.birth, [True, False, False])
+    np.testing.assert_array_equal(found.patch_count, [2, 1, 0])
+    assert found.x[0] == pytest.approx(0.5, abs=1e-6)
+    assert found.x[1] + found.x[2] == pytest.approx(1)
+    merge = patches.events(Profile(1.25, 2, 2, (0.0, np.pi)), 1e-3, 1.0)
+    np.testing.assert_array_equal(merge.birth, [False])
+
+
+def test_contacts_only_grow():
+    for less, more in pairwise(patches.edges(THREE_WAVES, LOADS[::3])):
+        for left, right in less:
+            assert np.any((left - more[:, 0]) % 1 + (right - left) <= more[:, 1] - more[:, 0])
+
+
+@pytest.mark.parametrize("loads", [0.0, [1.0, 1.0], [2.0, 1.0], [-1.0], [np.nan]])
+def test_loads_must_rise_from_zero(loads):
+    with pytest.raises(ValueError, match="mean_pressure must be positive and strictly increasing"):
+        patches.curve(THREE_WAVES, loads)
+
+
+def test_tolerance_within_reach():
+    with pytest.raises(ValueError, match="tolerance must lie in"):
+        patches.curve(THREE_WAVES, 0.1, tolerance=1e-17)
+
+
+def test_what_cannot_be_solved_raises(monkeypatch):
+    monkeypatch.setattr(settle, "MOST_UNKNOWNS", 20)
+    with pytest.raises(ConvergenceError, match="unknowns, more than 20"):
+        patches.curve(THREE_WAVES, 2.0)
+
+
+def test_a_failed_certificate_raises(monkeypatch):
+    monkeypatch.setattr(settle, "residual", lambda *_: 1e-3)
+    with pytest.raises(ConvergenceError):
+        patches.curve(THREE_WAVES, 0.1)

@@ -1,0 +1,112 @@
+"""The benchmark's own code, on tiny grids and without the programs it compares with; no time is asserted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from benchmarks import command, measure, report
+from benchmarks.contenders import CONTENDERS
+from benchmarks.problem import Problem, Truth, fourier, judge, linear_elements
+from weier import Profile, dataset, westergaard
+
+PROFILE = Profile(1.25, 5, 1)
+LOADS = np.geomspace(0.05, 1.5, 4)
+KNOWN = Truth(westergaard.compliance(LOADS), "westergaard", 1e-5)
+TOLERANCE = 1e-8
+
+
+@pytest.fixture(scope="module")
+def compared() -> xr.Dataset:
+    """The fast and the dense solver, the latter not asked for the finer grid."""
+    plan = {32: ["weier", "dense"], 64: ["weier"]}
+    return measure.compare(PROFILE, LOADS, plan, TOLERANCE, 2, KNOWN, lambda text: None)
+
+
+def made_up(repeats: int = 2) -> xr.Dataset:
+    """All contenders on two sizes, with numbers that no one measured."""
+    data = measure.blank({512: list(CONTENDERS), 2048: list(CONTENDERS)}, LOADS, repeats)
+    for rank, name in enumerate(data["program"].values):
+        row = data.sel({"program": name})
+        for variable in ("work", "compliance", "residual", "load_error", "own_tolerance", "error"):
+            row[variable].values[:] = TOLERANCE / (rank + 1)
+        row["converged"].values[:] = 1
+        row["seconds"].values[:] = 0.1 * (rank + 1)
+    return data.assign_attrs(
+        D=1.25, gamma="5", m=1, tolerance=TOLERANCE, truth_method="patches", truth_seconds=0.05,
+        packages="numpy 2", machine="a computer", comment="Made up.",
+    )  # fmt: skip
+
+
+def test_the_dense_inversion_solves_the_same_system(compared):
+    coarse = compared.sel(points=32)
+    weier, dense = (coarse["compliance"].sel(program=name) for name in ("weier", "dense"))
+    assert weier.values == pytest.approx(dense.values, abs=10 * TOLERANCE)
+    assert compared["residual"].max() <= TOLERANCE
+    assert compared["load_error"].max() <= 1e-12
+    coarse_error, fine_error = compared["error"].sel(program="weier").values
+    assert fine_error < coarse_error < 5e-3
+    assert np.isnan(compared["seconds"].sel(program="dense", points=64)).all()
+    assert np.all(measure.wrong(compared) == 0)
+    assert np.all(measure.failed(compared) == 0)
+
+
+def test_the_judge_finds_what_is_wrong():
+    """Full contact is exact in both discretisations; a shifted, a scaled and a pulling pressure are not."""
+    problem = Problem(PROFILE, np.array([2.0]), 64, TOLERANCE)
+    for operator in (linear_elements, fourier):
+        eigenvalue = operator(64, 1.0)
+        inverse = np.concatenate([[0.0], 1 / eigenvalue[1:]])
+        pressure = 2.0 + np.fft.irfft(inverse * np.fft.rfft(problem.height), 64)
+        right = judge(problem, problem.height, eigenvalue, 2.0, pressure)
+        assert right.compliance == pytest.approx(1.0, abs=1e-12)
+        assert max(right.residual, right.load_error) <= 1e-12
+        assert judge(problem, problem.height, eigenvalue, 2.0, np.roll(pressure, 1)).residual > 1e-2
+        assert judge(problem, problem.height, eigenvalue, 2.0, 1.1 * pressure).load_error == pytest.approx(0.1)
+        assert judge(problem, problem.height, eigenvalue, 2.0, pressure - 1.5).residual > 1e-3
+
+
+def test_the_table_tells_ratios_and_lies():
+    data = made_up()
+    data["residual"].loc[{"program": "tamaas", "points": 512}] = 1e-3
+    data["converged"].loc[{"program": "contact_mechanics", "points": 512, "mean_pressure": LOADS[0]}] = 0
+    lines = {
+        tuple(cell.strip() for cell in line.split("|")[1:3]): line for line in report.table(data).splitlines()[9:]
+    }
+    assert "| 3 |" in lines["512", "tamaas"]
+    assert "4 said to have converged" in lines["512", "tamaas"]
+    assert "1 given up" in lines["512", "ContactMechanics"]
+    assert lines["2048", "tamaas"].endswith("| 0 |")
+
+
+def test_the_same_numbers_give_the_same_files(compared, tmp_path: Path):
+    for folder in ("one", "two"):
+        report.write_table(compared, tmp_path / folder / "benchmark.md")
+        report.draw(compared, tmp_path / folder / "benchmark.pdf")
+    for suffix in ("md", "pdf", "svg", "png"):
+        one, two = ((tmp_path / folder / f"benchmark.{suffix}").read_bytes() for folder in ("one", "two"))
+        assert one == two
+
+
+def test_the_file_holds_everything(compared, tmp_path: Path):
+    dataset.write(compared, tmp_path / "benchmark.nc", "test")
+    with xr.open_dataset(tmp_path / "benchmark.nc") as read:
+        xr.testing.assert_equal(read.load(), compared)
+        assert compared.attrs.items() <= {**read.attrs, "phase": compared.attrs["phase"]}.items()
+
+
+def test_who_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys):
+    monkeypatch.setattr(command, "find_spec", lambda package: None)
+    assert command.installed(list(CONTENDERS)) == ["weier", "weier_resistance", "dense"]
+    assert 'pip install ".[bench]"' in capsys.readouterr().err
+
+
+def test_sizes_may_be_powers():
+    parameter = command.main.params[0]
+    assert command.numbers(None, parameter, "512, 2^17,") == [512, 2**17]
+    assert command.numbers(None, parameter, "") == []
+    with pytest.raises(command.click.BadParameter, match="whole numbers"):
+        command.numbers(None, parameter, "512;1024")

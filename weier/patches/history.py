@@ -1,0 +1,222 @@
+"""The loads at which contacts are born or merge: there dh/dp has its kinks.
+
+The contact only grows with the load (the incremental problem is a flat punch on the contact, whose pressure is
+nowhere negative), so contacts are born, grow and merge, and never split or vanish.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from weier.errors import ConvergenceError
+from weier.jit import kernel
+from weier.patches.collocation import CONVERGED, spaces
+from weier.patches.curve import TOLERANCE, check_tolerance, checked_loads
+from weier.patches.fields import State, clearance, density, opening
+from weier.patches.guess import Surface, surface
+from weier.patches.march import first, following, predicted
+from weier.patches.settle import newton_from
+from weier.patches.solution import solution
+from weier.patches.waves import Waves, nearest_summit, offset
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+STEPS_PER_DECADE = 16
+NARROW = 0.02  # of ln(p): within it a lone event is looked for by secants
+NARROWEST = 1e-9  # of ln(p): events closer than this are of one load
+ACCURACY = 1e-13  # of the load
+SAMPLES = 32  # between which the least gap or pressure is refined
+SEARCH_STEPS = 40
+GOLDEN = 0.6180339887498949
+JUMP = 0.3  # of ln(half-width), from prediction to solution: something happened in between
+
+
+class Events(NamedTuple):
+    """Births and merges in rising order of load, each of shape (events,).
+
+    mean_pressure : load, in p_0*
+    birth : whether a contact is born; else two contacts merge
+    x : where, in lambda_0, in [0, period)
+    patch_count : contacts in one period just above the load; 0 once contact is full
+    """
+
+    mean_pressure: Array
+    birth: NDArray[np.bool_]
+    x: Array
+    patch_count: NDArray[np.int64]
+
+
+class _Event(NamedTuple):
+    """A contact born, or a gap closed, somewhere in [left, right]."""
+
+    birth: bool
+    left: float
+    right: float
+
+
+def events(profile: Profile, low: float, high: float, tolerance: float = TOLERANCE) -> Events:
+    """All births and merges of contacts between two mean pressures.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    low, high : float
+        Positive, in p_0*. What is in contact at `low` already is not reported; beyond full contact nothing is.
+    tolerance : float
+        As in `curve`.
+
+    Returns
+    -------
+    Events
+        Loads to about 1e-10 of themselves, by root-finding on the load.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not positive and increasing.
+    ConvergenceError
+        If a load on the way cannot be solved.
+
+    """
+    checked_loads([low, high])
+    check_tolerance(tolerance)
+    seen = surface(profile)
+    reach = min(high, seen.full_load * (1 - NARROWEST))
+    if low >= reach:
+        return _gathered([], 0, seen)
+    count = 2 + int(np.ceil(STEPS_PER_DECADE * np.log10(reach / low)))
+    search = _Search(profile, seen, tolerance)
+    state, _ = first(profile, seen, low, tolerance)
+    patches = state.segments.centre.size
+    found: list[tuple[float, _Event]] = []
+    for load in np.geomspace(low, reach, count)[1:]:
+        after, _ = following(profile, seen, state, float(load), tolerance)
+        found += search.between(state, after)
+        state = after
+    if high >= seen.full_load:
+        gaps = solution(seen, state, reach).edges
+        for left, right in zip(gaps[:, 1], np.roll(gaps[:, 0], -1), strict=True):
+            found.append((seen.full_load, _Event(False, left, left + (right - left) % seen.heights.period)))
+    return _gathered(found, patches, seen)
+
+
+def _gathered(found: list[tuple[float, _Event]], patches: int, seen: Surface) -> Events:
+    found = sorted(found, key=lambda item: item[0])
+    birth = np.array([event.birth for _, event in found], bool)
+    middle = np.array([0.5 * (event.left + event.right) for _, event in found])
+    change = np.where(birth, 1, -1)
+    return Events(
+        np.array([load for load, _ in found]),
+        birth,
+        middle - seen.heights.period * np.floor(middle / seen.heights.period),
+        patches + np.cumsum(change, dtype=np.int64),
+    )
+
+
+class _Search(NamedTuple):
+    """Bisection on ln(p) until events stand alone, then root-finding."""
+
+    profile: Profile
+    seen: Surface
+    tolerance: float
+
+    def between(self, low: State, high: State) -> list[tuple[float, _Event]]:
+        """Events between two solutions, each with its load."""
+        width = float(np.log(high.load / low.load))
+        happened = _differences(self.seen, low, high)
+        if not happened and (width < NARROW or not self._jumps(low, high)):
+            return []
+        if width < NARROWEST:
+            return [(high.load, event) for event in happened]
+        if len(happened) == 1 and width < NARROW:
+            try:
+                return [self._located(low, high, happened[0])]
+            except (ConvergenceError, ValueError):
+                pass  # other events are too near for the contacts of one side to be followed to the other
+        middle, _ = following(self.profile, self.seen, low, float(np.sqrt(low.load * high.load)), self.tolerance)
+        return self.between(low, middle) + self.between(middle, high)
+
+    def _jumps(self, low: State, high: State) -> bool:
+        guess = predicted(self.seen, low, high.load, self.tolerance)
+        period = self.seen.heights.period
+        expected, reached = (
+            0.5 * spaces(s, period) if dual else s.half_width
+            for dual, s in ((guess.dual, guess.segments), (high.dual, high.segments))
+        )
+        if expected.size != reached.size:
+            return True
+        return bool(np.abs(np.log(np.sort(reached) / np.sort(expected))).max() > JUMP)
+
+    def _located(self, low: State, high: State, event: _Event) -> tuple[float, _Event]:
+        # The gap before a birth, and the pressure after a merge, touch 0 at the event: from the side on which
+        # they are positive, the contacts are followed to the other.
+        start = low if event.birth else high
+        place = [0.0]
+
+        def least(load: float) -> float:
+            state, found = newton_from(
+                self.seen, predicted(self.seen, start, load, self.tolerance), load, self.tolerance
+            )
+            if found.status != CONVERGED or state.segments.centre.size != start.segments.centre.size:
+                raise ConvergenceError("the contacts change on the way", found.size)
+            place[0], value = _least(state, self.seen.of(state.dual), event.birth, event.left, event.right)
+            return value
+
+        load = float(brentq(least, low.load, high.load, xtol=ACCURACY * low.load, rtol=ACCURACY))
+        least(load)
+        return load, _Event(event.birth, place[0], place[0])
+
+
+def _differences(seen: Surface, low: State, high: State) -> list[_Event]:
+    """Contacts of `high` that hold none of `low`, and gaps of `low` within a contact of `high`."""
+    before, after = (solution(seen, state, state.load) for state in (low, high))
+    period, found = seen.heights.period, []
+    for left, right in after.edges:
+        order = np.argsort((before.centre - left) % period)
+        inside = order[(before.centre[order] - left) % period < right - left]
+        if inside.size == 0:
+            found.append(_Event(True, left, right))
+        for i, j in pairwise(inside):
+            end = before.centre[i] + before.half_width[i]
+            width = (before.centre[j] - before.half_width[j] - end) % period
+            found.append(_Event(False, end, end + width))
+    return found
+
+
+@kernel
+def _least(state: State, waves: Waves, of_gap: bool, left: float, right: float) -> tuple[float, float]:
+    """Place and value of the least gap or pressure in [left, right], not cut off at 0."""
+    step = (right - left) / (SAMPLES + 1)
+    best, least = left + step, np.inf
+    for i in range(1, SAMPLES + 1):
+        value = _signed(state, waves, of_gap, left + i * step)
+        if value < least:
+            best, least = left + i * step, value
+    a, b = best - step, best + step
+    for _ in range(SEARCH_STEPS):
+        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+        if _signed(state, waves, of_gap, c) < _signed(state, waves, of_gap, d):
+            b = d
+        else:
+            a = c
+    middle = 0.5 * (a + b)
+    return middle, _signed(state, waves, of_gap, middle)
+
+
+@kernel
+def _signed(state: State, waves: Waves, of_gap: bool, x: float) -> float:
+    # The gap before a birth lies off the contacts, the pressure after a merge on them.
+    summit = nearest_summit(waves, x)
+    y = offset(waves, summit, x)
+    if of_gap != state.dual:
+        return clearance(state, waves, summit, y)
+    if of_gap:
+        return opening(state, waves.period, waves.place[summit], y)
+    return density(state, waves.period, waves.place[summit], y)
