@@ -28,7 +28,7 @@ def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dat
 
     """
     cases = list(cases)
-    data = dataset.blank(len(cases), scene.methods, scene.loads, scene.terms)
+    data = dataset.blank(len(cases), scene.methods, scene.loads, scene.terms, scene.edges)
     cost = dataset.blank_cost(len(cases), scene.methods)
     for number, case in enumerate(cases):
         start = perf_counter()
@@ -64,7 +64,10 @@ def _solve_into(data: xr.Dataset, cost: xr.Dataset, scene: Scene, number: int, c
         data["status"].values[place] = Status.not_converged
         return
     for name in curve.data_vars:
-        data[str(name)].values[place] = curve[name].values
+        if name != "contact_edge":
+            data[str(name)].values[place] = curve[name].values
+    if "contact_edge" in data and "contact_edge" in curve:
+        data["contact_edge"].values[number, :, : curve.sizes["edge"]] = curve["contact_edge"].values
     data["points"].values[place] = curve.attrs.get("points", np.nan)
     data["status"].values[place] = Status.solved
     cost["seconds"].values[place] = curve.attrs["seconds"]

@@ -60,6 +60,7 @@ VARIABLES = {
     "compliance_upper": Variable(CURVE, "upper bound on the compliance of the endless series", "g_0"),
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the endless series", "g_0/p_0*"),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the endless series", "g_0/p_0*"),
+    "indentation": Variable(CURVE, "compliance from first contact", "g_0"),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact"),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact"),
     "residual": Variable(CURVE, "largest violation of a contact condition", "g_0"),
@@ -68,6 +69,9 @@ VARIABLES = {
     "status": Variable(RUN, "whether and why there is a curve", dtype="i1"),
 }  # fmt: skip
 
+CONTACT_EDGE = Variable(
+    ("case", "mean_pressure", "edge"), "left and right edge of each contact, in turn, by method patches", "lambda_0"
+)
 SECONDS = Variable(RUN, "time to solve all loads", "s")
 
 COORDINATES = ("method", "mean_pressure", "key", "D", "gamma", "m", "phase")
@@ -81,17 +85,18 @@ PAPER = (
 
 def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) -> xr.Dataset:
     """One curve over mean_pressure; scalars among the values, and the settings, become attributes."""
-    arrays = {name: value for name, value in values.items() if np.ndim(value) == 1}
+    arrays = {name: value for name, value in values.items() if np.ndim(value) > 0}
     scalars = {name: value for name, value in values.items() if np.ndim(value) == 0}
-    data = xr.Dataset({name: ("mean_pressure", value, _attributes(name)) for name, value in arrays.items()})
+    data = xr.Dataset({name: (_over_loads(name), value, _attributes(name)) for name, value in arrays.items()})
     data = data.assign_coords(mean_pressure=("mean_pressure", loads, _attributes("mean_pressure")))
     return data.assign_attrs(normalisation=NORMALISED, references=PAPER, **{**settings, **scalars})
 
 
-def blank(cases: int, methods: Sequence[str], loads: Array, terms: int) -> xr.Dataset:
-    """Every variable of the table, for so many cases and terms, with nothing in it yet."""
-    sizes = {"case": cases, "method": len(methods), "mean_pressure": loads.size, "term": terms}
-    data = xr.Dataset({name: _blank(name, sizes) for name in VARIABLES}).set_coords(COORDINATES)
+def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0) -> xr.Dataset:
+    """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet."""
+    sizes = {"case": cases, "method": len(methods), "mean_pressure": loads.size, "term": terms, "edge": edges}
+    names = [*VARIABLES, *(["contact_edge"] if edges else [])]
+    data = xr.Dataset({name: _blank(name, sizes) for name in names}).set_coords(COORDINATES)
     data["status"].values[:] = Status.not_requested
     return data.assign_coords(
         method=("method", list(methods), _attributes("method")),
@@ -141,15 +146,23 @@ def read(path: str | Path) -> xr.Dataset:
     return data
 
 
+def _variable(name: str) -> Variable:
+    return (VARIABLES | {"contact_edge": CONTACT_EDGE, "seconds": SECONDS})[name]
+
+
+def _over_loads(name: str) -> tuple[str, ...]:
+    return tuple(dim for dim in _variable(name).dims if dim not in RUN)
+
+
 def _blank(name: str, sizes: Mapping[str, int]) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
-    variable = VARIABLES.get(name, SECONDS)
+    variable = _variable(name)
     shape = [sizes[dim] for dim in variable.dims]
     values = np.full(shape, np.nan) if variable.dtype == "f8" else np.zeros(shape, variable.dtype)
     return variable.dims, values, _attributes(name)
 
 
 def _attributes(name: str) -> dict[str, Any]:
-    variable = VARIABLES.get(name, SECONDS)
+    variable = _variable(name)
     normalised = variable.unit not in ("1", "rad", "s")
     attributes: dict[str, Any] = {
         "long_name": variable.long_name,

@@ -18,8 +18,9 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from weier.loads import checked_loads
 from weier.profile import Profile, random_phases
-from weier.solve import checked_loads, checked_method
+from weier.solve import checked_method
 
 Array = NDArray[np.float64]
 
@@ -75,6 +76,7 @@ class Scene:
     studies : cases of each study, in the order of the file
     figures, claims : what is made from the studies
     batch : most cases in one job
+    contact_edges : whether to keep the edges of all contacts
     """
 
     name: str
@@ -85,12 +87,19 @@ class Scene:
     figures: Mapping[str, Figure]
     claims: Mapping[str, tuple[str, ...]]
     batch: int
+    contact_edges: bool
 
     @cached_property
     def terms(self) -> int:
         """Terms of the longest finite series."""
         finite = [c.profile.terms for cases in self.studies.values() for c in cases if math.isfinite(c.profile.m)]
         return max(finite, default=1)
+
+    @property
+    def edges(self) -> int:
+        """Most edges of contact to keep a load: two for each of the finest waves in a period."""
+        finite = [c.profile for cases in self.studies.values() for c in cases if math.isfinite(c.profile.m)]
+        return max(2 * profile.wavenumber[-1] for profile in finite) if self.contact_edges else 0
 
     @cached_property
     def batches(self) -> dict[str, tuple[Case, ...]]:
@@ -130,7 +139,7 @@ class Scene:
     def definition(self, batch: str) -> str:
         """All that the numbers of a batch depend on, as text."""
         cases = [case.definition for case in self.batch_named(batch)]
-        return json.dumps([self.loads.tolist(), self.methods, self.terms, cases])
+        return json.dumps([self.loads.tolist(), self.methods, self.terms, self.edges, cases])
 
 
 def load(path: str | Path) -> Scene:
@@ -173,7 +182,17 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
                 if study not in studies:
                     raise SceneError(f"{path}: {what}.{name}: there is no study {study!r}, only {', '.join(studies)}")
     methods = dict.fromkeys(method for cases in studies.values() for case in cases for method in case.methods)
-    return Scene(path.stem, raw["title"], loads, tuple(methods), studies, figures, claims, raw.get("batch", BATCH))
+    return Scene(
+        path.stem,
+        raw["title"],
+        loads,
+        tuple(methods),
+        studies,
+        figures,
+        claims,
+        raw.get("batch", BATCH),
+        raw.get("contact_edges", False),
+    )
 
 
 def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) -> Iterator[Case]:

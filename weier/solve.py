@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from weier import archard, bem, dataset, demelio, layer, westergaard
+from weier import archard, bem, dataset, demelio, layer, patches, westergaard
+from weier.loads import checked_loads
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -49,7 +50,8 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     -------
     Dataset
         Over the dimension mean_pressure: compliance, in g_0, and resistance, in g_0/p_0*; the numerical methods
-        add contact_fraction, patch_count, residual and work. The attribute seconds is the time it took.
+        add contact_fraction, patch_count, residual and work, and
+        "patches" the indentation from first contact and the contact edges. The attribute seconds is the time it took.
 
     Raises
     ------
@@ -74,28 +76,6 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     answer = chosen.run(profile, loads, **settings)
     seconds = perf_counter() - start
     return dataset.curve(loads, answer._asdict(), {"method": method, **settings, "seconds": seconds})
-
-
-def checked_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array, if they are positive, finite and increasing.
-
-    Raises
-    ------
-    ValueError
-        If they are not.
-
-    """
-    loads = np.atleast_1d(np.asarray(mean_pressure, float))
-    if loads.ndim != 1 or loads.size == 0:
-        raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
-    for wrong, what in ((~np.isfinite(loads), "finite"), (loads <= 0, "positive")):
-        if wrong.any():
-            raise ValueError(f"mean_pressure must be {what}, got {loads[wrong][0]} at position {wrong.argmax()}")
-    falls = np.diff(loads) <= 0
-    if falls.any():
-        at = int(falls.argmax())
-        raise ValueError(f"mean_pressure must increase, got {loads[at]} before {loads[at + 1]}: sort the loads")
-    return loads
 
 
 class Method(NamedTuple):
@@ -138,6 +118,7 @@ METHODS = {
     "demelio": _closed_form(demelio),
     "layer": Method(_layer, layer.curve),
     "bem": _truncated(bem.curve),
+    "patches": _truncated(patches.curve),
 }
 
 

@@ -22,7 +22,9 @@ print(json.dumps([jit.disabled(), [[c.compliance.tolist(), c.resistance.tolist()
 
 def run(disabled):
     environment = os.environ | {"NUMBA_DISABLE_JIT": str(disabled)}
-    done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
+    )
     return json.loads(done.stdout)
 
 

@@ -71,6 +71,22 @@ def few_elements(cases: Cases) -> Measured:
     return Measured(text, abs(more), bool(abs(more) < AGREE_CLOSELY < abs(one)))
 
 
+def boundary_elements(cases: Cases) -> Measured:
+    """The error of the boundary elements themselves, against the exact contact edges."""
+    texts, ratios = [], []
+    for case in cases:
+        partial = _partial(case)
+        miss = np.abs(_curve(case, "bem") - _curve(case, "patches")).max()
+        R, exact = (_curve(case, method, "resistance")[partial] for method in ("bem", "patches"))
+        off = np.abs(R / exact - 1)
+        texts.append(
+            f"{_name(case)}: compliance within {miss:.1g} g_0, resistance within {np.median(off):.2%} for half of "
+            f"the loads and {off.max():.0%} for all"
+        )
+        ratios.append(float(off.max() / (miss / case["total_amplitude"])))
+    return Measured(_listed(texts), min(ratios), min(ratios) > 1)
+
+
 def phase_spread(cases: Cases) -> Measured:
     """How far the curves of different phases lie from each other and from their average, for two gamma."""
     groups = sorted(curves.groups(cases, "gamma"), key=lambda group: float(group[0]["gamma"]))

@@ -68,6 +68,12 @@ CLAIMS = {
         0.12,
         measures.resistance_errors,
     ),
+    "boundary_elements": Claim(
+        "The numerical resistance is rather sensitive to discretization errors (5.4).",
+        "least ratio of the largest relative errors of resistance and compliance",
+        np.nan,
+        measures.boundary_elements,
+    ),
     "fourth_term": Claim(
         "Additional fine scale features have a relatively small effect (5.5).",
         "largest change of the mean gap with the last term, of the compliance at full contact",

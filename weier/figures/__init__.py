@@ -16,6 +16,7 @@ from weier.files import replacing
 KINDS = (
     "borodich_galanov",
     "compliance",
+    "contact_tree",
     "phases",
     "profiles",
     "resistance",

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from weier.loads import checked_loads
 from weier.patches.fields import State
 from weier.patches.guess import Surface, surface
 from weier.patches.march import solutions
@@ -30,7 +30,7 @@ class Curve(NamedTuple):
     patch_count : contacts in one period; 0 in full contact
     residual : largest violation of a contact condition, on a freshly evaluated operator, in g_0
     work : Newton steps
-    seconds : time spent
+    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0; padded with NaN
     """
 
     compliance: Array
@@ -40,7 +40,7 @@ class Curve(NamedTuple):
     patch_count: NDArray[np.int64]
     residual: Array
     work: NDArray[np.int64]
-    seconds: Array
+    contact_edge: Array
 
 
 def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
@@ -76,13 +76,11 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     loads = checked_loads(mean_pressure)
     check_tolerance(tolerance)
     seen = surface(profile)
-    rows = np.empty((loads.size, 8))
-    start = perf_counter()
-    for row, (state, steps) in zip(rows, solutions(profile, seen, loads, tolerance), strict=True):
-        row[:6] = _measures(seen, state)
-        row[6:] = steps, perf_counter() - start
-        start = perf_counter()
-    compliance, indentation, resistance, fraction, count, miss, work, seconds = rows.T
+    rows, contacts = np.empty((loads.size, 7)), []
+    for i, (state, steps) in enumerate(solutions(profile, seen, loads, tolerance)):
+        rows[i] = *_measures(seen, state), steps
+        contacts.append(solution(seen, state, loads[i]).edges)
+    compliance, indentation, resistance, fraction, count, miss, work = rows.T
     return Curve(
         compliance,
         indentation,
@@ -91,8 +89,15 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
         count.astype(np.int64),
         miss,
         work.astype(np.int64),
-        seconds,
+        _padded(contacts),
     )
+
+
+def _padded(contacts: list[Array]) -> Array:
+    table = np.full((len(contacts), max(edges.size for edges in contacts)), np.nan)
+    for row, edges in zip(table, contacts, strict=True):
+        row[: edges.size] = edges.ravel()
+    return table
 
 
 def _measures(seen: Surface, state: State | None) -> tuple[float, float, float, float, int, float]:
@@ -151,20 +156,6 @@ def edges(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     Empty in full contact. For the figure of contacts against load.
     """
     return [at.edges for at in solve_loads(profile, mean_pressure, tolerance)]
-
-
-def checked_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array, if they rise from above 0.
-
-    Raises
-    ------
-    ValueError
-        If they do not.
-    """
-    loads = np.atleast_1d(np.asarray(mean_pressure, float))
-    if loads.ndim != 1 or not np.all(np.isfinite(loads)) or np.any(np.diff(loads, prepend=0.0) <= 0):
-        raise ValueError(f"mean_pressure must be positive and strictly increasing, got {mean_pressure!r}")
-    return loads
 
 
 def check_tolerance(tolerance: float) -> None:

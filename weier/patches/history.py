@@ -15,8 +15,9 @@ from scipy.optimize import brentq
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
+from weier.loads import checked_loads
 from weier.patches.collocation import CONVERGED, spaces
-from weier.patches.curve import TOLERANCE, check_tolerance, checked_loads
+from weier.patches.curve import TOLERANCE, check_tolerance
 from weier.patches.fields import State, clearance, density, opening
 from weier.patches.guess import Surface, surface
 from weier.patches.march import first, following, predicted

@@ -1,0 +1,103 @@
+"""What happens along the surface: pressure, gap and displacement under one load, and the events along all loads."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from weier import bem, patches
+from weier.dataset import NORMALISED
+from weier.loads import checked_loads
+from weier.profile import Profile
+
+ATTRIBUTES = {
+    "x": ("position along the surface", "lambda_0"),
+    "pressure": ("contact pressure", "p_0*"),
+    "gap": ("gap between flat and surface", "g_0"),
+    "displacement": (
+        "elastic displacement away from the flat, of mean 0: gap = mean gap - height + displacement",
+        "g_0",
+    ),
+    "left": ("left edge of a contact", "lambda_0"),
+    "right": ("right edge of a contact", "lambda_0"),
+    "left_strength": ("A at the left edge: p = A s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "right_strength": ("A at the right edge: p = A s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "mean_pressure": ("mean pressure of the event", "p_0*"),
+    "birth": ("1 where a contact is born, 0 where two merge", "1"),
+    "patch_count": ("contacts in one period just above the event, 0 in full contact", "1"),
+}
+
+
+def fields(profile: Profile, mean_pressure: float, method: str = "patches", points: int | None = None) -> xr.Dataset:
+    """Pressure, gap and displacement along one period under one mean pressure.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : float
+        Positive, in p_0*.
+    method : "patches" or "bem"
+        Exact contact edges, or boundary elements.
+    points : int, optional
+        Positions x in one period, the nodes of "bem"; 64 for each of the finest waves unless told.
+
+    Returns
+    -------
+    Dataset
+        pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0. By "patches" also, over the dimension
+        patch: the edges left and right of each contact, in lambda_0, and the strength A of the pressure at both,
+        p = A s^(1/2) at the distance s inside an edge; the gap outside is (4 pi/3) A s^(3/2). The attribute mean_gap
+        is d, in g_0.
+
+    Raises
+    ------
+    ValueError
+        If the load, the method or the points are out of range.
+    ConvergenceError
+        If the load cannot be solved.
+
+    """
+    (load,) = checked_loads(mean_pressure)
+    if method == "bem":
+        found = bem.field(profile, float(load), points)
+        return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
+    if method != "patches":
+        raise ValueError(f'method must be "patches" or "bem" for fields, got {method!r}')
+    contact = patches.solve_load(profile, float(load))
+    points = bem.checked_points(profile, points)
+    x = np.linspace(0.0, profile.period, points, endpoint=False)
+    along = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
+    ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}
+    ends |= {"left_strength": contact.edge_strength[:, 0], "right_strength": contact.edge_strength[:, 1]}
+    data = _dataset(("x",), along, mean_pressure=load, mean_gap=contact.mean_gap, method=method)
+    return data.merge(_dataset(("patch",), ends))
+
+
+def events(profile: Profile, low: float, high: float) -> xr.Dataset:
+    """Mean pressures between `low` and `high`, in p_0*, at which contacts are born or merge.
+
+    Returns
+    -------
+    Dataset
+        Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (1) or merge (0), and
+        patch_count just above. The resistance has its kinks there.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not positive and increasing.
+    ConvergenceError
+        If a load on the way cannot be solved.
+
+    """
+    found = patches.events(profile, low, high)._asdict()
+    return _dataset(("event",), found | {"birth": found["birth"].astype("i1")})
+
+
+def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:
+    data = {}
+    for name, value in values.items():
+        long_name, unit = ATTRIBUTES[name]
+        data[name] = (dims, value, {"long_name": long_name, "units": "1", "normalised_by": unit})
+    return xr.Dataset(data, attrs={"normalisation": NORMALISED, **attributes})

@@ -1,0 +1,80 @@
+"""Where the surface touches, against the load: contacts are born as points, grow, and merge until all is one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from weier import curves
+from weier.figures import style
+
+Array = NDArray[np.float64]
+
+SAMPLES = 2000
+
+
+def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
+    """The profile, and below it its contacts over all mean pressures; a column for the first case with edges.
+
+    Raises
+    ------
+    ValueError
+        If no case of the studies has contact edges.
+
+    """
+    cases = [
+        case for case in curves.cases(studies) if "contact_edge" in case and case["contact_edge"].notnull().any()
+    ]
+    if not cases:
+        raise ValueError("there are no contact edges in these studies: set contact_edges and run method patches")
+    note = f"the first of {len(cases)} cases" if len(cases) > 1 else ""
+    case = cases[0]
+    figure = Figure(figsize=(style.WIDTH, 1.5 * style.HEIGHT), layout="constrained")
+    top, tree = figure.subplots(2, 1, sharex=True, height_ratios=(1, 4))
+    _profile(top, case)
+    _tree(tree, case)
+    top.set_title(style.describe(case))
+    style.set_title(figure, ": ".join(filter(None, [title, note])))
+    return figure
+
+
+def _profile(axes: Axes, case: xr.Dataset) -> None:
+    profile = curves.profile(case)
+    x = np.linspace(0, profile.period, SAMPLES)
+    axes.plot(x, profile.height(x), color=style.BLACK, linewidth=0.8)
+    axes.set_ylabel(style.LABELS["height"])
+
+
+def _tree(axes: Axes, case: xr.Dataset) -> None:
+    period, loads = curves.profile(case).period, case["mean_pressure"].values
+    edges = case["contact_edge"].values.reshape(loads.size, -1, 2)
+    axes.add_collection(PolyCollection(_bars(edges, loads, period), facecolors=style.BLUE, edgecolors="none"))
+    axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
+    axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
+
+
+def _bars(edges: Array, loads: Array, period: float) -> list[Array]:
+    """A rectangle for each contact, as high as to the middle of the neighbouring loads; those over the end twice."""
+    middle = np.sqrt(loads[1:] * loads[:-1])
+    low, high = np.append(loads[0], middle), np.append(middle, loads[-1])
+    bars = []
+    for row, bottom, top in zip(_filled(edges, period), low, high, strict=True):
+        for left, right in row[np.isfinite(row[:, 0])]:
+            for shift in (0.0, -period) if right > period else (0.0,):
+                ends = left + shift, right + shift
+                bars.append(np.array([(ends[0], bottom), (ends[1], bottom), (ends[1], top), (ends[0], top)]))
+    return bars
+
+
+def _filled(edges: Array, period: float) -> Array:
+    """Full contact has no edges: above the last load that has some, it reaches over the whole period."""
+    full = ~np.isfinite(edges).any(axis=(1, 2))
+    edges = edges.copy()
+    edges[full, 0] = 0.0, period
+    return edges

@@ -1,0 +1,30 @@
+"""What a list of loads must be."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def checked_loads(mean_pressure: ArrayLike) -> Array:
+    """The loads as an array, if they are positive, finite and increasing.
+
+    Raises
+    ------
+    ValueError
+        If they are not.
+
+    """
+    loads = np.atleast_1d(np.asarray(mean_pressure, float))
+    if loads.ndim != 1 or loads.size == 0:
+        raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
+    for wrong, what in ((~np.isfinite(loads), "finite"), (loads <= 0, "positive")):
+        if wrong.any():
+            raise ValueError(f"mean_pressure must be {what}, got {loads[wrong][0]} at position {wrong.argmax()}")
+    falls = np.diff(loads) <= 0
+    if falls.any():
+        at = int(falls.argmax())
+        raise ValueError(f"mean_pressure must increase, got {loads[at]} before {loads[at + 1]}: sort the loads")
+    return loads
