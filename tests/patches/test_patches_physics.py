@@ -113,7 +113,7 @@ def test_compliance_is_concave_and_contact_grows():
     chord = np.diff(curve.compliance) / np.diff(LOADS)
     assert np.all((chord < curve.resistance[:-1]) & (chord > curve.resistance[1:]))
     assert curve.residual.max() < 1e-9
-    print(f"40 loads: {curve.seconds.sum():.2f} s, {curve.work.sum()} Newton steps")
+    print(f"40 loads: {curve.work.sum()} Newton steps")
 
 
 @pytest.mark.parametrize("load", [1e-6, 0.3, 2.0])
@@ -200,7 +200,7 @@ def test_contacts_only_grow():
 
 @pytest.mark.parametrize("loads", [0.0, [1.0, 1.0], [2.0, 1.0], [-1.0], [np.nan]])
 def test_loads_must_rise_from_zero(loads):
-    with pytest.raises(ValueError, match="mean_pressure must be positive and strictly increasing"):
+    with pytest.raises(ValueError, match=r"mean_pressure must (be positive|be finite|increase)"):
         patches.curve(THREE_WAVES, loads)
 
 

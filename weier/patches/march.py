@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 DEEPEST = 8  # halvings of a step in ln(p)
 COARSE_EVERY = 3  # of these, boundary elements are tried
 FAR_STEP = 2.0  # in load, from which on boundary elements are tried before the tangent
+NEARLY_FULL = 1 - 1e-5  # of the load of full contact: a gap shrinks by more than a tangent foresees
 LIGHTER = 4.0  # factor to lighter loads, until a single contact is enough
 MOST_LIGHTER = 30
 NARROWEST = 0.01  # of a half-width squared, kept by the predictor
@@ -85,14 +86,17 @@ def following(
     profile: Profile, surface: Surface, state: State, load: float, tolerance: float, depth: int = 0
 ) -> tuple[State, int]:
     """The solution of the next load; where the step fails, through loads in between."""
-    far = depth == 0 and load > FAR_STEP * state.load and _narrowest(state.segments, profile) > 1
-    ways = (True, False) if far else (False, True) if depth % COARSE_EVERY == 0 else (False,)
-    for coarse in ways:
+    for way in _ways(profile, surface, state, load, depth):
         try:
-            guess = coarse_start(profile, surface, load) if coarse else predicted(surface, state, load, tolerance)
+            if way == "tangent":
+                guess = predicted(surface, state, load, tolerance)
+            elif way == "coarse":
+                guess = coarse_start(profile, surface, load)
+            else:
+                guess = hertz_start(surface, load, True)
             return settle(surface, guess, load, tolerance)
         except TooLargeError:
-            if coarse:
+            if way == "coarse":
                 raise
         except ConvergenceError:
             if depth == DEEPEST:
@@ -101,6 +105,15 @@ def following(
     middle, steps = following(profile, surface, state, between, tolerance, depth + 1)
     end, more = following(profile, surface, middle, load, tolerance, depth + 1)
     return end, steps + more
+
+
+def _ways(profile: Profile, surface: Surface, state: State, load: float, depth: int) -> tuple[str, ...]:
+    """What to start from, in this order: the tangent, boundary elements, or the last gaps before full contact."""
+    if load > NEARLY_FULL * surface.full_load:
+        return "gaps", "tangent"
+    if depth == 0 and load > FAR_STEP * state.load and _narrowest(state.segments, profile) > 1:
+        return "coarse", "tangent"
+    return ("tangent", "coarse") if depth % COARSE_EVERY == 0 else ("tangent",)
 
 
 def _narrowest(contacts: Segments, profile: Profile) -> float:
