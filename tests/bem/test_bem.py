@@ -5,7 +5,8 @@ import pytest
 
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile, westergaard
-from weier.bem import curve, field
+from weier.bem import curve, fft, field
+from weier.bem.curve import nested_grids
 from weier.halfplane import influence_coefficients
 
 THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -175,11 +176,39 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
 
 @pytest.mark.parametrize(
     ("settings", "message"),
-    [({"points": 50}, "above 50"), ({"points": 99.5}, "whole number"), ({"solver": "lu"}, '"fft" or "direct"')],
+    [
+        ({"points": 50}, "above 50"),
+        ({"points": 99.5}, "whole number"),
+        ({"points": "a"}, "whole number"),
+        ({"points": np.nan}, "whole number"),
+        ({"tolerance": -1.0}, "positive"),
+        ({"tolerance": np.nan}, "positive"),
+        ({"solver": "lu"}, '"fft" or "direct"'),
+    ],
 )
 def test_bad_settings_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
         curve(THREE_WAVES, np.array([0.1]), **settings)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_beyond_full_contact_everything_is_known(solver):
+    loads = np.array([1.0, 1e2, 1e17, 1e100, 1e300])
+    found = curve(THREE_WAVES, loads, points=100, solver=solver)
+    assert found.compliance[1:] == pytest.approx(np.full(4, THREE_WAVES.total_amplitude), rel=1e-15)
+    assert found.resistance[1:].tolist() == [0, 0, 0, 0]
+    assert found.contact_fraction[0] < 1 == found.contact_fraction[1]
+    only = curve(THREE_WAVES, loads[1:], points=100, solver=solver)
+    assert only.compliance.tolist() == found.compliance[1:].tolist()
+
+
+def test_what_is_not_a_number_is_an_error():
+    """max() passes over NaN: a certificate must not."""
+    state = fft.make_state(8)
+    state.contact[:] = True
+    state.deformed[3] = np.nan
+    grid = fft.part_of_hierarchy(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
+    assert fft._violations(0.0, grid, state) == (np.inf, np.inf)
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])

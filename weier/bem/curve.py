@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from numbers import Real
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import direct, fft
+from weier.bem.contact import no_answer
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
 from weier.profile import Profile
@@ -85,24 +87,32 @@ def curve(
 
     """
     points = checked_points(profile, points)
-    if solver == "fft":
+    check_tolerance(tolerance)
+    partial = mean_pressure[mean_pressure < flattening_load(profile, points)]
+    if solver not in ("fft", "direct"):
+        raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    if partial.size == 0:
+        answer = no_answer(0)
+    elif solver == "fft":
         hierarchy = nested_grids(profile, points, tolerance)
-        start = full_contact(hierarchy, float(mean_pressure[-1]))
-        answer = fft.solve_loads(hierarchy, start, mean_pressure, resistance)
-    elif solver == "direct":
+        start = full_contact(hierarchy, float(partial[-1]))
+        answer = fft.solve_loads(hierarchy, start, partial, resistance)
+    else:
         start = np.ones(points)
         influence = influence_coefficients(points, profile.period)
-        answer = direct.solve_loads(profile.sampled_height(points), influence, start, mean_pressure, tolerance)
-    else:
-        raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
-    checked_residual(answer.residual, mean_pressure, points, tolerance)
+        answer = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
+    checked_residual(np.where(np.isinf(answer.resistance), np.inf, answer.residual), partial, points, tolerance)
+
+    def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
+        return np.concatenate([values, np.full(mean_pressure.size - partial.size, flattened)])
+
     return Curve(
-        profile.total_amplitude - answer.flat,
-        answer.resistance,
-        answer.contact_nodes / points,
-        answer.patches,
-        answer.residual,
-        answer.work,
+        whole(profile.total_amplitude - answer.flat, profile.total_amplitude),
+        whole(answer.resistance, 0.0),
+        whole(answer.contact_nodes / points, 1.0),
+        whole(answer.patches, 0).astype(np.int64),
+        whole(answer.residual, 0.0),
+        whole(answer.work, 0),
         points,
     )
 
@@ -119,12 +129,32 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
     finest = profile.wavenumber[-1]
     if points is None:
         return POINTS_PER_WAVE * finest
-    if points != int(points) or points <= 2 * finest:
+    if not isinstance(points, Real) or not points > 2 * finest or points != points // 1:
         raise ValueError(
             f"points must be a whole number above {2 * finest}, two for each of the {finest} finest waves in a "
             f"period, got {points}; {POINTS_PER_WAVE * finest} is the default"
         )
     return int(points)
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance, in g_0, that is no positive number.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+
+    """
+    if not 0 < tolerance < math.inf:
+        raise ValueError(f"tolerance must be a positive length in g_0, such as 1e-10, got {tolerance}")
+
+
+def flattening_load(profile: Profile, points: int) -> float:
+    """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
+    height = profile.sampled_height(points)
+    pressure = np.fft.irfft(_inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
+    return float(-pressure.min())
 
 
 def nested_grids(profile: Profile, points: int, tolerance: float) -> fft.Hierarchy:
@@ -161,11 +191,12 @@ def checked_residual(residual: Array, loads: Array, points: int, tolerance: floa
     Raises
     ------
     ConvergenceError
-        With the worst residual and its load.
+        With the first such residual and its load.
 
     """
-    worst = int(np.argmax(np.nan_to_num(residual, nan=math.inf)))
-    if not residual[worst] <= tolerance:
+    missed = np.flatnonzero(~(residual <= tolerance))
+    if missed.size:
+        worst = missed[0]
         raise ConvergenceError(
             f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
             f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "

@@ -152,6 +152,8 @@ def _violations(flat: float, grid: Grid, state: State) -> tuple[float, float]:
     wrong = 0.0
     for i in range(state.pressure.size):
         gap = flat - state.deformed[i]
+        if not abs(gap) + abs(state.pressure[i]) < np.inf:  # max() would pass over what is not a number
+            return np.inf, np.inf
         if state.contact[i]:
             inside = max(inside, abs(gap))
             wrong = max(wrong, -state.pressure[i] * grid.node_sinking)
@@ -287,7 +289,7 @@ def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int
 
 @kernel
 def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
-    """Height that the flat loses per unit of mean pressure on the contact as it stands; pairs of FFTs.
+    """Height that the flat loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
 
     The pressure in `state` becomes the pressure per load, q, and the rate is the energy q.Aq.
     """
@@ -308,6 +310,8 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
             break
         steepness = _conjugate_step(flat, steepness, edges, grid, state)
         pairs += 2
+    if not inside <= tolerance:
+        return np.inf, pairs
     return -_dot(state.pressure, state.deformed) / state.pressure.size, pairs
 
 

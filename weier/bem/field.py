@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import fft
-from weier.bem.curve import checked_points, checked_residual, full_contact, nested_grids
+from weier.bem.curve import check_tolerance, checked_points, checked_residual, full_contact, nested_grids
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -40,6 +40,7 @@ def field(profile: Profile, mean_pressure: float, points: int | None = None, tol
 
     """
     points = checked_points(profile, points)
+    check_tolerance(tolerance)
     hierarchy = nested_grids(profile, points, tolerance)
     state = fft.make_state(points)
     start = full_contact(hierarchy, mean_pressure)
