@@ -1,11 +1,9 @@
 """config -> solve -> gather -> bounds -> figures -> claims. What a rule does stands in weier; when, stands here."""
 
 import sys
-from functools import cache
 
 sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
 
-from weier import scene as scenes
 from weier.sources import sources
 
 
@@ -19,23 +17,7 @@ wildcard_constraints:
     batch=r"[A-Za-z0-9_+-]+",
 
 
-@cache
-def scene(name):
-    return scenes.load(f"config/scenes/{name}.yaml")
-
-
-def studies(wanted):
-    return lambda w: expand("results/{{scene}}/studies/{s}.nc", s=wanted(w))
-
-
-def products(name):
-    figures = expand(
-        "results/{s}/figures/{f}.{e}",
-        s=name,
-        f=scene(name).figures,
-        e=["pdf", "svg", "png"],
-    )
-    return [f"results/{name}/contact.nc", f"results/{name}/claims.md", *figures]
+include: "config/scenes.smk"
 
 
 rule all:
@@ -94,6 +76,7 @@ rule gather:
         "config/environment.yaml"
     params:
         cases=lambda w: [case.key for case in scene(w.scene).studies[w.study]],
+        text=lambda w: scene(w.scene).text,
     shell:
         "python -m weier gather config/scenes/{wildcards.scene}.yaml"
         " {wildcards.study} {output} {input.data} 2>&1 | tee {log}"
@@ -144,6 +127,10 @@ rule claims:
     conda:
         "config/environment.yaml"
     params:
-        claims=lambda w: dict(scene(w.scene).claims),
+        text=lambda w: scene(w.scene).text,
     shell:
         "python -m weier claims config/scenes/{wildcards.scene}.yaml {output} {input.data} 2>&1 | tee {log}"
+
+
+include: "config/accuracy.smk"
+include: "config/page.smk"

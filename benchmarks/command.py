@@ -50,7 +50,7 @@ def installed(programs: Sequence[str]) -> list[str]:
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
 @click.option("--points", callback=numbers, default="512,2048,8192,32768", help="Nodes N, for everyone.")
-@click.option("--alone", callback=numbers, default="2^17,2^18,2^19,2^20", help="Nodes N, for weier alone.")
+@click.option("--alone", callback=numbers, default="2^17,2^20", help="Nodes N, for weier alone.")
 @click.option("--programs", callback=names, default=",".join(CONTENDERS), help="Who takes part.")
 @click.option("--repeats", type=click.IntRange(1), default=3, help="Runs of each, in turn.")
 @click.option("--loads", type=click.IntRange(2), default=40, help="Mean pressures in [1e-3, 2] p_0*, log-spaced.")
@@ -69,8 +69,7 @@ def main(
     programs = installed(programs)
     profile = Profile(D=1.25, gamma=5, m=m, phases=(*PHASES, *np.arange(3.0, m))[:m])
     pressure = np.geomspace(1e-3, 2, loads)
-    ours = [name for name in programs if name.startswith("weier")]
-    plan = dict.fromkeys(alone, ours) | {size: _able(programs, size) for size in points}
+    plan = dict.fromkeys(alone, (report.OURS,)) | {size: _able(programs, size) for size in points}
     plan = dict(sorted(plan.items()))
     known = truth(profile, pressure, max(plan))
     for name in programs:  # compiles
@@ -82,8 +81,8 @@ def main(
     click.echo(report.table(data))
 
 
-def _able(programs: Sequence[str], points: int) -> list[str]:
-    return [name for name in programs if points <= CONTENDERS[name].largest]
+def _able(programs: Sequence[str], points: int) -> tuple[str, ...]:
+    return tuple(name for name in programs if points <= CONTENDERS[name].largest)
 
 
 def _progress(text: str) -> None:

@@ -71,7 +71,7 @@ def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth)
         threads=1,
         packages=", ".join(f"{name} {version(name)}" for name in ["numpy", "numba", *filter(None, packages)]),
         machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
-        comment=(
+        discretisation=(
             "weier and the dense inversion take piecewise-linear pressure, tamaas and ContactMechanics trigonometric "
             "pressure (the Fourier kernel 1/|k|): each residual is that of the program's own discretisation."
         ),

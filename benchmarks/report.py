@@ -87,8 +87,8 @@ def _preface(data: xr.Dataset) -> list[str]:
         "heaviest load down, each load from the one before.",
         "",
         f"Everyone is asked for a residual of {about['tolerance']:.0e} g_0: the largest |gap| under pressure or "
-        f"penetration elsewhere, from the pressure it returns and a freshly applied operator. {about['comment']} "
-        "Their own tolerances are, load by load, the loosest that leave this residual.",
+        f"penetration elsewhere, from the pressure it returns and a freshly applied operator. "
+        f"{about['discretisation']} Their own tolerances are, load by load, the loosest that leave this residual.",
         "",
         f"Errors of h, in g_0, against method {about['truth_method']}, which took {about['truth_seconds']:.3g} s "
         "for the same curve. Work counts pairs of FFTs, those of coarser grids by their size, or dense solutions.",

@@ -193,11 +193,17 @@ def test_unknown_claim() -> None:
 
 
 def scene_of(**wanted: tuple[str, ...]) -> Scene:
-    return cast(Scene, SimpleNamespace(title="A scene", claims=wanted))
+    return cast(Scene, SimpleNamespace(title="A scene", text="title: A scene", claims=wanted))
+
+
+def files_of(folder: Path, **studies: xr.Dataset) -> dict[str, Path]:
+    for name, data in studies.items():
+        dataset.write(data, folder / "studies" / f"{name}.nc", name)
+    return {name: folder / "studies" / f"{name}.nc" for name in studies}
 
 
 def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
-    studies = {"smooth": estimate(0.1), "rough": estimate(-0.1, D=1.5), "again": estimate(0.1)}
+    studies = files_of(tmp_path, smooth=estimate(0.1), rough=estimate(-0.1, D=1.5), again=estimate(0.1))
     wanted = {"archard_above": ("smooth", "rough"), "demelio_below": ("again",), "phase_spread": ("again",)}
     claims.write(scene_of(**wanted), studies, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
@@ -206,7 +212,7 @@ def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
         assert data["claim_holds"][:].tolist() == [0, 0, 2]
         assert data["claim_holds"].flag_meanings == "no yes not_measured"
         assert data["claim_measured_value"][0] == pytest.approx(-0.1)
-        assert data["claim_statement"][0].startswith("The Archard approximation overestimates")
+        assert str(data["claim_statement"][0]).startswith("The Archard approximation overestimates")
         assert all(data[name].long_name and data[name].units for name in data.variables)
     again = dataset.read(tmp_path / "contact.nc")
     assert again["compliance"].sizes == {"case": 2, "method": 4, "mean_pressure": LOADS.size}
@@ -218,12 +224,14 @@ def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
 
 
 def test_scene_without_claims(tmp_path: Path) -> None:
-    claims.write(scene_of(), {"smooth": estimate(0.1)}, tmp_path / "contact.nc", tmp_path / "claims.md")
+    studies = files_of(tmp_path, smooth=estimate(0.1))
+    claims.write(scene_of(), studies, tmp_path / "contact.nc", tmp_path / "claims.md")
     assert "claim" not in dataset.read(tmp_path / "contact.nc").sizes
     assert "no claims" in (tmp_path / "claims.md").read_text()
 
 
 def test_unknown_claim_writes_nothing(tmp_path: Path) -> None:
+    studies = files_of(tmp_path / "made", a=estimate(0))
     with pytest.raises(ValueError, match="no claim 'everything'"):
-        claims.write(scene_of(everything=("a",)), {"a": estimate(0)}, tmp_path / "contact.nc", tmp_path / "claims.md")
-    assert not list(tmp_path.iterdir())
+        claims.write(scene_of(everything=("a",)), studies, tmp_path / "contact.nc", tmp_path / "claims.md")
+    assert [path.name for path in tmp_path.iterdir()] == ["made"]

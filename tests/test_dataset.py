@@ -31,8 +31,19 @@ def solved(loaded):
 
 
 @pytest.fixture(scope="module")
-def waves(loaded, solved):
-    return study.add_bounds(study.gather([data for data, _ in solved], [c.key for c in loaded.studies["waves"]]))
+def files(solved, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("batches")
+    for number, (data, _) in enumerate(solved):
+        dataset.write(data, folder / f"{number}.nc", "test", "solved", SCENE)
+    return sorted(folder.iterdir())
+
+
+@pytest.fixture(scope="module")
+def waves(loaded, files, tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "waves.nc"
+    keys = [case.key for case in loaded.studies["waves"]]
+    study.gather(files, keys, path, "test", scene=SCENE, change=study.add_bounds)
+    return dataset.read(path)
 
 
 def test_status_says_why_a_curve_is_missing(waves):
@@ -52,9 +63,10 @@ def test_gather_keeps_the_order_of_the_study(waves):
     assert np.isnan(waves.phase.values[0, 1])
 
 
-def test_gather_refuses_what_is_not_there(solved):
+def test_gather_refuses_what_is_not_there(files, tmp_path):
     with pytest.raises(ValueError, match="1 cases are in none of the files, the first with the key nobody"):
-        study.gather([solved[0][0]], ["nobody"])
+        study.gather(files, ["nobody"], tmp_path / "a.nc", "test")
+    assert not list(tmp_path.iterdir())
 
 
 def test_bounds_stand_around_the_exact_methods_only(waves):

@@ -32,14 +32,18 @@ FORMATS = ("pdf", "svg", "png")
 
 @pytest.fixture(scope="module")
 def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
-    path = tmp_path_factory.mktemp("scene") / "small.yaml"
-    path.write_text(SCENE)
-    loaded = scene.load(path)
-    parts = [batch.solve_batch(loaded, cases)[0] for cases in loaded.batches.values()]
-    return {
-        name: study.add_bounds(study.gather(parts, [case.key for case in cases]))
-        for name, cases in loaded.studies.items()
-    }
+    folder = tmp_path_factory.mktemp("scene")
+    (folder / "small.yaml").write_text(SCENE)
+    loaded = scene.load(folder / "small.yaml")
+    parts = {folder / f"{name}.nc": batch.solve_batch(loaded, cases)[0] for name, cases in loaded.batches.items()}
+    for path, data in parts.items():
+        dataset.write(data, path, "small")
+    found = {}
+    for name, cases in loaded.studies.items():
+        keys = [case.key for case in cases]
+        study.gather(list(parts), keys, folder / "study.nc", name, change=study.add_bounds)
+        found[name] = dataset.read(folder / "study.nc")
+    return found
 
 
 def endless_many(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.Dataset:
@@ -120,7 +124,7 @@ def test_unknown_kind(tmp_path: Path) -> None:
 
 def test_kinds_are_the_modules() -> None:
     modules = {path.stem for path in Path(figures.__file__).parent.glob("*.py")}
-    assert modules - set(figures.KINDS) == {"__init__", "style", "methods", "truncation"}
+    assert modules - {*figures.KINDS, *figures.MEASURES} == {"__init__", "style", "methods", "truncation"}
 
 
 def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, xr.Dataset]) -> None:

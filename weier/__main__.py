@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from weier import batch as batches
 from weier import claims as claim
-from weier import dataset, jit, scene, study
+from weier import dataset, endless, jit, scene, single, study, tradeoff
 from weier.errors import ConvergenceError
+from weier.fields import events, fields
+from weier.plans import describe_plans
 from weier.profile import Profile
 from weier.solve import METHODS, solve
 from weier.version import VERSION
@@ -28,10 +31,105 @@ def output(name: str) -> Callable[[Command], Command]:
     return click.argument(name, type=click.Path(path_type=Path))
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+EXIT = "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage."
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=EXIT)
 @click.version_option(VERSION)
 def cli() -> None:
-    """Contact stiffness and contact resistance of the Weierstrass profile."""
+    """Contact stiffness and contact resistance of the Weierstrass profile.
+
+    \b
+    weier solve -D 1.25 --gamma 5 -m 3 --loads 0.01:1:5        one profile, as JSON
+    weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
+    snakemake --cores 2 --config scenes=minimal                a scene of config/scenes
+
+    Completion of commands and options, for this shell or in ~/.bashrc (zsh_source, fish_source for others):
+
+    \b
+    eval "$(_WEIER_COMPLETE=bash_source weier)"
+    """  # noqa: D301 - click wants the character
+
+
+PROFILE = (
+    click.option("-D", "D", type=float, required=True, help="Fractal dimension, between 1 and 2."),
+    click.option("--gamma", required=True, help='Ratio of successive wavelengths: 5 or "5/2".'),
+    click.option("-m", "m", type=float, required=True, help="Number of waves, or inf for the closed forms."),
+    click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
+    click.option("--phases", help="Phases of all m waves, as 0,1,2."),
+    click.option("--seed", type=int, help="Seed of random phases."),
+    click.option(
+        "--loads", default="1e-3:4:40", show_default=True,
+        help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
+    ),
+    click.option(
+        "--method", "methods", multiple=True, type=click.Choice(list(METHODS)),
+        help="Once for each method [default: bem; plot: archard, demelio, layer and bem].",
+    ),
+    click.option(
+        "--set", "settings", multiple=True, metavar="METHOD.NAME=VALUE", help="A setting, such as bem.points=512."
+    ),
+)  # fmt: skip
+
+
+def of_one_profile(command: Command) -> Command:
+    """The options that name a profile, its loads and the methods."""
+    for option in reversed(PROFILE):
+        command = option(command)
+    return command
+
+
+def solve_options(
+    D: float, gamma: str, m: float, phase: float | None, phases: str | None, seed: int | None, loads: str,
+    methods: Sequence[str], settings: Sequence[str],
+) -> Any:  # fmt: skip
+    """The dataset that these options ask for."""
+    chosen = {"phase": phase, "phases": single.parsed_phases(phases), "seed": seed}
+    given = {name: value for name, value in chosen.items() if value is not None}
+    if len(given) > 1:
+        raise ValueError(f"a profile takes one of --phase, --phases and --seed, got {' and '.join(given)}")
+    parameters = {"D": D, "gamma": gamma, "m": m, **given}
+    return single.solve_one(parameters, single.parsed_loads(loads), methods, single.parsed_settings(settings))
+
+
+@cli.command("solve")
+@of_one_profile
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Write here: .json, or netCDF by any other name."
+)
+def solve_command(output: Path | None, methods: Sequence[str], **options: Any) -> None:
+    """Compliance and resistance of one profile against mean pressure.
+
+    Prints JSON, and progress beside it; lengths along x are in lambda_0, heights in g_0, pressures in p_0*.
+
+    \b
+    weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
+    weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
+    weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
+    weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points=6400
+    """  # noqa: D301 - click wants the character
+    data = solve_options(methods=methods or ("bem",), **options)
+    if output is None:
+        click.echo(single.as_json(data))
+    else:
+        single.write(data, output)
+
+
+@cli.command("plot")
+@of_one_profile
+@click.option("--quantity", type=click.Choice(["compliance", "resistance"]), default="compliance", show_default=True)
+@output("path")
+def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:
+    """Draw the curves of one profile, as PDF, SVG and PNG beside PATH.
+
+    \b
+    weier plot -D 1.25 --gamma 5 -m 3 --phase 1 curves.png
+    weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
+    """  # noqa: D301 - click wants the character
+    from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
+
+    data = solve_options(methods=methods or ("archard", "demelio", "layer", "bem"), **options)
+    draw(quantity, [data], "", path)
 
 
 @cli.command()
@@ -44,6 +142,9 @@ def compile() -> None:
         if method != "westergaard":
             solve(profile, [0.1], method)
     solve(profile, [0.1], "bem", solver="direct")
+    solve(profile, np.geomspace(1e-3, 10, 12), "patches")  # few contacts and few gaps: both of its problems
+    fields(profile, 0.1)
+    events(profile, 1e-2, 10)
 
 
 @cli.command()
@@ -55,8 +156,8 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path) -> None:
     """Solve one batch of a scene."""
     loaded = scene.load(scene_file)
     curves, seconds = batches.solve_batch(loaded, loaded.batch_named(name))
-    dataset.write(seconds, cost, f"{loaded.title}: seconds")
-    dataset.write(curves, data, loaded.title)
+    dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
+    dataset.write(curves, data, loaded.title, "solved", loaded.text)
 
 
 @cli.command()
@@ -68,8 +169,7 @@ def gather(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> No
     """Put the cases of one study into one file."""
     loaded = scene.load(scene_file)
     keys = [case.key for case in loaded.studies[name]]
-    gathered = study.gather([dataset.read(file) for file in files], keys)
-    dataset.write(gathered, path, f"{loaded.title}: {name}")
+    study.gather(files, keys, path, f"{loaded.title}: {name}", scene=loaded.text)
 
 
 @cli.command()
@@ -77,8 +177,12 @@ def gather(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> No
 @output("path")
 def bounds(gathered: Path, path: Path) -> None:
     """Add the bounds on the endless series to a gathered file."""
-    data = dataset.read(gathered)
-    dataset.write(study.add_bounds(data), path, data.attrs["title"])
+    with dataset.open_lazily(gathered) as data:
+        about = data.attrs
+    study.gather(
+        [gathered], study.keys_of([gathered]), path, about.get("title", ""),
+        step="bounded", scene=about.get("scene", ""), change=study.add_bounds,
+    )  # fmt: skip
 
 
 @cli.command()
@@ -88,7 +192,7 @@ def bounds(gathered: Path, path: Path) -> None:
 @FILES
 def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> None:
     """Draw one figure of a scene from its studies, as PDF, SVG and PNG beside PATH."""
-    from weier.figures import draw  # matplotlib takes half a second, and only this command needs it
+    from weier.figures import draw  # as above
 
     loaded = scene.load(scene_file)
     wanted = loaded.figures[name]
@@ -103,16 +207,69 @@ def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> No
 def claims(scene_file: Path, path: Path, table: Path, files: Sequence[Path]) -> None:
     """Check the claims of a scene, and write its whole dataset."""
     loaded = scene.load(scene_file)
-    studies = dict(zip(loaded.studies, map(dataset.read, files), strict=True))
-    claim.write(loaded, studies, path, table)
+    claim.write(loaded, dict(zip(loaded.studies, files, strict=True)), path, table)
+
+
+@cli.command("plan")
+@SCENE
+def plan_command(scene_file: Path) -> None:
+    """What a scene with a tolerance will run, case by case, and why; nothing is solved."""
+    click.echo(describe_plans(scene.load(scene_file)))
+
+
+@cli.command("tradeoff")
+@SCENE
+@output("path")
+@output("table")
+def tradeoff_command(scene_file: Path, path: Path, table: Path) -> None:
+    """Measure the errors and seconds of all methods and settings on the profiles of a scene."""
+    loaded = scene.load(scene_file)
+    measured = tradeoff.measure(loaded)
+    dataset.write(measured, path, loaded.title, "measured", loaded.text)
+    tradeoff.write_table(measured, loaded.title, table)
+
+
+@cli.command("endless")
+@SCENE
+@output("path")
+@click.option("--terms", default=8, show_default=True, help="Waves to resolve, from 1 up to this.")
+def endless_command(scene_file: Path, path: Path, terms: int) -> None:
+    """Best estimates and bounds of the first case of a scene, an endless series, by the terms that are resolved."""
+    loaded = scene.load(scene_file)
+    (case, *_) = next(iter(loaded.studies.values()))
+    found = endless.convergence(case.profile, loaded.loads, terms)
+    dataset.write(found, path, loaded.title, "solved", loaded.text)
+
+
+@cli.command("draw")
+@click.argument("kind")
+@output("path")
+@FILES
+def draw_command(kind: str, path: Path, files: Sequence[Path]) -> None:
+    """Draw a kind of figure from files, as PDF, SVG and PNG beside PATH."""
+    from weier.figures import draw  # as above
+
+    draw(kind, [dataset.read(file) for file in files], "", path)
+
+
+@cli.command()
+@output("path")
+@click.argument("contact", type=click.Path(path_type=Path))
+@FILES
+def page(path: Path, contact: Path, files: Sequence[Path]) -> None:
+    """Write the page of a scene from its dataset CONTACT, its figures (.png) and its costs (.nc)."""
+    from weier import page as pages  # bokeh takes a second, and only this command needs it
+
+    figures = [file for file in files if file.suffix == ".png"]
+    pages.write(contact, figures, [file for file in files if file.suffix == ".nc"], path)
 
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
     try:
-        cli()
-    except (ValueError, ConvergenceError, OSError) as error:
-        print(f"weier: {error}", file=sys.stderr)
+        cli(prog_name="weier")
+    except (ValueError, ConvergenceError, OSError, MemoryError) as error:
+        print(f"weier: {error or 'not enough memory: ask for fewer points, loads or cases'}", file=sys.stderr)
         sys.exit(1)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Iterable
 from time import perf_counter
@@ -12,8 +13,9 @@ import xarray as xr
 from weier import dataset
 from weier.dataset import Status
 from weier.errors import ConvergenceError
+from weier.limits import resolvable
 from weier.scene import Case, Scene
-from weier.solve import NotApplicableError, solve
+from weier.solve import NotApplicableError, all_settings, solve
 
 
 def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dataset]:
@@ -29,31 +31,47 @@ def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dat
     """
     cases = list(cases)
     data = dataset.blank(len(cases), scene.methods, scene.loads, scene.terms, scene.edges)
-    cost = dataset.blank_cost(len(cases), scene.methods)
+    cost = dataset.blank_cost(len(cases), scene.methods, scene.terms)
     for number, case in enumerate(cases):
         start = perf_counter()
-        _describe(data, number, case)
-        cost["key"].values[number] = case.key
+        describe_case(data, number, case)
         for method in case.methods:
             _solve_into(data, cost, scene, number, case, method)
+        _copy_case(data, cost, number)
         seconds = perf_counter() - start
         print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s", file=sys.stderr)
     return data, cost
 
 
-def _describe(data: xr.Dataset, number: int, case: Case) -> None:
+def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
+    """Fill in the coordinates of a case."""
     profile = case.profile
     values = {"key": case.key, "D": profile.D, "gamma": float(profile.gamma), "m": profile.m}
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
     if np.isfinite(profile.m):
-        values["first_contact"] = profile.total_amplitude - profile.crest[1]
+        if resolvable(profile):
+            values["first_contact"] = profile.total_amplitude - profile.crest[1]
         data["phase"].values[number, : profile.terms] = profile.phase
     for name, value in values.items():
         data[name].values[number] = value
 
 
+def _copy_case(data: xr.Dataset, cost: xr.Dataset, number: int) -> None:
+    for name in cost.variables.keys() & data.variables.keys() - data.sizes.keys():
+        cost[name].values[number] = data[name].values[number]
+
+
+def _fitting(text: str) -> str:
+    width = dataset.VARIABLES["settings"].dtype.removeprefix("U")
+    if len(text) > int(width):
+        raise ValueError(f"settings must be at most {width} characters long, got {len(text)}: {text}")
+    return text
+
+
 def _solve_into(data: xr.Dataset, cost: xr.Dataset, scene: Scene, number: int, case: Case, method: str) -> None:
     place = number, scene.methods.index(method)
+    settings = all_settings(method, case.settings.get(method, {}))
+    data["settings"].values[place] = _fitting(json.dumps(settings, sort_keys=True))
     try:
         curve = solve(case.profile, scene.loads, method, **case.settings.get(method, {}))
     except NotApplicableError:

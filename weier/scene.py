@@ -6,8 +6,9 @@ import hashlib
 import itertools
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -15,15 +16,17 @@ from typing import Any
 
 import jsonschema
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
+from weier import limits
 from weier.loads import checked_loads
 from weier.profile import Profile, random_phases
-from weier.solve import checked_method
+from weier.variables import VARIABLES
 
 Array = NDArray[np.float64]
 
+PLANNED = "planned"  # the method that a scene with a tolerance runs
+NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 BATCH = 25  # cases a job: some seconds of work for one or two of start-up
 
 
@@ -53,8 +56,10 @@ class Case:
     def profile(self) -> Profile:
         """The profile of this case."""
         p = self.parameters
-        phases = random_phases(p["seed"]) if "seed" in p else p.get("phases", p.get("phase", 0.0))
-        return Profile(p["D"], p["gamma"], float(p["m"]), phases)
+        phases = (
+            random_phases(p["seed"]) if "seed" in p else p.get("phases", limits.number("phase", p.get("phase", 0.0)))
+        )
+        return Profile(limits.number("D", p["D"]), p["gamma"], limits.number("m", p["m"]), phases)
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,7 @@ class Scene:
     figures, claims : what is made from the studies
     batch : most cases in one job
     contact_edges : whether to keep the edges of all contacts
+    text : the file itself
     """
 
     name: str
@@ -88,6 +94,7 @@ class Scene:
     claims: Mapping[str, tuple[str, ...]]
     batch: int
     contact_edges: bool
+    text: str = ""
 
     @cached_property
     def terms(self) -> int:
@@ -153,11 +160,26 @@ def load(path: str | Path) -> Scene:
     """
     path = Path(path)
     try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        text = path.read_text(encoding="utf-8")
+        raw = limits.safe_yaml(text)
+    except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
     _check_schema(raw, path)
-    return _scene(raw, path)
+    return replace(_scene(raw, path), text=text)
+
+
+def named(name: str) -> Scene:
+    """The scene of this name in config/scenes.
+
+    Raises
+    ------
+    SceneError
+        If the name could lead elsewhere, or the scene is not sound.
+
+    """
+    if not re.fullmatch(NAME, name):
+        raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
+    return load(Path("config/scenes", f"{name}.yaml"))
 
 
 def _check_schema(raw: Any, path: Path) -> None:
@@ -169,7 +191,9 @@ def _check_schema(raw: Any, path: Path) -> None:
 
 
 def _scene(raw: dict[str, Any], path: Path) -> Scene:
-    loads = _checked("loads", path, lambda: checked_loads([float(v) for v in _axis(raw["loads"])]))
+    loads = _checked("loads", path, lambda: checked_loads([limits.number("a load", v) for v in _axis(raw["loads"])]))
+    _checked("loads", path, lambda: limits.check_loads(loads))
+    _checked("studies", path, lambda: _check_count(raw))
     studies = {name: tuple(_cases(study, raw, name, path)) for name, study in raw["studies"].items()}
     figures = {
         name: Figure(figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""))
@@ -182,7 +206,7 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
                 if study not in studies:
                     raise SceneError(f"{path}: {what}.{name}: there is no study {study!r}, only {', '.join(studies)}")
     methods = dict.fromkeys(method for cases in studies.values() for case in cases for method in case.methods)
-    return Scene(
+    made = Scene(
         path.stem,
         raw["title"],
         loads,
@@ -190,20 +214,27 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
         studies,
         figures,
         claims,
-        raw.get("batch", BATCH),
+        int(raw.get("batch", BATCH)),
         raw.get("contact_edges", False),
     )
+    largest = max(map(len, made.batches.values()))
+    sizes = largest, len(methods), loads.size, made.edges, len(VARIABLES)
+    _checked("batch", path, lambda: limits.check_memory(*sizes))
+    return made
 
 
 def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) -> Iterator[Case]:
-    methods = tuple(study.get("methods", raw["methods"]))
+    methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
+    if "tolerance" in raw:
+        wanted = {name: raw[name] for name in ("tolerance", "quantity") if name in raw}
+        methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: wanted} | settings
     for method in methods:
-        _checked(f"studies.{name}", path, lambda m=method: checked_method(m, settings.get(m, {})))
+        _checked(f"studies.{name}", path, lambda m=method: limits.check_settings(m, settings.get(m, {})))
     for product in study.get("cases", [study.get("product")]):
-        for parameters in _combinations(product):
+        for parameters in _checked(f"studies.{name}", path, lambda p=product: list(_combinations(p))):
             case = Case(parameters, methods, {m: s for m, s in settings.items() if m in methods})
-            _checked(f"studies.{name}", path, lambda c=case: c.profile)
+            _checked(f"studies.{name}", path, lambda c=case: limits.check_profile(c.profile, methods))
             yield case
 
 
@@ -213,14 +244,36 @@ def _combinations(product: dict[str, Any]) -> Iterator[dict[str, Any]]:
         yield dict(zip(axes, combination, strict=True))
 
 
+def _check_count(raw: Mapping[str, Any]) -> None:
+    """Count the cases before any is made."""
+    most = int(raw.get("most_cases", limits.MOST_CASES))
+    products = [each for study in raw["studies"].values() for each in study.get("cases", [study.get("product")])]
+    count = sum(math.prod(_length(values) for values in product.values()) for product in products)
+    if count > most:
+        raise ValueError(
+            f"a scene must have at most {most} cases, got {count}: say most_cases: {count} if you mean it"
+        )
+
+
+def _length(values: Any) -> int:
+    return int(values["count"]) if isinstance(values, dict) else len(values) if isinstance(values, list) else 1
+
+
 def _axis(values: Any) -> list[Any]:
     """A number, a list or a range, as a list."""
     if isinstance(values, list):
         return values
     if not isinstance(values, dict):
         return [values]
+    if values["count"] > limits.MOST_RANGE:
+        raise ValueError(f"a range must have at most {limits.MOST_RANGE} values, got {values['count']}")
+    ends = limits.number("from", values["from"]), limits.number("to", values["to"])
+    if values.get("spacing") == "log" and not min(ends) > 0:
+        raise ValueError(f"a range in equal ratios must lie above 0, got {min(ends):g}")
+    if not np.isfinite(ends[1] - ends[0]):
+        raise ValueError(f"a range must have finite ends, got {ends[0]:g} and {ends[1]:g}")
     space = np.geomspace if values.get("spacing") == "log" else np.linspace
-    return [int(v) if v.is_integer() else v for v in space(values["from"], values["to"], values["count"]).tolist()]
+    return [int(v) if v.is_integer() else v for v in space(*ends, int(values["count"])).tolist()]
 
 
 def _checked(where: str, path: Path, make: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from time import perf_counter
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -13,8 +13,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from weier import archard, bem, dataset, demelio, layer, patches, westergaard
+from weier import archard, bem, dataset, demelio, layer, patches, planned, westergaard
 from weier.loads import checked_loads
+from weier.plan import OutOfReachError
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
         Positive and increasing, in p_0*.
     method : str
         "westergaard" (m = 1), "archard", "demelio", "layer": the paper's closed forms and model;
-        "bem": boundary elements; "patches": the exact contact edges.
+        "bem": boundary elements; "patches": the exact contact edges; "planned": the cheapest of them for a tolerance.
     **settings
         Settings of the method, such as `points` of "bem"; attributes of the result.
 
@@ -50,8 +51,8 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     -------
     Dataset
         Over the dimension mean_pressure: compliance, in g_0, and resistance, in g_0/p_0*; the numerical methods
-        add contact_fraction, patch_count, residual and work, and
-        "patches" the indentation from first contact and the contact edges. The attribute seconds is the time it took.
+        add contact_fraction, patch_count, residual and work, "patches" the indentation from first contact and the
+        contact edges, "planned" the errors it expects. The attribute seconds is the time it took.
 
     Raises
     ------
@@ -67,7 +68,7 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     >>> profile = weier.Profile(D=1.25, gamma=5, m=3, phases=(0.0, 1.0, 2.0))
     >>> curve = weier.solve(profile, [0.01, 0.1, 1.0], method="demelio")
     >>> curve.compliance.values.round(4)
-    array([0.0749, 0.463 , 1.3042])
+    array([0.0706, 0.4208, 1.3527])
 
     """
     loads = checked_loads(mean_pressure)
@@ -112,6 +113,13 @@ def _truncated(solver: Callable[..., Any]) -> Method:
     return Method(run, solver)
 
 
+def _planned(profile: Profile, loads: Array, **settings: Any) -> planned.Curve:
+    try:
+        return planned.curve(profile, loads, **settings)
+    except OutOfReachError as error:
+        raise NotApplicableError(str(error)) from None
+
+
 METHODS = {
     "westergaard": Method(_one_wave, _one_wave),
     "archard": _closed_form(archard),
@@ -119,6 +127,7 @@ METHODS = {
     "layer": Method(_layer, layer.curve),
     "bem": _truncated(bem.curve),
     "patches": _truncated(patches.curve),
+    "planned": Method(_planned, planned.curve),
 }
 
 
@@ -133,10 +142,19 @@ def checked_method(name: str, settings: Iterable[str] = ()) -> Method:
     """
     if name not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {name!r}")
-    parameters = inspect.signature(METHODS[name].solver).parameters.values()
-    known = [parameter.name for parameter in parameters if parameter.default is not parameter.empty]
+    known = _defaults(METHODS[name])
     for setting in settings:
         if setting not in known:
             choice = f"it takes {', '.join(known)}" if known else "it takes none"
             raise ValueError(f'method "{name}" has no setting {setting!r}: {choice}')
     return METHODS[name]
+
+
+def all_settings(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a method: those given, and the others at their defaults."""
+    return _defaults(METHODS[name]) | dict(settings)
+
+
+def _defaults(method: Method) -> dict[str, Any]:
+    parameters = inspect.signature(method.solver).parameters.values()
+    return {parameter.name: parameter.default for parameter in parameters if parameter.default is not parameter.empty}

@@ -1,32 +1,72 @@
-"""One study: its cases, gathered from the batches they were solved in, with bounds on what truncation left out."""
+"""One study: its cases, gathered from the batches they were solved in, with bounds on what truncation left out.
+
+Block by block of cases from file to file, so that a study may be larger than memory.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
+from weier import dataset, netcdf, provenance
 from weier.bounds import compliance_bounds, resistance_bounds
+from weier.files import replacing
 
 EXACT = ("bem", "patches")  # solve the truncated series itself, so that the bounds theorem applies to their curves
+BLOCK = 64  # cases in memory: the bounds take loads^2 numbers for each
+SHARED = ("method", "mean_pressure")  # the labels that all files of a scene have in common
 
 
-def gather(parts: Sequence[xr.Dataset], keys: Sequence[str]) -> xr.Dataset:
-    """The cases with these keys, in this order, from datasets that hold them among others.
+def gather(
+    files: Sequence[str | Path],
+    keys: Sequence[str],
+    path: str | Path,
+    title: str,
+    *,
+    step: str = "gathered",
+    scene: str = "",
+    change: Callable[[xr.Dataset], xr.Dataset] | None = None,
+    more: xr.Dataset | None = None,
+) -> None:
+    """Write the cases with these keys, in this order, from files that hold them among others.
+
+    Parameters
+    ----------
+    files : sequence of path
+        netCDF files of weier, of the same methods and loads.
+    keys : sequence of str
+        Which cases, each once.
+    path : path
+        The file to write, whole or not at all.
+    title, step, scene : str
+        As in `dataset.write`; the history goes on from that of the files.
+    change : callable, optional
+        What to do with each block of cases on the way; it may not change their shape.
+    more : Dataset, optional
+        Variables of no case, to write as well.
 
     Raises
     ------
     ValueError
-        If a case is in none of them.
+        If a case is in none of the files, or the files differ in methods or loads.
 
     """
-    whole = xr.concat(parts, "case", data_vars="minimal", coords="minimal", compat="override", join="exact")
-    position = {key: case for case, key in enumerate(whole["key"].values)}
-    missing = [key for key in keys if key not in position]
-    if missing:
-        raise ValueError(f"{len(missing)} cases are in none of the files, the first with the key {missing[0]}")
-    return whole.isel(case=[position[key] for key in keys])
+    place = {key: row for row, key in enumerate(keys)}
+    like, histories = _layout(files, set(keys))
+    like = like.merge(more) if more is not None else like
+    like = like.assign_attrs(provenance.attributes(title, step, scene, histories))
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
+        netcdf.create(file, like, {"case": len(keys)}, netcdf.text_widths(like))
+        netcdf.fill(file, like.drop_dims("case"))
+        for block in _blocks(files, place):
+            _put(file, change(block) if change else block, place)
 
 
 def add_bounds(data: xr.Dataset) -> xr.Dataset:
@@ -43,3 +83,56 @@ def add_bounds(data: xr.Dataset) -> xr.Dataset:
         data[f"{quantity}_lower"].values[:, exact] = lower
         data[f"{quantity}_upper"].values[:, exact] = upper
     return data
+
+
+def keys_of(files: Sequence[str | Path]) -> list[str]:
+    """The keys of all cases of some files, each once, in order of appearance."""
+    found: dict[str, None] = {}
+    for path in files:
+        with dataset.open_lazily(path) as data:
+            found |= dict.fromkeys(data["key"].values.tolist())
+    return list(found)
+
+
+def _layout(files: Sequence[str | Path], missing: set[str]) -> tuple[xr.Dataset, list[str]]:
+    """The first case, which shows what the whole will look like, and the histories of the files."""
+    like, histories = xr.Dataset(), dict[str, None]()
+    for path in files:
+        with dataset.open_lazily(path) as data:
+            like = like if like.sizes else data.isel(case=slice(1)).load()
+            _check_alike(like, data, f"{path} and {files[0]}")
+            histories[data.attrs.get("history", "")] = None
+            missing = missing - set(data["key"].values.tolist())
+    if missing:
+        raise ValueError(f"{len(missing)} cases are in none of the files, the first with the key {min(missing)}")
+    return like, list(histories)
+
+
+def _check_alike(one: xr.Dataset, other: xr.Dataset, what: str) -> None:
+    differ = [name for name in SHARED if not one[name].equals(other[name])]
+    sizes = [{dim: size for dim, size in data.sizes.items() if dim != "case"} for data in (one, other)]
+    if differ or sizes[0] != sizes[1]:
+        raise ValueError(f"{what} differ in {', '.join(differ) or 'size'}: delete the older one, and make it again")
+
+
+def _blocks(files: Sequence[str | Path], place: Mapping[str, int]) -> Iterator[xr.Dataset]:
+    """All wanted cases, some at a time; a case of several files comes from the first."""
+    seen: set[str] = set()
+    for path in files:
+        with dataset.open_lazily(path) as data:
+            keys = data["key"].values.tolist()
+            wanted = [row for row, key in enumerate(keys) if key in place and key not in seen]
+            seen.update(keys)
+            for start in range(0, len(wanted), BLOCK):
+                rows = wanted[start : start + BLOCK]
+                whole = rows[-1] - rows[0] == len(rows) - 1  # a slice is read in half the time of a list
+                yield data.isel(case=slice(rows[0], rows[-1] + 1) if whole else rows).load()
+
+
+def _put(file: netCDF4.Dataset, block: xr.Dataset, place: Mapping[str, int]) -> None:
+    """Write cases to their places: neighbours together, since each write touches every variable."""
+    rows = [place[key] for key in block["key"].values.tolist()]
+    for _, run in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
+        found = list(run)
+        (first, start), (last, _) = found[0], found[-1]
+        netcdf.fill(file, block.isel(case=slice(first, last + 1)), slice(start, start + len(found)))

@@ -14,23 +14,24 @@ from weier.claims.measures import Measured, MissingError
 from weier.claims.paper import CLAIMS
 from weier.files import replacing
 from weier.scene import Scene
-from weier.study import gather
+from weier.study import gather, keys_of
 
 __all__ = ["CLAIMS", "Measured", "evaluate", "write"]
 
+CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
 HOLDS = {False: 0, True: 1, None: 2}
 HOLDS_MEANINGS = {0: "no", 1: "yes", 2: "not_measured"}
 
 
-def write(scene: Scene, studies: Mapping[str, xr.Dataset], path: str | Path, table: str | Path) -> None:
+def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: str | Path) -> None:
     """Evaluate the claims of a scene; write its whole dataset with them, and a Markdown table of them.
 
     Parameters
     ----------
     scene : Scene
         Names the claims, and the studies each looks at.
-    studies : mapping of Dataset
-        All studies of the scene by name, over case, method, mean_pressure and term.
+    studies : mapping of path
+        The files of all studies of the scene by name.
     path, table : path
         The netCDF file and the Markdown file to write.
 
@@ -40,10 +41,14 @@ def write(scene: Scene, studies: Mapping[str, xr.Dataset], path: str | Path, tab
         If the scene names a claim that is not in CLAIMS.
 
     """
-    found = {name: evaluate(name, [studies[study] for study in wanted]) for name, wanted in scene.claims.items()}
-    keys = dict.fromkeys(key for study in studies.values() for key in study["key"].values.tolist())
-    data = gather(list(studies.values()), list(keys))
-    dataset.write(_with_claims(data, found) if found else data, path, scene.title)
+    # Only the studies of one claim at a time: a sweep that no claim looks at is never in memory.
+    found = {
+        name: evaluate(name, [dataset.read(studies[study]) for study in wanted])
+        for name, wanted in scene.claims.items()
+    }
+    files = list(studies.values())
+    step = "checked against the paper" if found else "gathered"
+    gather(files, keys_of(files), path, scene.title, step=step, scene=scene.text, more=_columns(found))
     table = Path(table)
     table.parent.mkdir(parents=True, exist_ok=True)
     with replacing(table) as beside:
@@ -67,7 +72,10 @@ def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
         return Measured(f"Not measured: {error}.")
 
 
-def _with_claims(data: xr.Dataset, found: Mapping[str, Measured]) -> xr.Dataset:
+def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
+    """The claims as variables over the dimension claim; nothing where there are none."""
+    if not found:
+        return xr.Dataset()
     claims = [CLAIMS[name] for name in found]
     columns = {
         "claim": (list(found), "claim of the paper"),
@@ -82,14 +90,14 @@ def _with_claims(data: xr.Dataset, found: Mapping[str, Measured]) -> xr.Dataset:
         ),
     }
     variables = {
-        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1"})
+        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
         for name, (values, long_name) in columns.items()
     }
     variables["claim_holds"].attrs |= {
         "flag_values": np.array(list(HOLDS_MEANINGS), "i1"),
         "flag_meanings": " ".join(HOLDS_MEANINGS.values()),
     }
-    return data.assign(variables).set_coords("claim")
+    return xr.Dataset(variables).set_coords("claim")
 
 
 def _markdown(title: str, found: Mapping[str, Measured]) -> str:

@@ -24,6 +24,8 @@ KINDS = (
     "truncated_resistance",
 )
 
+MEASURES = ("endless", "work_precision")  # of other files than those of a scene
+
 # No dates: the same data make the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 
@@ -34,7 +36,7 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
     Parameters
     ----------
     kind : str
-        A module of weier.figures, one of KINDS.
+        A module of weier.figures, one of KINDS or MEASURES.
     studies : sequence of Dataset
         What it shows, over case, method, mean_pressure and term.
     title : str
@@ -48,7 +50,7 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
         If there is no such kind, or nothing in the studies that it could show.
 
     """
-    if kind not in KINDS:
+    if kind not in (*KINDS, *MEASURES):
         raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(KINDS)}")
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,27 @@
+# One HTML page a scene, to look through: snakemake --cores 2 report --config scenes=paper
+rule report:
+    input:
+        expand(
+            "results/{s}/page.html",
+            s=str(config["scenes"]).replace(" ", "").split(","),
+        ),
+
+
+rule page:
+    input:
+        source=[*sources("weier.page"), "weier/page/choose.js"],
+        contact="results/{scene}/contact.nc",
+        figures=lambda w: expand(
+            "results/{{scene}}/figures/{f}.png", f=scene(w.scene).figures
+        ),
+        costs=lambda w: expand(
+            "results/{{scene}}/cost/{b}.nc", b=scene(w.scene).batches
+        ),
+    output:
+        "results/{scene}/page.html",
+    log:
+        "results/logs/{scene}/page.log",
+    conda:
+        "environment.yaml"
+    shell:
+        "python -m weier page {output} {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"

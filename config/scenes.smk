@@ -1,0 +1,19 @@
+# Scenes by name, and what is made of them.
+from functools import cache
+
+from weier import scene as scenes
+
+
+@cache
+def scene(name):
+    return scenes.named(name)
+
+
+def studies(wanted):
+    return lambda w: expand("results/{{scene}}/studies/{s}.nc", s=wanted(w))
+
+
+def products(name):
+    kinds, path = ["pdf", "svg", "png"], f"results/{name}/figures/{{f}}.{{e}}"
+    figures = expand(path, f=scene(name).figures, e=kinds)
+    return [f"results/{name}/contact.nc", f"results/{name}/claims.md", *figures]

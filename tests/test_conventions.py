@@ -1,0 +1,161 @@
+"""What a scene leaves, read by strangers: the CF and ACDD checker, plain xarray, netCDF4 and ncdump."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from weier import batch, claims, dataset, scene, study, variables
+
+SCENE = """
+title: Ünïcode waves
+loads: [0.01, 0.1, 1.0]
+methods: [westergaard, demelio, bem, patches]
+contact_edges: true
+settings:
+  bem: {tolerance: 1.0e-9}
+studies:
+  waves: {product: {D: 1.25, gamma: 5, m: [1, 2, .inf]}}
+claims:
+  one_wave_bounds: [waves]
+"""
+
+# A mechanics dataset has no place on Earth and no time, was made by a program, and by people who give no address.
+IMPOSSIBLE = (
+    "geospatial_", "time_coverage_", "standard_name", "instrument", "platform", "contributor_", "creator_email",
+    "creator_url", "creator_institution", "publisher_email", "publisher_url", "publisher_institution",
+    "keywords_vocabulary",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Every kind of file that a scene leaves."""
+    folder = tmp_path_factory.mktemp("scene")
+    (folder / "waves.yaml").write_text(SCENE, encoding="utf-8")
+    loaded = scene.load(folder / "waves.yaml")
+    (name,) = loaded.batches
+    data, cost = batch.solve_batch(loaded, loaded.batches[name])
+    dataset.write(data, folder / "batch.nc", loaded.title, "solved", loaded.text)
+    dataset.write(cost, folder / "cost.nc", loaded.title, "solved", loaded.text)
+    keys = [case.key for case in loaded.studies["waves"]]
+    study.gather([folder / "batch.nc"], keys, folder / "gathered.nc", loaded.title, scene=loaded.text)
+    options = {"step": "bounded", "scene": loaded.text, "change": study.add_bounds}
+    study.gather([folder / "gathered.nc"], keys, folder / "study.nc", loaded.title, **options)
+    claims.write(loaded, {"waves": folder / "study.nc"}, folder / "contact.nc", folder / "claims.md")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def files(folder):
+    return sorted(folder.glob("*.nc"))
+
+
+def checked(files, convention, folder):
+    """The checker's whole answer for each file, with a network that leads nowhere."""
+    output = folder / f"{convention.partition(':')[0]}.json"
+    environment = os.environ | dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
+    command = ["cchecker.py", "-t", convention, "-c", "strict", "-f", "json_new", "-o", output, *files]
+    done = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True, timeout=60)
+    assert "exceptions occurred" not in done.stdout + done.stderr, done.stdout + done.stderr
+    answers = json.loads(output.read_text(encoding="utf-8"))
+    assert set(answers) == set(map(str, files))
+    return {name: answer[convention] for name, answer in answers.items()}
+
+
+def complaints(answer):
+    ranks = ("high_priorities", "medium_priorities", "low_priorities")
+    return [text for rank in ranks for check in answer[rank] for text in check["msgs"]]
+
+
+def test_cf_strict_finds_nothing(files, tmp_path):
+    assert len(files) == 5
+    answers = checked(files, "cf:1.11", tmp_path)
+    assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
+    assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())
+
+
+def test_acdd_misses_only_what_mechanics_cannot_have(files, tmp_path):
+    for name, answer in checked(files, "acdd:1.3", tmp_path).items():
+        lacking = [text for text in complaints(answer) if not any(word in text for word in IMPOSSIBLE)]
+        if not dataset_is_of_a_checkout(name):
+            lacking = [text for text in lacking if "date_" not in text]
+        assert lacking == []
+
+
+def dataset_is_of_a_checkout(name):
+    with netCDF4.Dataset(name) as file:
+        return len(file.git_commit.split()[0]) == 40
+
+
+def test_the_checker_would_complain(folder, tmp_path):
+    """The two tests above are worth something."""
+    shutil.copy(folder / "study.nc", tmp_path / "bad.nc")
+    with netCDF4.Dataset(tmp_path / "bad.nc", "a") as file:
+        file["compliance"].units = "nonsense"
+        file.delncattr("summary")
+    assert any(
+        "nonsense" in text for text in complaints(checked([tmp_path / "bad.nc"], "cf:1.11", tmp_path).popitem()[1])
+    )
+    assert any(
+        "summary" in text for text in complaints(checked([tmp_path / "bad.nc"], "acdd:1.3", tmp_path).popitem()[1])
+    )
+
+
+def test_plain_xarray_reads_it(folder):
+    with xr.open_dataset(folder / "contact.nc") as data:
+        layer = data.sel({"method": "demelio"}).isel(case=data.m.values == 2)
+        assert float(layer.compliance.sel(mean_pressure=1.0)[0]) == pytest.approx(1.0, abs=0.5)
+        assert set(data.coords) >= {"D", "gamma", "m", "phase", "key"}
+        assert data.attrs["scene"] == SCENE
+
+
+def test_netcdf4_reads_it_and_no_value_is_out_of_range(files):
+    for path in files:
+        with netCDF4.Dataset(path) as file:
+            for name, variable in file.variables.items():
+                assert {"long_name", "units"} <= set(variable.ncattrs()), name
+            assert [str(name) for name in file["method"][:]] == ["westergaard", "demelio", "bem", "patches"]
+            file.set_auto_mask(False)
+            for name, variable in file.variables.items():
+                if variable.dtype.kind == "f":
+                    assert not (variable[...] < getattr(variable, "valid_min", -np.inf)).any(), name
+                    assert not (variable[...] > getattr(variable, "valid_max", np.inf)).any(), name
+
+
+def test_every_variable_of_curves_says_its_range_and_symbol():
+    assert variables.attributes("D")["valid_min"] == 1
+    assert variables.attributes("D")["valid_max"] == 2
+    assert variables.attributes("compliance")["symbol"] == "h"
+    assert variables.attributes("status")["flag_meanings"].split()[2] == "not_applicable"
+
+
+def test_the_settings_of_each_solution_are_there(folder):
+    with netCDF4.Dataset(folder / "contact.nc") as file:
+        bem, none = json.loads(str(file["settings"][0, 2])), str(file["settings"][0, 1])
+    assert bem["tolerance"] == 1e-9
+    assert bem["solver"] == "fft"
+    assert none == "{}"
+
+
+def test_history_names_every_step_and_no_time(folder):
+    with netCDF4.Dataset(folder / "contact.nc") as file:
+        steps = [line.split(" by weier ")[0] for line in file.history.splitlines()]
+        assert steps == ["solved", "gathered", "bounded", "checked against the paper"]
+        assert not re.search(r"\d\d:\d\d", file.history)
+        assert "doi:10.1016/j.jmps.2003.12.002" in file.references
+
+
+def test_ncdump_reads_it(folder):
+    if shutil.which("ncdump") is None:
+        pytest.skip("ncdump is not installed: apt-get install netcdf-bin")
+    done = subprocess.run(["ncdump", folder / "contact.nc"], capture_output=True, text=True, check=True)
+    assert re.search(r"method =\s+\"westergaard\",\s+\"demelio\"", done.stdout)
+    assert 'compliance:symbol = "h"' in done.stdout
+    assert "Ünïcode waves" in done.stdout

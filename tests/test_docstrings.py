@@ -1,0 +1,28 @@
+"""The examples in docstrings, run."""
+
+import doctest
+import pkgutil
+from importlib import import_module
+
+import pytest
+
+import weier
+from weier import single
+
+MODULES = [module.name for module in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in module.name]
+FINDER = doctest.DocTestFinder(exclude_empty=True)
+WITH_EXAMPLES = [name for name in MODULES if any(test.examples for test in FINDER.find(import_module(name)))]
+
+
+def test_the_public_interface_has_examples():
+    assert {"weier.solve", "weier.contact"} <= set(WITH_EXAMPLES)
+
+
+@pytest.mark.parametrize("name", WITH_EXAMPLES)
+def test_examples_are_true(name, tmp_path):
+    path = tmp_path / "contact.nc"
+    parameters = {"D": 1.25, "gamma": 5, "m": 2, "phase": 1.0}
+    single.write(single.solve_one(parameters, single.parsed_loads("0.1,1"), ["demelio"], {}), path)
+    result = doctest.testmod(import_module(name), extraglobs={"path": path})
+    assert result.attempted > 0
+    assert result.failed == 0

@@ -1,0 +1,78 @@
+"""The endless series: the layer model where one term is resolved, and closing in on the truth as more are."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from weier import Profile, bem, endless, figures, layer, random_phases
+
+LOADS = np.geomspace(3e-3, 3, 7)
+PROFILE = Profile(1.25, 2, math.inf, random_phases(2))
+
+
+def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
+    """The mesh's own error is of second order: four times less at each halving, and 0.9 g_0/N^2 at most."""
+    exact = layer.curve(LOADS, 1.5, 5, math.inf)
+    errors = []
+    for points in (32, 64, 128):
+        found = endless.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
+        errors.append(np.abs(found.compliance - exact.compliance).max())
+        assert np.all(found.residual <= endless.TOLERANCE)
+    orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
+    assert min(orders) > 1.7, errors
+    assert errors[-1] < 1.5 / 128**2 + 1e-5  # the layer's own tables
+    # The slope of both curves, where neither is close to 0.
+    assert found.resistance[:-1] == pytest.approx(exact.resistance[:-1], rel=0.05)
+
+
+@pytest.fixture(scope="module")
+def convergence():
+    return endless.convergence(PROFILE, LOADS, 6).isel(case=0)
+
+
+def test_estimates_lie_within_all_bounds_and_close_in(convergence):
+    h = convergence["compliance"].values
+    low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
+    mesh = 4.5 / 32**2  # of the boundary elements of estimate and bounds, in g_0
+    assert np.all((low - mesh <= h) & (h <= high + mesh))
+    # The last estimate lies within the bounds of every shorter series: they are about the same endless one.
+    assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
+    off = np.abs(h[:-1] - h[-1]).max(axis=1)
+    assert off[-1] < off[0] / 3
+    # Far better than the certificate, which is half as wide as the bounds.
+    assert np.all(off < 0.75 * (high - low)[:-1].max(axis=1) / 2)
+
+
+def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
+    """Against five terms more, whose own tail may move them by a tenth of that of the four."""
+    long = Profile(1.25, 2, 9, random_phases(2))
+    truth = bem.curve(long, LOADS, points=16 * long.wavenumber[-1]).compliance + long.tail_amplitude
+    h, low, high = (convergence[name].values[3] for name in ("compliance", "compliance_lower", "compliance_upper"))
+    estimate, middle = np.abs(h - truth).mean(), np.abs((low + high) / 2 - truth).mean()
+    assert estimate < middle / 2
+
+
+def test_resistance_is_the_slope_of_the_estimate():
+    """To the step, since nodes come into contact on the way."""
+    step = 1e-4
+    loads = np.array([0.1 * (1 - step), 0.1, 0.1 * (1 + step)])
+    found = endless.curve(PROFILE, loads, 2)
+    slope = (found.compliance[2] - found.compliance[0]) / (loads[2] - loads[0])
+    assert found.resistance[1] == pytest.approx(slope, rel=step)
+    assert np.all(np.diff(found.resistance) < 0)
+
+
+def test_what_is_not_endless_or_too_long_is_refused():
+    with pytest.raises(ValueError, match="m must be inf, got 3"):
+        endless.curve(Profile(1.5, 5, 3), LOADS, 1)
+    with pytest.raises(ValueError, match="terms must be fewer, got 7"):
+        endless.curve(Profile(1.5, 5, math.inf), LOADS, 7)
+
+
+def test_the_figure(convergence, tmp_path):
+    figures.draw("endless", [convergence.expand_dims("case")], "", tmp_path / "endless.png")
+    assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
+    with pytest.raises(ValueError, match="resolve more terms"):
+        figures.draw("endless", [convergence.isel(method=[0]).expand_dims("case")], "", tmp_path / "one.png")

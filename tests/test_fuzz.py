@@ -1,0 +1,254 @@
+"""Whatever is thrown at it: a scene is loaded or refused in a sentence, a command ends, and nothing strays."""
+
+import math
+import re
+import sys
+import time
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from weier import __main__, scene
+
+FEW = settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+MANY = settings(FEW, max_examples=3400, derandomize=False, database=None)  # of three tests: 10^4
+LONGEST = 10.0  # s, for what is refused or loaded; a hang takes forever
+
+ODD = [
+    "inf", ".nan", "nan", "5/0", "5/2", "1e-3", "1e400", "../../x", "/etc/passwd", "a\nb", "\x00", "\ud800", "\u0661",
+    "", 1e308, -1e308, 5e-324, 10**30, 10**400, -1, 0, 1, 2, 5, 1.25, 1 + 1e-16, 1.0000001, math.inf, math.nan, True,
+    None, {}, [], [[]], {"from": 1, "to": 2, "count": 10**12}, {"from": 0, "to": 1, "count": 3, "spacing": "log"},
+    {"from": 1, "to": 3, "count": 3.0}, 2.0, 3.0, 1e6, 10**6,
+]  # fmt: skip
+atoms = (
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.dates() | st.sampled_from(ODD)
+)
+keys = st.text(max_size=5) | st.sampled_from(
+    ["from", "to", "count", "spacing", "product", "cases", "D", 1, None, True]
+)
+values = st.recursive(
+    atoms, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=4), max_leaves=6
+)
+PRODUCT_KEYS = ["D", "gamma", "m", "phase", "phases", "seed", "other"]
+SCENE_KEYS = [
+    "title",
+    "loads",
+    "methods",
+    "settings",
+    "contact_edges",
+    "batch",
+    "figures",
+    "claims",
+    "studies",
+    "most_cases",
+]
+METHODS = ["archard", "demelio", "layer", "bem", "patches"]
+SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance"]
+
+
+@st.composite
+def scenes(draw):
+    """A sound scene with some values replaced by others."""
+    product = {"D": 1.25, "gamma": 5, "m": 2}
+    for key in draw(st.lists(st.sampled_from(PRODUCT_KEYS), max_size=3)):
+        product[key] = draw(values)
+    method = draw(st.sampled_from(METHODS))
+    found = {"title": "fuzz", "loads": [0.1, 1.0], "methods": [method], "studies": {"one": {"product": product}}}
+    if draw(st.booleans()):
+        found["settings"] = {method: {draw(st.sampled_from(SETTINGS)): draw(values)}}
+    for key in draw(st.lists(st.sampled_from(SCENE_KEYS), max_size=2)):
+        found[key] = draw(values)
+    return found
+
+
+def load_or_refuse(path):
+    """Load, and all that the Snakefile asks of a scene; or be told in a sentence."""
+    start = time.perf_counter()
+    refusal = ""
+    try:
+        loaded = scene.load(path)
+    except scene.SceneError as error:
+        refusal = str(error)
+    else:
+        names = [name for group in (loaded.studies, loaded.figures, loaded.batches) for name in group]
+        assert all(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+-]*", name) for name in names)
+        assert all(loaded.definition(name) for name in loaded.batches)
+        loaded.title.encode()
+    assert "\n" not in refusal
+    assert len(refusal) < 2000
+    assert time.perf_counter() - start < LONGEST
+
+
+def check_scene(folder, found):
+    path = folder / "a scene.yaml"
+    path.write_bytes(yaml.safe_dump(found, allow_unicode=False).encode())
+    load_or_refuse(path)
+
+
+def check_text(folder, text):
+    path = folder / "a scene.yaml"
+    path.write_bytes(text)
+    load_or_refuse(path)
+
+
+TEXT = st.binary(max_size=60) | st.text(alphabet="&*a!:{}[]-,|>%@`'\"\n 1.eE_~?<", max_size=60).map(str.encode)
+
+words = (
+    st.text(max_size=12)
+    | st.sampled_from([str(value) for value in ODD])
+    | st.floats().map(str)
+    | st.integers().map(str)
+)
+OPTIONS = ["-D", "--gamma", "-m", "--phase", "--phases", "--seed", "--loads", "--set"]
+
+
+@st.composite
+def arguments(draw):
+    """A sound command with some options replaced by others."""
+    given = {"-D": "1.25", "--gamma": "5", "-m": "2", "--loads": "0.1,1", "--method": "demelio"}
+    given["--method"] = draw(st.sampled_from(["archard", "demelio", "layer", "westergaard"]))
+    for option in draw(st.lists(st.sampled_from(OPTIONS), max_size=3)):
+        given[option] = draw(words)
+    if draw(st.booleans()):
+        given["--set"] = f"{given['--method']}.{draw(st.sampled_from(SETTINGS))}={draw(words)}"
+    return ["solve", *(part for pair in given.items() for part in pair)]
+
+
+def check_arguments(folder, given):
+    start, out, err = time.perf_counter(), StringIO(), StringIO()
+    before = sys.argv
+    sys.argv = ["weier", *given]
+    try:
+        with redirect_stdout(out), redirect_stderr(err), pytest.raises(SystemExit) as stopped:
+            __main__.main()
+    finally:
+        sys.argv = before
+    assert stopped.value.code in (None, 0, 1, 2)
+    assert "Traceback" not in err.getvalue()
+    if stopped.value.code == 1:
+        assert err.getvalue().splitlines()[-1].startswith("weier: ")
+    assert list(folder.iterdir()) == []
+    assert time.perf_counter() - start < LONGEST
+
+
+FUZZED = [(scenes(), check_scene), (TEXT, check_text), (arguments(), check_arguments)]
+NAMES = ["scenes", "texts", "arguments"]
+
+
+def throw(strategy, check, how_many, folder):
+    @how_many
+    @given(strategy)
+    def run(found):
+        check(folder, found)
+
+    run()
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    place = tmp_path / "ein Örtchen"
+    place.mkdir()
+    monkeypatch.chdir(place)
+    return place
+
+
+@pytest.mark.parametrize(("strategy", "check"), FUZZED, ids=NAMES)
+def test_hundreds(strategy, check, folder):
+    throw(strategy, check, FEW, folder)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("strategy", "check"), FUZZED, ids=NAMES)
+def test_ten_thousand(strategy, check, folder):
+    throw(strategy, check, MANY, folder)
+
+
+LAUGHS = "a: &a [x]\n" + "".join(
+    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (LAUGHS, "at most 1000000 values"),
+        ("&a [*a]", "contain themselves"),
+        ("[" * 5000, "nested too deep|cannot be read"),
+        ("a: " + "1" * 5000, "cannot be read"),
+        ("title: 2001-13-45", "cannot be read"),
+        ("title: a\ntitle: b", "the key 'title' stands twice"),
+        ("#" * 1_000_001, "at most 1000000 characters"),
+        ("!!python/object/apply:os.system ['touch stray']", "could not determine a constructor"),
+    ],
+)
+def test_yaml_that_means_harm(folder, text, message):
+    path = folder / "bad.yaml"
+    path.write_text(text)
+    start = time.perf_counter()
+    with pytest.raises(scene.SceneError, match=message):
+        scene.load(path)
+    assert time.perf_counter() - start < LONGEST
+    assert [each.name for each in folder.iterdir()] == ["bad.yaml"]
+
+
+@pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a/b", "..", "a\n", "", "ü", "-x", "a" * 65, "minimal.yaml"])
+def test_a_scene_name_leads_nowhere_else(name):
+    with pytest.raises(scene.SceneError, match="letters, digits"):
+        scene.named(name)
+
+
+def test_many_cases_want_an_explicit_word(tmp_path):
+    found = {"title": "many", "loads": 1.0, "methods": ["demelio"]}
+    found["studies"] = {
+        "one": {"product": {"D": 1.25, "gamma": 5, "m": 2, "seed": {"from": 0, "to": 10000, "count": 10001}}}
+    }
+    path = tmp_path / "many.yaml"
+    path.write_text(yaml.safe_dump(found))
+    with pytest.raises(scene.SceneError, match="at most 10000 cases, got 10001: say most_cases: 10001"):
+        scene.load(path)
+    path.write_text(yaml.safe_dump(found | {"most_cases": 10001}))
+    assert len(scene.load(path).studies["one"]) == 10001
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"loads": {"from": 1, "to": 2, "count": 20000}}, "at most 10000 loads"),
+        ({"loads": [1e-300, 1]}, "loads must lie in"),
+        ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 12}}}}, "at most 100000 times into the period"),
+        ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 10**400}}}}, "m must be a number"),
+        ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 2, "phase": 1e15}}}}, "phases must lie in"),
+        ({"settings": {"bem": {"points": 10**9}}}, r"points of bem must lie in \[1, 10000000\]"),
+        ({"settings": {"bem": {"tolerance": "x"}}}, "tolerance of bem must be float, got 'x'"),
+        ({"settings": {"bem": {"points": True}}}, r"points of bem must be int \| None, got True"),
+    ],
+)
+def test_what_no_computer_holds_is_refused(tmp_path, changes, message):
+    path = tmp_path / "large.yaml"
+    found = {"title": "large", "loads": [0.1], "methods": ["bem"]}
+    found["studies"] = {"one": {"product": {"D": 1.25, "gamma": 5, "m": 2}}}
+    path.write_text(yaml.safe_dump(found | changes))
+    with pytest.raises(scene.SceneError, match=message):
+        scene.load(path)
+
+
+def test_fuzzing_reaches_both_ends(folder):
+    """Neither all loaded nor all refused: else the tests above show nothing."""
+    ends = set()
+
+    def check(place, found):
+        path = Path(place, "x.yaml")
+        path.write_bytes(yaml.safe_dump(found).encode())
+        try:
+            scene.load(path)
+            ends.add("loaded")
+        except scene.SceneError:
+            ends.add("refused")
+
+    throw(scenes(), check, FEW, folder)
+    assert ends == {"loaded", "refused"}

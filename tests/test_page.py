@@ -1,0 +1,140 @@
+"""The page of a scene: whole in itself, and alive in a browser without a network."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from weier import dataset, page
+from weier.dataset import Status
+
+LOADS = np.geomspace(1e-2, 1, 5)
+METHODS = ["demelio", "bem"]
+CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
+PNG = bytes.fromhex("89504e470d0a1a0a")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("a scene")
+    data = dataset.blank(len(CASES), METHODS, LOADS, 3)
+    cost = dataset.blank_cost(len(CASES), METHODS)
+    for row, values in enumerate(CASES):
+        for name, value in zip(("D", "gamma", "m"), values, strict=True):
+            data[name].values[row] = value
+        data["key"].values[row] = f"case{row}"
+        data["compliance"].values[row] = row + 1 + LOADS
+        data["resistance"].values[row] = 2 * (row + 1) + LOADS
+    data["phase"].values[:, :2] = 0, 1
+    data["status"].values[:] = Status.solved
+    cost["seconds"].values[:] = 0.5
+    dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
+    dataset.write(cost, folder / "cost.nc", "cost")
+    (folder / "figure_1.png").write_bytes(PNG)
+    write(folder, "page.html")
+    return folder
+
+
+def write(folder, name):
+    page.write(folder / "contact.nc", [folder / "figure_1.png"], [folder / "cost.nc"], folder / name)
+    return (folder / name).read_text(encoding="utf-8")
+
+
+def test_nothing_is_asked_of_a_network(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
+    assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
+    assert re.findall(r"(?:src|href)=\"(?!data:)", markup) == []
+    for heading in ("Curves, all 4 cases", "Figures", "Claims", "Errors", "Cost", "Provenance"):
+        assert f"<h2>{heading}</h2>" in markup
+
+
+def test_text_of_a_scene_stays_text(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    assert "&lt;b&gt;Waves&lt;/b&gt; &amp; &lt;/script&gt;" in text
+    assert "<script>alert(1)" not in text
+
+
+def test_same_data_same_page(folder):
+    """The numbers of bokeh's parts count on in one process; all else is the same."""
+    first, second = (re.sub(r"p\d{4,}", "p", write(folder, name)) for name in ("a.html", "b.html"))
+    assert first == second
+
+
+def test_costs_and_states_are_counted(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    assert "<td>bem</td><td>4</td><td>0.5</td><td>0.5</td><td>2</td>" in text
+    assert "<td>bem</td><td>4</td><td>0</td><td>0</td><td>0</td>" in text
+
+
+# As a user does: the drop-down is set and says so. It stands in the shadow of its widget.
+DRIVE = """<script>
+const found = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? found(each.shadowRoot, kind) : [])])
+const seen = () => {
+  const model = (name) => Bokeh.documents[0].get_model_by_name(name)
+  return {
+    compliance: Array.from(model("curve bem").data.compliance),
+    resistance: Array.from(model("curve bem").data.resistance),
+    visible: model("compliance").renderers.map((line) => line.visible),
+    chosen: ["D", "gamma", "m", "phase", "key"].map((name) => model(name).value),
+  }
+}
+const pause = () => new Promise((done) => setTimeout(done, 200))
+const choose = async (number, value) => {
+  const select = found(document, "select")[number]
+  select.value = value; select.dispatchEvent(new Event("change")); await pause()
+}
+const drive = async () => {
+  while (!found(document, "select").length) await pause()
+  const steps = [seen()]
+  await choose(0, "1.5"); steps.push(seen())
+  await choose(1, "3"); steps.push(seen())
+  found(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(seen())
+  const answer = document.createElement("pre"); answer.id = "answer"
+  answer.textContent = JSON.stringify(steps); document.body.append(answer)
+}
+drive()
+</script>"""
+
+
+def browse(folder, *arguments):
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("there is no chromium to open the page in: apt-get install chromium")
+    command = [
+        browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
+        "--host-resolver-rules=MAP * ~NOTFOUND", "--proxy-server=127.0.0.1:9",
+        f"--user-data-dir={folder / 'browser'}", "--enable-logging=stderr",
+        "--window-size=1100,1400", "--virtual-time-budget=10000", *arguments,
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert re.findall(r"CONSOLE.*(?:[Ee]rror|Uncaught|fail).*", done.stderr) == []
+    assert "CONSOLE" in done.stderr  # bokeh greets there: silence would mean that nothing ran
+    return done.stdout
+
+
+def test_choosing_a_case_changes_the_curve(folder):
+    driven = folder / "driven.html"
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    head, _, _ = text.rpartition("</body>")
+    driven.write_text(f"{head}{DRIVE}</body></html>", encoding="utf-8")
+    answer = re.search(r'<pre id="answer">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
+    start, rough, finer, hidden = json.loads(answer.group(1))
+    assert start["compliance"] == pytest.approx(1 + LOADS)
+    assert start["chosen"] == ["1.25", "5", "2", "1", "case0"]
+    assert rough["compliance"] == pytest.approx(2 + LOADS)
+    assert finer["compliance"] == pytest.approx(3 + LOADS)
+    assert finer["resistance"] == pytest.approx(6 + LOADS)
+    assert finer["chosen"] == ["1.5", "3", "2", "1", "case2"]
+    assert (finer["visible"], hidden["visible"]) == ([True, True], [False, True])
+
+
+def test_the_browser_would_tell_of_an_error(folder):
+    """The test above is worth something."""
+    (folder / "broken.html").write_text("<script>undefined.curve</script>")
+    with pytest.raises(AssertionError, match="Uncaught"):
+        browse(folder, "--dump-dom", (folder / "broken.html").as_uri())

@@ -1,0 +1,245 @@
+"""The whole series, m = inf: its coarse terms resolved, all finer ones as the non-linear layer under each point.
+
+The first k waves are solved by boundary elements on a layer that yields by w(p) = g_k W(p/p_k*), where W is the
+layer model's law of the endless series (4.3), the fixed point of one level. At every node
+
+    w(p) + A p = z - flat  where p > 0,    z - A p - flat < 0  where p = 0,
+
+and one number s at a node says both: s = w(p) + c p in contact, the negative gap outside, so that w, p and their
+slopes are continuous in s and Newton's method needs no set of active nodes. For k = 1 this is the layer model itself;
+the more terms are resolved, the less is left to it. Beside it stand the bounds theorem's rigorous limits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from weier import bem, dataset, layer
+from weier.bem.curve import checked_points
+from weier.errors import ConvergenceError
+from weier.halfplane import eigenvalues, influence_coefficients
+from weier.loads import checked_loads
+from weier.plan import truncated
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
+MOST_POINTS = 2**14  # more take minutes
+NEWTON_STEPS = 60
+STEP_ACCURACY, RATE_ACCURACY = 1e-6, 1e-9  # relative residuals of the linear equations of a step, of dh/dp;
+DIRECTIONS, RESTARTS = 80, 10  # some tens of directions reach them
+TOLERANCE = 1e-9  # of the residual, in g_0
+ROWS = 400  # of the law's table, over
+LIGHTEST, HEAVIEST = 1e-9, 1e3  # its loads, in p_k* : beyond, power laws
+
+
+class Curve(NamedTuple):
+    """The endless series over the loads, each of shape (loads,).
+
+    compliance : best estimate of h, in g_0, from the profile whose waves all peak together
+    resistance : dh/dp of it, in g_0/p_0*
+    compliance_lower, compliance_upper : rigorous bounds on h, from the resolved terms alone; their error by boundary
+        elements is not in them
+    residual : largest violation of the equations, in g_0
+    """
+
+    compliance: Array
+    resistance: Array
+    compliance_lower: Array
+    compliance_upper: Array
+    residual: Array
+
+
+class Law(NamedTuple):
+    """The layer at a node of self-influence c: ln p over ln(w + c p), and c."""
+
+    log_pressure: PchipInterpolator
+    stiffness: float
+
+
+class Node(NamedTuple):
+    """Pressure, compression or negative gap, and their slopes, at every s."""
+
+    pressure: Array
+    compression: Array
+    pressure_slope: Array
+    compression_slope: Array
+
+
+def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> Curve:
+    """Best estimate of the endless series from its first terms, with rigorous bounds beside it.
+
+    Parameters
+    ----------
+    profile : Profile
+        With m = inf.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, in p_0*.
+    terms : int
+        Waves to resolve, at least 1.
+    points : int, optional
+        Nodes in a period of the resolved waves; 32 for each of the finest unless told.
+
+    Returns
+    -------
+    Curve
+        Arrays over the loads.
+
+    Raises
+    ------
+    ValueError
+        If the series ends, or takes more than 2^14 points.
+    ConvergenceError
+        If Newton's method stops short of 1e-9 g_0.
+
+    Notes
+    -----
+    The bounds are [h_k, h_k + 2 G_k] with G_k the amplitude of the tail (27).
+    """
+    loads = checked_loads(mean_pressure)
+    kept, points = _checked(profile, terms, points)
+    tail = kept.tail_amplitude
+    law = _law(kept, float(influence_coefficients(points, kept.period)[0]))
+    h, R, residual = _solve_loads(kept, loads, points, law)
+    coarse = bem.curve(kept, loads, resistance=False).compliance
+    return Curve(h, R, coarse, coarse + 2 * tail, residual)
+
+
+def convergence(profile: Profile, mean_pressure: ArrayLike, most_terms: int) -> xr.Dataset:
+    """The estimate and its bounds with 1, 2, ... resolved terms.
+
+    Parameters
+    ----------
+    profile : Profile
+        With m = inf.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, in p_0*.
+    most_terms : int
+        Waves to resolve in the last of them.
+
+    Returns
+    -------
+    Dataset
+        As that of a scene, with "1 resolved", "2 resolved" ... for methods.
+
+    """
+    loads, counts = checked_loads(mean_pressure), range(1, most_terms + 1)
+    data = dataset.blank(1, [f"{count} resolved" for count in counts], loads, most_terms)
+    data["D"].values[0], data["gamma"].values[0], data["m"].values[0] = profile.D, float(profile.gamma), profile.m
+    data["phase"].values[0] = truncated(profile, most_terms).phase
+    data["total_amplitude"].values[0], data["tail_amplitude"].values[0] = profile.total_amplitude, 0.0
+    for row, count in enumerate(counts):
+        for name, values in curve(profile, loads, count)._asdict().items():
+            data[name].values[0, row] = values
+        data["points"].values[0, row] = POINTS_PER_WAVE * truncated(profile, count).wavenumber[-1]
+        data["status"].values[0, row] = dataset.Status.solved
+    return data
+
+
+def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:
+    if math.isfinite(profile.m):
+        raise ValueError(f"m must be inf, got {profile.m}: a finite series needs no estimate of its tail")
+    kept = truncated(profile, terms)
+    points = checked_points(kept, points or POINTS_PER_WAVE * kept.wavenumber[-1])
+    if points > MOST_POINTS:
+        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MOST_POINTS}")
+    return kept, points
+
+
+def _law(kept: Profile, stiffness: float) -> Law:
+    """The tail's layer, in the units of the first wave."""
+    D, gamma, n = kept.D, float(kept.gamma), kept.terms
+    xi = np.geomspace(LIGHTEST, HEAVIEST, ROWS)
+    amplitude, pressure = gamma ** ((D - 2) * n), xi * gamma ** ((D - 1) * n)
+    compression = amplitude * layer.compliance(xi, D, gamma, math.inf)
+    return Law(PchipInterpolator(np.log(compression + stiffness * pressure), np.log(pressure)), stiffness)
+
+
+def _at(s: Array, law: Law) -> Node:
+    inside = s > 0
+    log_s = np.log(np.where(inside, s, 1.0))
+    near = np.clip(log_s, *law.log_pressure.x[[0, -1]])
+    slope = law.log_pressure(near, 1)
+    p = np.where(inside, np.exp(law.log_pressure(near) + slope * (log_s - near)), 0.0)
+    p_slope = np.where(inside, slope * p / np.where(inside, s, 1.0), 0.0)
+    return Node(p, s - law.stiffness * p, p_slope, 1 - law.stiffness * p_slope)
+
+
+def _solve_loads(kept: Profile, loads: Array, points: int, law: Law) -> tuple[Array, Array, Array]:
+    """Compliance, resistance and residual, from the heaviest load down, each started from the one before."""
+    z, sinking = kept.sampled_height(points), eigenvalues(points, kept.period)
+    h, R, miss = np.zeros((3, loads.size))
+    state = _start(z, sinking, float(loads[-1]), law)
+    for i in reversed(range(loads.size)):
+        state, miss[i] = _newton(state, z, sinking, float(loads[i]), law)
+        h[i] = kept.total_amplitude - state[-1]
+        # By how much the flat sinks is the equations' answer to a unit of load.
+        unit = np.append(np.zeros(points), 1.0)
+        R[i] = -_answer(_at(state[:-1], law), sinking, unit, RATE_ACCURACY)[-1]
+    return h, R, miss
+
+
+def _start(z: Array, sinking: Array, load: float, law: Law) -> Array:
+    """A state from full contact under this load: s at every node, then the flat."""
+    spectrum = np.fft.rfft(z)
+    spectrum[1:] /= sinking[1:]
+    spectrum[0] = load * z.size
+    p = np.fft.irfft(spectrum, z.size)
+    return np.append(law.stiffness * p, 0.0)
+
+
+def _newton(state: Array, z: Array, sinking: Array, load: float, law: Law) -> tuple[Array, float]:
+    """Newton's method from this state: the solution, and its residual in g_0."""
+    for _ in range(NEWTON_STEPS):
+        node = _at(state[:-1], law)
+        wrong = np.append(
+            node.compression + _sunk(node.pressure, sinking) - z + state[-1], node.pressure.mean() - load
+        )
+        miss = float(np.max(np.abs(wrong)))
+        if miss <= TOLERANCE:
+            return state, miss
+        state = state - _answer(node, sinking, wrong, STEP_ACCURACY)
+    raise ConvergenceError(
+        f"the resolved terms on the layer stopped at a residual of {miss:.1e} g_0 under the mean pressure {load:.6g} "
+        f"p_0*, above {TOLERANCE:.0e}: resolve fewer terms",
+        miss,
+    )
+
+
+def _sunk(pressure: Array, sinking: Array) -> Array:
+    """A p by FFT."""
+    return np.asarray(np.fft.irfft(np.fft.rfft(pressure) * sinking, pressure.size))
+
+
+def _answer(node: Node, sinking: Array, right: Array, accuracy: float) -> Array:
+    """The linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
+
+    [diag(dw/ds) + A diag(dp/ds), 1; mean of dp/ds, 0] [ds; dflat] = right
+    """
+    n, yielding, bearing = right.size - 1, float(node.compression_slope.mean()), float(node.pressure_slope.mean())
+
+    def equations(x: Array) -> Array:
+        p = node.pressure_slope * x[:-1]
+        return np.append(node.compression_slope * x[:-1] + _sunk(p, sinking) + x[-1], p.mean())
+
+    def uniform(r: Array) -> Array:
+        spectrum = np.fft.rfft(r[:-1])
+        spectrum[1:] /= yielding + bearing * sinking[1:]
+        flat = spectrum[0].real / n - yielding * r[-1] / bearing
+        spectrum[0] = n * r[-1] / bearing
+        return np.append(np.fft.irfft(spectrum, n), flat)
+
+    size = (n + 1, n + 1)
+    found, _ = gmres(
+        LinearOperator(size, equations), right, rtol=accuracy, atol=0.0, restart=DIRECTIONS, maxiter=RESTARTS,
+        M=LinearOperator(size, uniform),
+    )  # fmt: skip
+    return np.asarray(found)

@@ -1,0 +1,140 @@
+"""The page of a scene: one HTML file with its curves to look through, figures, claims, errors and provenance.
+
+Everything stands in the file: it is read without a network, and the same data make the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from bokeh.core.types import ID
+from bokeh.embed import json_item
+from bokeh.resources import Resources
+
+from weier import dataset
+from weier.dataset import Status
+from weier.files import replacing
+from weier.page.curves import MOST_CASES, explorer
+
+HOLDS = {0: "no", 1: "yes", 2: "not measured"}
+PLACE = ID("curves")
+STYLE = """
+body { font-family: Georgia, serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #111; }
+h1, h2 { font-weight: normal; } h2 { border-bottom: 1px solid #bbb; margin-top: 2.5rem; }
+table { border-collapse: collapse; font-size: 0.9rem; } td, th { padding: 0.25rem 0.7rem 0.25rem 0; text-align: left;
+vertical-align: top; border-bottom: 1px solid #ddd; } figure { display: inline-block; width: 46%; margin: 1rem 1%;
+vertical-align: top; } img { width: 100%; } figcaption { font-size: 0.9rem; }
+pre { background: #f4f4f4; padding: 1rem; overflow-x: auto; font-size: 0.8rem; }
+"""
+
+
+def write(contact: str | Path, figures: Sequence[Path], costs: Sequence[Path], path: str | Path) -> None:
+    """Write the page of a scene, whole or not at all.
+
+    Parameters
+    ----------
+    contact : path
+        The dataset of the scene.
+    figures : sequence of path
+        PNG files.
+    costs : sequence of path
+        Files of seconds, one a batch.
+    path : path
+        The HTML file to write.
+
+    Raises
+    ------
+    ValueError
+        If one of the files is missing, cut short, or not of weier.
+
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with dataset.open_lazily(contact) as data:
+        text = _page(data, figures, costs)
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8")
+
+
+def _page(data: xr.Dataset, figures: Sequence[Path], costs: Sequence[Path]) -> str:
+    title = escape(data.attrs.get("title", "A scene"))
+    count = data.sizes["case"]
+    shown = f"the first {MOST_CASES} of {count}" if count > MOST_CASES else f"all {count}"
+    sections = {
+        f"Curves, {shown} cases": f'<div id="{PLACE}"></div>',
+        "Figures": "".join(map(_figure, figures)) or "<p>This scene draws no figures.</p>",
+        "Claims": _claims(data),
+        "Errors": _errors(data),
+        "Cost": _costs(costs),
+        "Provenance": _provenance(data),
+    }
+    body = "\n".join(f"<h2>{heading}</h2>\n{content}" for heading, content in sections.items())
+    # Just what the curves need: the other parts of the library would double the file.
+    library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
+    item = json.dumps(json_item(explorer(data.isel(case=slice(MOST_CASES)).load()), PLACE)).replace("</", "<\\/")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>\n'
+        f'<link rel="icon" href="data:,"><style>{STYLE}</style>\n{library}</head>\n'
+        f"<body><h1>{title}</h1>\n<p>{escape(dataset.NORMALISED)}</p>\n{body}\n"
+        f"<script>Bokeh.embed.embed_item({item})</script>\n</body></html>\n"
+    )
+
+
+def _figure(path: Path) -> str:
+    code = b64encode(path.read_bytes()).decode()
+    name = escape(path.stem)
+    return f'<figure><img alt="{name}" src="data:image/png;base64,{code}"><figcaption>{name}</figcaption></figure>'
+
+
+def _table(header: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
+    lines = ("".join(f"<td>{escape(str(cell))}</td>" for cell in row) for row in rows)
+    return f"<table><tr>{head}</tr>" + "".join(f"<tr>{line}</tr>\n" for line in lines) + "</table>"
+
+
+def _claims(data: xr.Dataset) -> str:
+    if "claim" not in data.variables:
+        return "<p>This scene checks no claims.</p>"
+    holds = [HOLDS[number] for number in data["claim_holds"].values.tolist()]
+    columns = [data[name].values.tolist() for name in ("claim", "claim_statement", "claim_measured")]
+    return _table(["claim", "the paper says", "measured here", "holds"], zip(*columns, holds, strict=True))
+
+
+def _errors(data: xr.Dataset) -> str:
+    """What became of the cases by each method, and the largest violation of a contact condition."""
+    rows = []
+    for row, method in enumerate(data["method"].values.tolist()):
+        status = data["status"][:, row].values
+        counts = [int((status == each).sum()) for each in Status]
+        residual = data["residual"][:, row].values
+        largest = f"{np.nanmax(residual):.1e}" if np.isfinite(residual).any() else ""
+        rows.append([method, *counts, largest])
+    names = [each.name.replace("_", " ") for each in Status]
+    return _table(["method", *names, "largest residual, g_0"], rows)
+
+
+def _costs(costs: Sequence[Path]) -> str:
+    seconds: dict[str, list[float]] = {}
+    for path in costs:
+        data = dataset.read(path)
+        for row, method in enumerate(data["method"].values.tolist()):
+            known = data["seconds"].values[:, row]
+            seconds.setdefault(method, []).extend(known[np.isfinite(known)].tolist())
+    rows = [
+        [method, len(each), f"{np.median(each):.2g}", f"{max(each):.2g}", f"{sum(each):.3g}"]
+        for method, each in seconds.items()
+        if each
+    ]
+    return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows)
+
+
+def _provenance(data: xr.Dataset) -> str:
+    names = ("source", "git_commit", "date_created", "history", "references", "license")
+    rows = [[name, data.attrs[name]] for name in names if name in data.attrs]
+    return _table(["what", ""], rows) + f"<h3>The scene</h3><pre>{escape(data.attrs.get('scene', ''))}</pre>"

@@ -1,0 +1,18 @@
+// Each label leaves a choice to the ones after it: keep what is chosen where it still exists, else take the first.
+let rows = labels.D.map((_, row) => row)
+for (const select of selects) {
+  const values = labels[select.name]
+  const options = [...new Set(rows.map((row) => values[row]))]
+  select.options = options
+  if (!options.includes(select.value)) select.value = options[0]
+  rows = rows.filter((row) => values[row] === select.value)
+}
+const start = rows[0] * loads
+sources.forEach((source, number) => {
+  const part = (quantity) => Array.from(every.data[`${quantity} ${methods[number]}`].slice(start, start + loads))
+  source.data = {
+    mean_pressure: source.data.mean_pressure,
+    compliance: part("compliance"),
+    resistance: part("resistance"),
+  }
+})

@@ -1,0 +1,182 @@
+"""One profile by several methods, without a scene file: what `weier solve` and `weier plot` do."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import yaml
+from numpy.typing import NDArray
+
+from weier import dataset, limits
+from weier.batch import solve_batch
+from weier.dataset import Status
+from weier.errors import ConvergenceError
+from weier.files import replacing
+from weier.limits import MOST_LOADS
+from weier.loads import checked_loads
+from weier.scene import Case, Scene
+
+Array = NDArray[np.float64]
+
+PROFILE = ("D", "gamma", "m", "phase", "total_amplitude", "tail_amplitude", "first_contact")
+WHY = {
+    Status.not_applicable: "says nothing about this profile: choose another method",
+    Status.not_converged: "missed its tolerance, as said above: move the loads or the tolerance",
+}
+
+
+def parsed_loads(text: str) -> Array:
+    """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40".
+
+    Raises
+    ------
+    ValueError
+        If the text is neither, or the loads are not positive and increasing.
+
+    """
+    try:
+        if ":" not in text:
+            return checked_loads([float(part) for part in text.split(",")])
+        first, last, count = text.split(":")
+        ends, number = (float(first), float(last)), int(count)
+    except ValueError as error:
+        if "mean_pressure" in str(error):
+            raise
+        raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r}') from None
+    if not 2 <= number <= MOST_LOADS:
+        raise ValueError(f"the count of loads must lie in [2, {MOST_LOADS}], got {number}")
+    checked_loads(ends)
+    return checked_loads(np.geomspace(*ends, number))
+
+
+def parsed_phases(text: str | None) -> list[float] | None:
+    """Phases from "0,1,2", or None from None.
+
+    Raises
+    ------
+    ValueError
+        If they are not numbers.
+
+    """
+    try:
+        return None if text is None else [float(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f'phases must read "0,1,2", got {text!r}') from None
+
+
+def parsed_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Settings of methods from texts such as "bem.points=512".
+
+    Raises
+    ------
+    ValueError
+        If a text does not read so.
+
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        method, _, setting = name.partition(".")
+        if not (method and setting and value):
+            raise ValueError(f'a setting must read "method.name=value", such as bem.points=512, got {text!r}')
+        try:
+            found.setdefault(method, {})[setting] = yaml.safe_load(value)
+        except yaml.YAMLError:
+            raise ValueError(f"the value of a setting must be a number or a word, got {value!r}") from None
+    return found
+
+
+def solve_one(
+    parameters: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+) -> xr.Dataset:
+    """The curves of one profile, as a dataset of one case with the seconds of each method.
+
+    Parameters
+    ----------
+    parameters : mapping
+        D, gamma, m and one of phase, phases and seed, as in a scene.
+    loads : ndarray, shape (loads,)
+        Mean pressures, in p_0*.
+    methods : sequence of str
+        As in `solve`.
+    settings : mapping
+        Of each method.
+
+    Raises
+    ------
+    ValueError
+        If a parameter, method or setting is out of range or unknown, or a method does not apply.
+    ConvergenceError
+        If a solver misses its tolerance.
+
+    """
+    limits.check_loads(loads)
+    for method in methods:
+        limits.check_settings(method, settings.get(method, {}))
+    foreign = [method for method in settings if method not in methods]
+    if foreign:
+        raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")
+    case = Case(parameters, tuple(methods), settings)
+    limits.check_profile(case.profile, methods)
+    title = f"Weierstrass profile, {case.profile.describe()}"
+    scene = Scene("one", title, loads, tuple(methods), {"one": (case,)}, {}, {}, 1, False, _text(title, case, loads))
+    data, cost = solve_batch(scene, [case])
+    _check_solved(data)
+    return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
+
+
+def write(data: xr.Dataset, path: Path) -> None:
+    """Write the curves as netCDF or, where the name ends in .json, as JSON."""
+    if path.suffix == ".json":
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as beside:
+            beside.write_text(as_json(data) + "\n", encoding="utf-8")
+    else:
+        dataset.write(data, path, data.attrs["title"], "solved", data.attrs["scene"])
+
+
+def as_json(data: xr.Dataset) -> str:
+    """The curves of one case as JSON: what each method has, null where a number is missing or without bound."""
+    case = data.isel(case=0)
+    parameters = {name: _plain(case[name].values) for name in PROFILE}
+    curves = {method: _curves(case.sel({"method": method})) for method in case["method"].values.tolist()}
+    loads = case["mean_pressure"].values.tolist()
+    measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
+    units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
+    found = {"title": data.attrs["title"], "normalisation": dataset.NORMALISED, "units": units, **parameters}
+    return json.dumps(found | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
+
+
+def _curves(run: xr.Dataset) -> dict[str, Any]:
+    """What a method has, but what belongs to the profile."""
+    own = [name for name, values in run.items() if values.dtype.kind == "f" and name not in PROFILE]
+    numbers = {str(name): _plain(run[name].values) for name in own if run[name].notnull().any()}
+    return numbers | {"settings": json.loads(str(run["settings"].values))}
+
+
+def _plain(values: Array) -> Any:
+    """Numbers as JSON has them: it knows neither nan nor inf."""
+    if values.ndim == 0:
+        return float(values) if np.isfinite(values) else "inf" if np.isposinf(values) else None
+    return [_plain(value) for value in values]
+
+
+def _check_solved(data: xr.Dataset) -> None:
+    for method, number in zip(data["method"].values.tolist(), data["status"].values[0].tolist(), strict=True):
+        if number != Status.solved:
+            kind = ConvergenceError if number == Status.not_converged else ValueError
+            raise kind(f"method {method!r} {WHY[Status(number)]}")
+
+
+def _text(title: str, case: Case, loads: Array) -> str:
+    """A scene file that gives the same curves."""
+    # Lists of phases are one to a profile in a scene.
+    product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
+    scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
+    scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
+    return yaml.safe_dump(scene | {"studies": {"one": {"product": product}}}, sort_keys=False)

@@ -1,0 +1,94 @@
+"""The trade as a table to read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from weier.files import replacing
+
+Array = NDArray[np.float64]
+
+LIGHT, HEAVY = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
+
+
+def worst_over_loads(data: xr.Dataset, quantity: str) -> Array:
+    """Largest error over the loads, shape (case, method); that of R relative to the larger of itself and 1.
+
+    NaN where not run. The resistance falls from some g_0/p_0* at light loads to 0 at full contact: an error
+    relative to itself has no meaning at one end, one in g_0/p_0* little at the other.
+    """
+    error = data[f"{quantity}_error"].values
+    if quantity == "resistance":
+        exact = data["resistance"].sel({"method": data.attrs["reference_method"]}).values
+        error = error / np.maximum(exact, 1)[:, None]
+    return np.fmax.reduce(error, axis=-1)
+
+
+def seconds_per_load(data: xr.Dataset) -> Array:
+    """Seconds a load of each case and contender, shape (case, method)."""
+    return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
+
+
+def pareto(cost: Array, error: Array) -> list[int]:
+    """Which are worth their cost: no other is both cheaper and more accurate; by rising cost. NaN never is."""
+    front: list[int] = []
+    for number in np.lexsort((error, cost)):
+        if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):
+            front.append(int(number))
+    return front
+
+
+def typical(values: Array) -> Array:
+    """Median over the cases, shape (method,), of what was run on all of them; NaN for the others."""
+    return np.asarray(np.median(values, axis=0))  # NaN if one is
+
+
+def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
+    """Write the trade as a Markdown table: a row a contender."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as beside:
+        beside.write_text(_markdown(data, title), encoding="utf-8")
+
+
+def _markdown(data: xr.Dataset, title: str) -> str:
+    head = [
+        "method and setting", "profiles", "ms a load", "error of h", "worst", "p < 0.03", "0.03..1", "p > 1",
+        "error of R", "worst",
+    ]  # fmt: skip
+    lines = [head, ["---"] * len(head), *(_row(data, number) for number in range(data.sizes["method"]))]
+    table = ["| " + " | ".join(line) + " |" for line in lines]
+    return "\n".join([f"# {title}", "", *table, "", NOTE, ""])
+
+
+NOTE = (
+    "Errors are against the contact patches at a tolerance of 1e-12: of the compliance h in g\\_0, of the resistance "
+    "R relative to the larger of itself and 1 g\\_0/p\\_0\\*. First the largest over the loads, as the median "
+    "over the profiles and for the worst of them; then the largest in three ranges of load, as the median over the "
+    "profiles. `bem 96` has 96 points for each of the finest waves (`h`: without the resistance; `1e-04`: stopped "
+    "at that residual); `layer 24` 24 points a wave; `patches 1e-06` that tolerance. Seconds are processor "
+    "time, the least of three runs; a finer grid runs on fewer profiles, so compare rows of as many."
+)
+
+
+def _row(data: xr.Dataset, number: int) -> list[str]:
+    run = np.isfinite(seconds_per_load(data)[:, number])
+    h, R = (worst_over_loads(data, quantity)[run, number] for quantity in ("compliance", "resistance"))
+    by_load = data["compliance_error"].values[run, number]
+    loads = data["mean_pressure"].values
+    bands = [
+        np.median(by_load[:, inside].max(axis=-1))
+        for inside in (loads < LIGHT, (loads >= LIGHT) & (loads <= HEAVY), loads > HEAVY)
+    ]
+    values = [np.median(h), h.max(), *bands, np.median(R), R.max()]
+    cost = f"{1e3 * np.median(seconds_per_load(data)[run, number]):.2g}"
+    return [
+        str(data["method"].values[number]),
+        str(run.sum()),
+        cost,
+        *("" if np.isnan(v) else f"{v:.0e}" for v in values),
+    ]
