@@ -4,10 +4,15 @@ import sys
 
 sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
 
+from snakemake.utils import validate
+
 from weier.sources import sources
 
 
 configfile: "config/config.yaml"
+
+
+validate(config, "config/config.schema.json")
 
 
 wildcard_constraints:

@@ -219,3 +219,15 @@ def test_endless_series_has_sums_but_no_heights():
     ):
         with pytest.raises(ValueError, match="m = inf has no last term"):
             ask()
+
+
+def test_every_random_crest_is_a_maximum():
+    """A sampled top may stand where the profile is not concave: Newton leaves it alone."""
+    rng = np.random.default_rng(4)
+    for seed in range(60):
+        profile = Profile(
+            rng.uniform(1.05, 1.95), int(rng.integers(2, 6)), int(rng.integers(1, 5)), random_phases(seed)
+        )
+        x, top = profile.crest
+        assert top >= profile.sampled_height(64 * profile.wavenumber[-1]).max()
+        assert abs(float(profile.slope(x))) <= 1e-9 * float(abs(profile.curvature(x)))

@@ -1,12 +1,13 @@
 """Scene files: what they expand to, and what is said about a bad one."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from weier import scene
+from weier import claims, figures, scene
 
 SCENES = sorted(Path("config/scenes").glob("*.yaml"))
 
@@ -35,6 +36,12 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
     solved = [case.key for cases in loaded.batches.values() for case in cases]
     assert len(solved) == len(set(solved))
     assert set(solved) == {case.key for cases in loaded.studies.values() for case in cases}
+
+
+def test_the_schema_knows_every_figure_and_claim():
+    schema = json.loads(Path("weier/scene.schema.json").read_text())
+    assert schema["$defs"]["figure"]["properties"]["draw"]["enum"] == list(figures.KINDS)
+    assert schema["properties"]["claims"]["propertyNames"]["enum"] == list(claims.CLAIMS)
 
 
 def test_the_sweep_has_some_hundreds_of_cases():
@@ -114,7 +121,12 @@ def test_the_definition_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
             {"figures": {"f": {"draw": "compliance", "studies": ["two"]}}},
             "figures.f: there is no study 'two', only one",
         ),
-        ({"claims": {"c": ["two"]}}, "claims.c: there is no study 'two'"),
+        ({"claims": {"fourth_term": ["two"]}}, "claims.fourth_term: there is no study 'two'"),
+        ({"claims": {"c": ["one"]}}, "claims: 'c' is not one of"),
+        (
+            {"figures": {"f": {"draw": "complience", "studies": ["one"]}}},
+            "figures.f.draw: 'complience' is not one of",
+        ),
         ({"batch": 0}, "batch"),
     ],
 )

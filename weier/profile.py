@@ -206,7 +206,8 @@ class Profile:
         tops = np.flatnonzero((z >= np.roll(z, 1)) & (z >= np.roll(z, -1)))
         x = tops * (self.period / points)
         for _ in range(NEWTON_STEPS):
-            x = x - self.slope(x) / np.minimum(self.curvature(x), -np.finfo(float).tiny)
+            curvature = self.curvature(x)
+            x = x - np.divide(self.slope(x), curvature, out=np.zeros_like(x), where=curvature < 0)
         highest = int(np.argmax(self.height(x)))
         return float(x[highest]), float(self.height(x[highest]))
 
