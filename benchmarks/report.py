@@ -145,5 +145,5 @@ def _mark_patches(axes: Axes, data: xr.Dataset) -> None:
         axes.axvline(at, color="0.5", linewidth=0.8, zorder=0)
         axes.annotate(
             "contact patches: ten digits", (at, 0.04), xycoords=("data", "axes fraction"), rotation=90, fontsize=6.5,
-            ha="right", va="bottom", color="0.35",
+            ha="center", va="bottom", color="0.35", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
         )  # fmt: skip
