@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
 REACH = 2
 RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
-STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, 40 the most seen
+STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
 
 
 class Hierarchy(NamedTuple):
@@ -276,7 +276,7 @@ def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int
         solved = max(inside, wrong) <= grid.tolerance
         if solved and fresh:
             break
-        if not fresh and (wrong > patience * inside or inside <= grid.tolerance):
+        if not fresh and (solved or wrong > patience * inside):
             fresh = _correct_contact(flat, state) or solved
             patience += 1
             steepness = 0.0
