@@ -17,7 +17,7 @@ rule measure_tradeoff:
         "results/logs/tradeoff/measure.log",
     conda:
         "environment.yaml"
-    threads: workflow.cores
+    threads: 999  # all there are: snakemake takes no more than --cores, and workflow.cores is unknown to --unlock
     shell:
         "NUMBA_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee {log}"
 
