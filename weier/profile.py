@@ -187,14 +187,14 @@ class Profile:
         """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
         return self._series(x, -self.amplitude * self._frequency**2, np.cos)
 
-    def sampled_height(self, points: int) -> Array:
-        """Heights at `points` equal steps over one period, shape (points,), in g_0.
+    def sampled_height(self, points: int, terms: int | None = None) -> Array:
+        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0.
 
         The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
         """
         j = np.arange(points)
         total = np.zeros(points)
-        for g, k, phi in zip(self.amplitude, self.wavenumber, self.phase, strict=True):
+        for g, k, phi in list(zip(self.amplitude, self.wavenumber, self.phase, strict=True))[:terms]:
             total += g * np.cos((k * j % points) * (2 * np.pi / points) + phi)
         return total
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.problem import Problem, Step
 from weier.bem import curve as solve_curve
 from weier.bem import fft
-from weier.bem.curve import full_contact, nested_grids
+from weier.bem.grids import Hierarchy, full_contact, nested_grids, part_of_hierarchy
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 class Descent(NamedTuple):
     """The grids, the coarsest one's pressure, and the working arrays."""
 
-    hierarchy: fft.Hierarchy
+    hierarchy: Hierarchy
     coarse: Array
     state: fft.State
     with_resistance: bool
@@ -28,7 +28,7 @@ class Descent(NamedTuple):
         _, residual, pairs = fft.descend(load, self.hierarchy, self.coarse, self.state)
         pressure = self.state.pressure.copy()
         if self.with_resistance:
-            finest = fft.part_of_hierarchy(self.hierarchy, self.hierarchy.points.size - 1)
+            finest = part_of_hierarchy(self.hierarchy, self.hierarchy.points.size - 1)
             pairs += fft.solve_rate(fft.RATE_TOLERANCE, finest, self.state)[1]
         return Step(pressure, pairs, residual <= self.hierarchy.tolerance[-1])
 

@@ -6,7 +6,7 @@ import pytest
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile, westergaard
 from weier.bem import curve, fft, field
-from weier.bem.curve import nested_grids
+from weier.bem.grids import nested_grids, part_of_hierarchy
 from weier.halfplane import influence_coefficients
 
 THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -207,7 +207,7 @@ def test_what_is_not_a_number_is_an_error():
     state = fft.make_state(8)
     state.contact[:] = True
     state.deformed[3] = np.nan
-    grid = fft.part_of_hierarchy(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
+    grid = part_of_hierarchy(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
     assert fft._violations(0.0, grid, state) == (np.inf, np.inf)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from weier.bem import direct, fft
 from weier.bem.contact import no_answer
+from weier.bem.grids import full_contact, inverse, nested_grids
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
 from weier.profile import Profile
@@ -18,8 +19,6 @@ from weier.profile import Profile
 Array = NDArray[np.float64]
 
 POINTS_PER_WAVE = 64  # of the finest wave: an error of h below 7e-4 g_0
-FEWEST_PER_WAVE = 8  # on the coarsest of the nested grids; less and it no longer sees the crests
-COARSE_ACCURACY = 4.0  # a coarse grid stops at 4/(points per wave)^2: its solution is no better than that
 
 
 class Curve(NamedTuple):
@@ -153,36 +152,8 @@ def check_tolerance(tolerance: float) -> None:
 def flattening_load(profile: Profile, points: int) -> float:
     """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
     height = profile.sampled_height(points)
-    pressure = np.fft.irfft(_inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
+    pressure = np.fft.irfft(inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
     return float(-pressure.min())
-
-
-def nested_grids(profile: Profile, points: int, tolerance: float) -> fft.Hierarchy:
-    """Grids of points, points/2, points/4 ... nodes, as long as they halve and still show the finest wave."""
-    finest = profile.wavenumber[-1]
-    sizes = [points]
-    while sizes[0] % 2 == 0 and sizes[0] // 2 >= FEWEST_PER_WAVE * finest:
-        sizes.insert(0, sizes[0] // 2)
-    sinking = [eigenvalues(size, profile.period) for size in sizes]
-    accuracy = [max(tolerance, COARSE_ACCURACY * (finest / size) ** 2) for size in sizes[:-1]]
-    return fft.Hierarchy(
-        np.array(sizes),
-        np.concatenate([profile.sampled_height(size) for size in sizes]),
-        np.concatenate(sinking),
-        np.concatenate([_inverse(values) for values in sinking]),
-        np.array([*accuracy, tolerance]),
-        np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
-    )
-
-
-def _inverse(eigenvalue: Array) -> Array:
-    return np.concatenate([[0.0], 1 / eigenvalue[1:]])
-
-
-def full_contact(hierarchy: fft.Hierarchy, load: float) -> Array:
-    """Pressure that would flatten the coarsest grid under this load."""
-    grid = fft.part_of_hierarchy(hierarchy, 0)
-    return load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
 
 
 def checked_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:

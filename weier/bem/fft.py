@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem.contact import Answer, count, count_patches, no_answer
+from weier.bem.grids import Grid, Hierarchy, part_of_hierarchy, refine, superpose
 from weier.bem.transform import Spectrum, circulant_product
 from weier.jit import kernel
 
@@ -26,34 +27,6 @@ Array = NDArray[np.float64]
 REACH = 2
 RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
 STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
-
-
-class Hierarchy(NamedTuple):
-    """Nested grids, coarse to fine, each twice as fine as the one before; arrays laid end to end.
-
-    points : nodes of each grid, shape (grids,)
-    height : profile, shape (sum of points,), in g_0
-    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,)
-    tolerance : residual to reach on each grid, shape (grids,), in g_0
-    node_sinking : A_ii of each grid, shape (grids,), in g_0/p_0*
-    """
-
-    points: NDArray[np.int64]
-    height: Array
-    sinking: Array
-    inverse: Array
-    tolerance: Array
-    node_sinking: Array
-
-
-class Grid(NamedTuple):
-    """One grid of the hierarchy: its part of each array."""
-
-    height: Array
-    sinking: Array
-    inverse: Array
-    tolerance: float
-    node_sinking: float
 
 
 class State(NamedTuple):
@@ -86,24 +59,6 @@ def part_of_state(state: State, points: int) -> State:
         state.scratch[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
         state.edge[: points + 2],
     )  # fmt: skip
-
-
-@kernel
-def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
-    """One grid of the hierarchy."""
-    node, wave = 0, 0
-    for coarser in range(level):
-        node += hierarchy.points[coarser]
-        wave += hierarchy.points[coarser] // 2 + 1
-    points = hierarchy.points[level]
-    waves = slice(wave, wave + points // 2 + 1)
-    return Grid(
-        hierarchy.height[node : node + points],
-        hierarchy.sinking[waves],
-        hierarchy.inverse[waves],
-        hierarchy.tolerance[level],
-        hierarchy.node_sinking[level],
-    )
 
 
 @kernel
@@ -245,7 +200,7 @@ def _conjugate_step(flat: float, steepness: float, edges: int, grid: Grid, state
     for i in range(p.size):
         direction[i] = product[i] - shift + turn * direction[i] if contact[i] else 0.0
     circulant_product(grid.sinking, direction, state.spectrum, product)
-    length = steepness_now / _dot(direction, product)
+    length = steepness_now / _dot(direction, product) if steepness_now > 0 else 0.0  # 0 on a single node
     for i in range(p.size):
         p[i] += length * direction[i]
         deformed[i] -= length * product[i]
@@ -316,39 +271,10 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
 
 
 @kernel
-def _start(pressure: Array, state: State) -> None:
-    """Begin from this pressure, in contact where it is positive."""
-    for i in range(pressure.size):
-        state.pressure[i] = pressure[i]
-        state.contact[i] = pressure[i] > 0
-
-
-@kernel
-def _beyond(before: float, last: float) -> float:
-    """Square of the pressure after the last node in contact, on a straight line; not above 0: the contact ends."""
-    return min(0.0, 2 * last * last - before * before)
-
-
-@kernel
-def _between(before: float, here: float, after: float, later: float) -> float:
-    """Pressure halfway from `here` to `after`, of four nodes in a row: its square is straight, as at an edge."""
-    one = here * here if here > 0 else _beyond(later, after)
-    other = after * after if after > 0 else _beyond(before, here)
-    return np.sqrt(max(0.0, 0.5 * (one + other)))
-
-
-@kernel
-def refine(coarse: int, state: State) -> None:
-    """Carry pressure and contact from `coarse` nodes to twice as many, in place."""
-    p = state.pressure
-    last, after, later = p[coarse - 1], p[0], p[1]
-    for i in range(coarse - 1, -1, -1):
-        before, here = p[i - 1] if i > 0 else last, p[i]
-        p[2 * i + 1] = _between(before, here, after, later)
-        p[2 * i] = here
-        after, later = here, after
-    for i in range(2 * coarse):
-        state.contact[i] = p[i] > 0
+def _touch(state: State) -> None:
+    """Contact where the pressure is positive."""
+    for i in range(state.pressure.size):
+        state.contact[i] = state.pressure[i] > 0
 
 
 @kernel
@@ -363,14 +289,16 @@ def descend(load: float, hierarchy: Hierarchy, start: Array, whole: State) -> tu
         points = hierarchy.points[level]
         state = part_of_state(whole, points)
         if level == 0:
-            _start(start, state)
+            state.pressure[:] = start
         else:
-            refine(points // 2, state)
+            refine(points // 2, state.pressure)
+            for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
+                superpose(wave, hierarchy.waves, state.pressure, state.scratch)
+        _touch(state)
         flat, residual, here = solve_load(load, part_of_hierarchy(hierarchy, level), state)
         pairs += here * points / hierarchy.points[finest]
         if level == 0:
-            for i in range(points):
-                start[i] = state.pressure[i]
+            start[:] = state.pressure
     return flat, residual, pairs
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import fft
-from weier.bem.curve import check_tolerance, checked_points, checked_residual, full_contact, nested_grids
+from weier.bem.curve import check_tolerance, checked_points, checked_residual
+from weier.bem.grids import full_contact, nested_grids
 from weier.profile import Profile
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import fft
-from weier.bem.curve import full_contact, nested_grids
+from weier.bem.grids import full_contact, nested_grids
 from weier.errors import ConvergenceError
 from weier.patches.guess import Guess, Surface, arrange
 from weier.patches.waves import nearest_summit, offset
