@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as installed_version
 from time import perf_counter
 from typing import NamedTuple, Protocol
 
@@ -17,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem import Problem, Step, fourier, judge, linear_elements
-from benchmarks.solvers import contact_mechanics, dense, tamaas, weier_fft
+from benchmarks.solvers import contact_mechanics, dense, slippy, tamaas, weier_fft
 
 Array = NDArray[np.float64]
 
@@ -32,17 +34,33 @@ class Solver(Protocol):
         """The pressure under this load; `tolerance` in the solver's own measure."""
 
 
+def of_package(name: str) -> str:
+    """Name and version of an installed package.
+
+    Raises
+    ------
+    LookupError
+        If it is not installed, with what to do.
+
+    """
+    try:
+        return f"{name} {installed_version(name)}"
+    except PackageNotFoundError:
+        raise LookupError(f'{name} is left out, for it is not installed: pip install ".[bench]"') from None
+
+
 class Contender(NamedTuple):
     """A way to solve the problem.
 
     label : for people
-    package : what to install, empty if nothing
+    package : that it stands or falls with
     begin : a solver for a problem; its time counts
     eigenvalue : the operator of its discretisation, for (points, period)
     work : what its work counts
     counted : the same solver, counting its work where that takes time
     curve : whole curve in one call, where that is not a march of `begin`'s solver
     largest : most nodes it is asked for
+    version : name and version of its package; LookupError where it is not installed
     """
 
     label: str
@@ -53,22 +71,25 @@ class Contender(NamedTuple):
     counted: Callable[[Problem], Solver] | None = None
     curve: Callable[[Problem], object] | None = None
     largest: float = np.inf
+    version: Callable[[str], str] = of_package
 
 
 PAIRS = "FFT pairs"
 
+
 CONTENDERS = {
-    "weier": Contender("weier", "", weier_fft.begin, linear_elements, PAIRS, curve=weier_fft.curve),
+    "weier": Contender("weier", "numba", weier_fft.begin, linear_elements, PAIRS, curve=weier_fft.curve),
     "weier_resistance": Contender(
-        "weier, with the resistance", "", weier_fft.begin_with_resistance, linear_elements, PAIRS,
+        "weier, with the resistance", "numba", weier_fft.begin_with_resistance, linear_elements, PAIRS,
         curve=weier_fft.curve_with_resistance,
     ),
     "tamaas": Contender("tamaas", "tamaas", tamaas.begin, fourier, PAIRS, tamaas.begin_counted),
     "contact_mechanics": Contender(
         "ContactMechanics", "ContactMechanics", contact_mechanics.begin, fourier, PAIRS
     ),
+    "slippy": Contender("slippy", "slippy", slippy.begin, linear_elements, PAIRS, version=slippy.version),
     "dense": Contender(
-        "dense inversion, NumPy", "", dense.begin, linear_elements, "dense solutions", largest=DENSE_LARGEST
+        "dense inversion, NumPy", "numpy", dense.begin, linear_elements, "dense solutions", largest=DENSE_LARGEST
     ),
 }  # fmt: skip
 

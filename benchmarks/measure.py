@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import platform
 from collections.abc import Callable, Mapping, Sequence
-from importlib.metadata import version
 
 import numpy as np
 import xarray as xr
@@ -58,7 +57,7 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
 
 def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth) -> xr.Dataset:
     """The truth as a variable, and what else one must know to read the numbers, as attributes."""
-    packages = [CONTENDERS[str(name)].package for name in data["program"].values]
+    programs = [CONTENDERS[str(name)] for name in data["program"].values]
     attributes = {"long_name": f"compliance by method {known.method}, in g_0", "units": "1"}
     return data.assign(truth=("mean_pressure", known.compliance, attributes)).assign_attrs(
         D=profile.D,
@@ -69,11 +68,11 @@ def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth)
         truth_method=known.method,
         truth_seconds=known.seconds,
         threads=1,
-        packages=", ".join(f"{name} {version(name)}" for name in ["numpy", "numba", *filter(None, packages)]),
+        packages=", ".join(dict.fromkeys(program.version(program.package) for program in programs)),
         machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
         discretisation=(
-            "weier and the dense inversion take piecewise-linear pressure, tamaas and ContactMechanics trigonometric "
-            "pressure (the Fourier kernel 1/|k|): each residual is that of the program's own discretisation."
+            "weier, slippy and the dense inversion take piecewise-linear pressure, tamaas and ContactMechanics "
+            "trigonometric pressure (the Fourier kernel 1/|k|): each residual is that of its own discretisation."
         ),
     )
 

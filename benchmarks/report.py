@@ -22,6 +22,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "weier_resistance": {"color": style.GREEN, "linestyle": style.DASHES[3], "marker": "s"},
     "tamaas": {"color": style.VERMILLION, "linestyle": style.DASHES[1], "marker": "D"},
     "contact_mechanics": {"color": style.BLUE, "linestyle": style.DASHES[2], "marker": "^"},
+    "slippy": {"color": style.ORANGE, "linestyle": style.DASHES[5], "marker": "x"},
     "dense": {"color": style.PURPLE, "linestyle": style.DASHES[4], "marker": "v"},
 }
 WORDS = {

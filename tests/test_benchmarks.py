@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import sys
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, measure, report
+from benchmarks import command, contenders, measure, report
 from benchmarks.contenders import CONTENDERS
 from benchmarks.problem import Problem, Truth, fourier, judge, linear_elements
+from benchmarks.solvers import slippy
 from weier import Profile, dataset, westergaard
 
 PROFILE = Profile(1.25, 5, 1)
@@ -98,9 +101,24 @@ def test_the_file_holds_everything(compared, tmp_path: Path):
 
 
 def test_who_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys):
-    monkeypatch.setattr(command, "find_spec", lambda package: None)
-    assert command.installed(list(CONTENDERS)) == ["weier", "weier_resistance", "dense"]
-    assert 'pip install ".[bench]"' in capsys.readouterr().err
+    def missing(name: str) -> str:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(contenders, "installed_version", missing)
+    monkeypatch.delenv("SLIPPY_PYTHON", raising=False)
+    slippy.worker.cache_clear()
+    assert command.installed(["tamaas", "slippy"]) == []
+    said = capsys.readouterr().err
+    assert 'pip install ".[bench]"' in said
+    assert "SLIPPY_PYTHON" in said
+
+
+def test_another_environment_is_asked_through_a_pipe():
+    """The worker run by this interpreter, which has no slippy: it ends, and does not answer."""
+    worker = slippy.Worker(sys.executable)
+    with worker.process, pytest.raises(RuntimeError, match="has ended"):
+        worker.ask("version")
+    assert worker.process.returncode == 1
 
 
 def test_sizes_may_be_powers():

@@ -1,0 +1,97 @@
+"""slippy: the conjugate gradients of Polonsky and Keer, asked in a process of its own.
+
+slippy 0.5.2 wants an older NumPy than weier can have, so it stays in another environment, whose interpreter
+SLIPPY_PYTHON names. The arrays that go to and fro take well below a millisecond a load.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+from array import array
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.problem import Problem, Step, linear_elements
+
+Array = NDArray[np.float64]
+
+ITERATIONS = 20_000
+HINT = "slippy is left out: its interpreter is to stand in SLIPPY_PYTHON, see benchmarks/slippy-requirements.txt"
+
+
+class Worker:
+    """The other process."""
+
+    def __init__(self, python: str) -> None:
+        script = Path(__file__).with_name("slippy_worker.py")
+        # Isolated, -I, or it would import this file as slippy.
+        self.process = subprocess.Popen([python, "-I", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    def ask(self, name: str, *arguments: object) -> Any:
+        """The answer to one request.
+
+        Raises
+        ------
+        RuntimeError
+            If the process has ended.
+
+        """
+        assert self.process.stdin
+        assert self.process.stdout
+        try:
+            pickle.dump((name, arguments), self.process.stdin, protocol=4)
+            self.process.stdin.flush()
+            return pickle.load(self.process.stdout)
+        except (EOFError, BrokenPipeError):
+            raise RuntimeError("the process that ran slippy has ended: what it said stands above") from None
+
+
+@cache
+def worker() -> Worker:
+    """One process for all runs.
+
+    Raises
+    ------
+    LookupError
+        If no interpreter is named, with what to do.
+
+    """
+    python = os.environ.get("SLIPPY_PYTHON")
+    if not python:
+        raise LookupError(HINT)
+    return Worker(python)
+
+
+def version(package: str) -> str:
+    """Name and version, asked of the other environment."""
+    return f"{package} {worker().ask('version')}"
+
+
+class PolonskyKeer:
+    """A planned convolution and the solver."""
+
+    def __init__(self, problem: Problem) -> None:
+        eigenvalue = linear_elements(problem.points, problem.profile.period)
+        worker().ask("begin", _plain(problem.height), _plain(eigenvalue))
+
+    def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
+        """From the pressure given; slippy's tolerance is the change of the pressure in a step, relative."""
+        begin = None if start is None else _plain(start)
+        pressure, pairs, converged = worker().ask("solve", float(load), begin, float(tolerance), ITERATIONS)
+        return Step(np.array(pressure), pairs, converged)
+
+
+def _plain(values: Array) -> array[float]:
+    """Numbers in a form that a pickle carries from one NumPy to another."""
+    return array("d", values.tobytes())
+
+
+def begin(problem: Problem) -> PolonskyKeer:
+    """A convolution with its FFT plans."""
+    return PolonskyKeer(problem)
