@@ -3,12 +3,10 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from tests.test_archard import ACCURACY, CORNERS, EPS, TINY, assert_accurate, extreme_cases
-from weier import archard, demelio, westergaard
-from weier.profile import leading_amplitude, tail_amplitude
+from tests.closed_forms import CORNERS, EPS, assert_accurate, extreme_cases
+from weier import archard, demelio
+from weier.profile import leading_amplitude
 
 
 def plain_sum(p, D, gamma, m):
@@ -63,21 +61,6 @@ def test_both_follow_the_plain_sum_in_every_corner():
         assert_accurate(resistance, oracle, 1, case)
 
 
-def test_resistance_is_the_derivative_of_compliance():
-    for case in extreme_cases(4, 20, [1, 5, 30]):
-        with mp.workdps(60):
-            p, step = mp.mpf(case[0]), mp.mpf(case[0]) * mp.mpf(10) ** -20
-            rise = plain_sum(p + step, *case[1:])[0] - plain_sum(p - step, *case[1:])[0]
-            slope = float(rise / (2 * step))
-        assert demelio.resistance(*case) == pytest.approx(slope, rel=1e-10, abs=TINY)
-
-
-def test_one_term_is_westergaard():
-    p = np.geomspace(1e-300, 10, 1000)
-    np.testing.assert_allclose(demelio.compliance(p, 1.3, 5, 1), westergaard.compliance(p), rtol=4 * EPS)
-    np.testing.assert_allclose(demelio.resistance(p, 1.3, 5, 1), westergaard.resistance(p), rtol=4 * EPS)
-
-
 def test_full_contact_is_the_sum_of_amplitudes_without_resistance():
     m = np.array([1, 2, 5, 40])
     flat = 5 ** (0.5 * (m - 1)) * 1.001  # just beyond p* of the last term
@@ -86,53 +69,8 @@ def test_full_contact_is_the_sum_of_amplitudes_without_resistance():
     assert np.all(demelio.resistance(flat / 1.01, 1.5, 5, m) > 0)
 
 
-def test_longer_series_tend_to_the_limit():
-    p = np.geomspace(1e-12, 1e3, 40)
-    m = np.array([5, 10, 20, 40])[:, None]
-    error = np.abs(demelio.compliance(p, 1.25, 5, m) - demelio.compliance(p, 1.25, 5, np.inf))
-    assert np.all(error <= tail_amplitude(m, 1.25, 5) * (1 + 1e-12) + 4 * EPS)
-
-
 def test_archard_is_the_upper_estimate():
     # Archard loads every wave with the peak, not the mean, of the coarser one (Section 4.1).
     p = np.geomspace(1e-9, 10, 50)[:, None]
     m = [2, 3, 10, np.inf]
     assert np.all(archard.compliance(p, 1.25, 5, m) >= demelio.compliance(p, 1.25, 5, m) * (1 - 4 * EPS))
-
-
-def test_all_arguments_broadcast():
-    p = np.geomspace(1e-6, 100, 5)[:, None, None, None]
-    D, gamma, m = np.array([1.1, 1.9])[:, None, None], np.array([1.5, 5, 50.0])[:, None], [1, 4, 30, np.inf]
-    for function in (demelio.compliance, demelio.resistance):
-        together = function(p, D, gamma, m)
-        assert together.shape == (5, 2, 3, 4)
-        apart = np.vectorize(function)(p, D, gamma, m)
-        np.testing.assert_array_equal(together, apart)
-
-
-@pytest.mark.parametrize("load", [0.0, -1.0, np.nan])
-def test_loads_that_mean_nothing_give_nan(load):
-    assert np.isnan(demelio.compliance(load, 1.5, 5, [1, 20, np.inf])).all()
-    assert np.isnan(demelio.resistance(load, 1.5, 5, [1, 20, np.inf])).all()
-
-
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(
-    st.floats(1e-9, 1 - 1e-9),
-    st.floats(-6, 6),
-    st.sampled_from([1, 3, 20, 300, np.inf]),
-    st.lists(st.floats(-300, 300), min_size=3, max_size=20),
-)
-def test_compliance_rises_along_a_concave_curve_between_none_and_all(a, size, m, exponents):
-    gamma = 1 + 10.0**size
-    p = np.unique(10.0 ** np.array(exponents))
-    h, R = demelio.compliance(p, 1 + a, gamma, m), demelio.resistance(p, 1 + a, gamma, m)
-    assert np.all(h > 0)
-    assert np.all(h <= leading_amplitude(m, 1 + a, gamma) * (1 + ACCURACY))
-    assert np.all(R >= 0)
-    assert np.all(np.diff(h) >= -ACCURACY * h[1:])
-    assert np.all(np.diff(R) <= ACCURACY * R[:-1])
-    chord = np.diff(h) / np.diff(p)
-    slack = 2 * ACCURACY * h[1:] / np.diff(p)
-    assert np.all(chord <= R[:-1] * (1 + ACCURACY) + slack)
-    assert np.all(chord >= R[1:] * (1 - ACCURACY) - slack)

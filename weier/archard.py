@@ -15,18 +15,24 @@ Heights are in g_0, pressures in p_0*.
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.profile import amplitude, full_contact_pressure, leading_amplitude
+from weier.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.jit import kernel
+from weier.profile import full_contact_pressure
 
 Array = NDArray[np.float64]
 
 LN2 = np.log(2)
-ENDLESS = 1e300  # for m = inf: no sum of doubles can tell them apart, and ENDLESS - ENDLESS = 0
 UNSEEN = 1e-20  # less than the rounding of the differences that it keeps positive
 DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point,
 TAYLOR_TERMS = 12  # where the series in the distance ends: 12 * 0.2^12/12! < 1e-16
+LIGHTEST = 750.0  # more than -ln of any double
+CHUNK = 512  # loads
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -45,15 +51,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     ndarray
         Compliance in g_0, of the broadcast shape.
     """
-    p, D, gamma, m = _arguments(mean_pressure, D, gamma, m)
-    h = np.asarray(_light_compliance(p, D, gamma, m))
-    heavy = np.broadcast_to(p > 1, h.shape)
-    if np.any(heavy):
-        p, D, gamma, m = (each[heavy] for each in np.broadcast_arrays(p, D, gamma, m))
-        before, zeta = _flattened(p, D, gamma, m)
-        scaled = amplitude(before, D, gamma) * _light_compliance(zeta, D, gamma, m - before)
-        h[heavy] = leading_amplitude(before, D, gamma) + scaled
-    return h
+    return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -72,79 +70,97 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     ndarray
         Resistance in g_0/p_0*, of the broadcast shape; exactly 0 where all terms are flattened.
     """
-    p, D, gamma, m = _arguments(mean_pressure, D, gamma, m)
-    R = np.asarray(_light_resistance(p, D, gamma, m))
-    heavy = np.broadcast_to(p > 1, R.shape)
-    if np.any(heavy):
-        p, D, gamma, m = (each[heavy] for each in np.broadcast_arrays(p, D, gamma, m))
-        before, zeta = _flattened(p, D, gamma, m)
-        R[heavy] = gamma**-before * _light_resistance(zeta, D, gamma, m - before)  # g_n/p_n* = gamma^-n
-    return R
+    return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
 
 
-def _arguments(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> tuple[Array, ...]:
-    p = np.asarray(mean_pressure, float)
-    return np.where(p > 0, p, np.nan), np.asarray(D, float), np.asarray(gamma, float), np.minimum(m, ENDLESS)
+def _fixed(D: Array, gamma: Array) -> Array:
+    """Of zeta = gamma^(1-D) (1 + zeta) (18)."""
+    return 1 / np.expm1((D - 1) * np.log(gamma))
 
 
-def _flattened(p: Array, D: Array, gamma: Array, m: Array) -> tuple[Array, Array]:
-    """Number of flattened terms from the first on, for p > 1, and zeta of the next (18)."""
-    # zeta - fixed falls by gamma^(1-D) at each term; it never reaches 1 where fixed >= 1.
-    c = (D - 1) * np.log(gamma)
-    fixed = 1 / np.expm1(c)
-    ratio = np.log(np.maximum(p - fixed, UNSEEN)) - np.log(np.maximum(1 - fixed, UNSEEN))
-    number = np.minimum(np.where(c > LN2, np.ceil(ratio / c), ENDLESS), m)
-    inside = np.where(number < m, number, 0)
-    return number, fixed + (p - fixed) * full_contact_pressure(-inside, D, gamma)
+def _compliance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
+    """Sum of h_n (19), (21)."""
+    _light_sums(zeta, log_zeta, _waves(runs, (runs.D - 2) * np.log(runs.gamma), 1.0))
+    return with_flat_waves(log_zeta, runs)
 
 
-def _light_compliance(zeta: Array, D: Array, gamma: Array, m: Array) -> Array:
-    """Sum of h_n (19), (21) for zeta_{-1} <= 1."""
-    return _series(zeta, D, gamma, m, (D - 2) * np.log(gamma), 1)
-
-
-def _light_resistance(zeta: Array, D: Array, gamma: Array, m: Array) -> Array:
+def _resistance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
     """Its derivative with zeta: that of ln zeta halves from term to term (18)."""
-    return _series(zeta, D, gamma, m, (D - 2) * np.log(gamma) - LN2, 0) / np.minimum(zeta, 1) + 0.0
+    _light_sums(zeta, log_zeta, _waves(runs, (runs.D - 2) * np.log(runs.gamma) - LN2, 0.0))
+    return behind_flat_waves(np.divide(log_zeta, zeta, out=log_zeta), runs)
 
 
-def _series(zeta: Array, D: Array, gamma: Array, m: Array, log_ratio: Array, constant: int) -> Array:
-    """Sum over m terms of ratio^k zeta_k (constant - ln zeta_k); a flattened term counts as zeta = 1."""
-    shrink, log_shrink = 2 * full_contact_pressure(-1, D, gamma), LN2 - (D - 1) * np.log(gamma)
-    ratio = np.exp(log_ratio)
-    weight = np.where(m > 0, np.ones_like(ratio), 0)
-    zeta, log_zeta = np.minimum(zeta, 1), np.minimum(np.log(zeta), 0)
-    total = np.asarray(weight * (zeta * (constant - log_zeta)))
-    for k in range(1, DIRECT_TERMS):
-        if not np.any(k < m):
-            return total
-        zeta = np.minimum(shrink * np.sqrt(zeta), 1)
-        log_zeta = np.minimum(log_shrink + log_zeta / 2, 0)
-        weight = np.where(k < m, weight * ratio, 0)
-        total = total + weight * (zeta * (constant - log_zeta))
-    log_zeta, weight = np.minimum(log_shrink + log_zeta / 2, 0), weight * ratio
-    return np.asarray(total + weight * _rest(log_zeta, log_shrink, m - DIRECT_TERMS, log_ratio, constant))
+class Waves(NamedTuple):
+    """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat; arrays of shape (runs,).
+
+    end : place behind the last load of the run
+    shrink, log_shrink : 2 gamma^(1-D), as zeta_{k+1} = shrink sqrt(zeta_k), and its logarithm
+    ratio : of successive weights
+    direct : number of waves to sum directly
+    rest : Taylor coefficients of the sum over all later waves, shape (runs, TAYLOR_TERMS); (runs, 0) without any
+    """
+
+    end: Indices
+    shrink: Array
+    log_shrink: Array
+    ratio: Array
+    direct: Array
+    rest: Array
+    constant: float
 
 
-def _rest(log_zeta: Array, log_shrink: Array, m: Array, log_ratio: Array, constant: int) -> Array:
-    """The same sum from here on: partial contact near the fixed point of ln zeta, then flattened terms."""
-    partial = m = np.maximum(m, 0)
-    fixed = 2 * log_shrink
-    if np.any(fixed > 0):
-        rising = np.ceil(np.log2(1 - log_zeta / np.maximum(fixed, UNSEEN)))
-        partial = np.where(fixed > 0, np.minimum(rising, m), m)
-    flat = np.exp(log_ratio * partial) * np.expm1(log_ratio * (m - partial)) / np.expm1(log_ratio)
-    return _settled(log_zeta - fixed, fixed, partial, log_ratio, constant) + constant * flat
+def _waves(runs: Runs, log_ratio: Array, constant: float) -> Waves:
+    shrink, log_shrink = 2 * full_contact_pressure(-1, runs.D, runs.gamma), LN2 - (runs.D - 1) * np.log(runs.gamma)
+    # Where ln zeta approaches a point above 0, all waves are flat again after so many.
+    rising = np.log2(LIGHTEST / np.maximum(log_shrink, UNSEEN))
+    direct = np.minimum(np.where(log_shrink > 0, np.ceil(rising), DIRECT_TERMS), runs.left)
+    later, rest = runs.left - direct, np.empty((direct.size, 0))
+    if np.any(later > 0):
+        rest = _settled(np.minimum(2 * log_shrink, 0), later, log_ratio, constant)
+    return Waves(runs.end, shrink, log_shrink, np.exp(log_ratio), direct, rest, constant)
 
 
-def _settled(distance: Array, fixed: Array, terms: Array, log_ratio: Array, constant: int) -> Array:
-    """The same sum as a Taylor series in the distance of ln zeta from its fixed point."""
+def _settled(fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
+    """Taylor coefficients of such a sum, in the distance of ln zeta from its fixed point."""
     # Order j of exp(x) (constant - x) has the coefficient exp(fixed) (constant - fixed - j)/j!, and the
     # powers of distance/2^k sum to geometric series.
-    order, ratio = np.exp(fixed), np.exp(log_ratio)
-    power, halved = np.exp(log_ratio * terms), np.exp2(-terms)
-    total = order * (constant - fixed) * np.expm1(log_ratio * terms) / np.expm1(log_ratio)
+    rest = np.empty((fixed.size, TAYLOR_TERMS))
+    order, ratio, power, halved = np.exp(fixed), np.exp(log_ratio), np.exp(log_ratio * terms), np.exp2(-terms)
+    rest[:, 0] = order * (constant - fixed) * np.expm1(log_ratio * terms) / np.expm1(log_ratio)
     for j in range(1, TAYLOR_TERMS):
-        order, power, ratio = order * distance / j, power * halved, ratio / 2
-        total = total + order * (constant - fixed - j) * (1 - power) / (1 - ratio)
-    return np.asarray(total)
+        order, power, ratio = order / j, power * halved, ratio / 2
+        rest[:, j] = order * (constant - fixed - j) * (1 - power) / (1 - ratio)
+    return rest
+
+
+@kernel
+def _light_sums(zeta: Array, log_zeta: Array, waves: Waves) -> None:
+    """The sums, in place of ln zeta, a few loads at a time."""
+    start, scratch = 0, np.empty((2, CHUNK))
+    for r in range(waves.end.size):
+        while start < waves.end[r]:
+            stop = min(start + CHUNK, waves.end[r])
+            _light_sum(zeta[start:stop], log_zeta[start:stop], waves, r, scratch)
+            start = stop
+
+
+@kernel
+def _light_sum(zeta: Array, y: Array, waves: Waves, run: int, scratch: Array) -> None:
+    """The sums for some loads of one run, in place of y = ln zeta."""
+    total, z = scratch[0, : y.size], scratch[1, : y.size]
+    for i in range(y.size):
+        total[i], z[i], y[i] = 0.0, min(zeta[i], 1.0), min(y[i], 0.0)
+    weight, shrink, log_shrink = 1.0, waves.shrink[run], waves.log_shrink[run]
+    for _ in range(int(waves.direct[run])):
+        for i in range(y.size):
+            total[i] += weight * z[i] * (waves.constant - y[i])
+            z[i], y[i] = min(shrink * math.sqrt(z[i]), 1.0), min(log_shrink + y[i] / 2, 0.0)
+        weight *= waves.ratio[run]
+    fixed = min(2 * log_shrink, 0.0)
+    z[:] = 0.0
+    for j in range(waves.rest.shape[1] - 1, -1, -1):
+        coefficient = waves.rest[run, j]
+        for i in range(y.size):
+            z[i] = z[i] * (y[i] - fixed) + coefficient
+    for i in range(y.size):
+        y[i] = total[i] + weight * z[i]

@@ -9,11 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.profile import amplitude, full_contact_pressure, leading_amplitude
+from weier.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.jit import kernel
 
 Array = NDArray[np.float64]
-
-ENDLESS = 1e300  # for m = inf: no sum of doubles can tell them apart, and ENDLESS exp(-ENDLESS) = 0
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -32,15 +31,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     ndarray
         Compliance in g_0, of the broadcast shape.
     """
-    p, D, gamma, m = _arguments(mean_pressure, D, gamma, m)
-    h = np.asarray(_light_compliance(p, D, gamma, m))
-    heavy = np.broadcast_to(p > 1, h.shape)
-    if np.any(heavy):
-        p, D, gamma, m = (each[heavy] for each in np.broadcast_arrays(p, D, gamma, m))
-        before, xi = _flattened(p, D, gamma, m)
-        scaled = amplitude(before, D, gamma) * _light_compliance(xi, D, gamma, m - before)
-        h[heavy] = leading_amplitude(before, D, gamma) + scaled
-    return h
+    return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -59,38 +50,47 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     ndarray
         Resistance in g_0/p_0*, of the broadcast shape; exactly 0 where all terms are flattened.
     """
-    p, D, gamma, m = _arguments(mean_pressure, D, gamma, m)
-    R = np.asarray(_light_resistance(p, D, gamma, m))
-    heavy = np.broadcast_to(p > 1, R.shape)
-    if np.any(heavy):
-        p, D, gamma, m = (each[heavy] for each in np.broadcast_arrays(p, D, gamma, m))
-        before, xi = _flattened(p, D, gamma, m)
-        R[heavy] = gamma**-before * _light_resistance(xi, D, gamma, m - before)  # g_n/p_n* = gamma^-n
-    return R
+    return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
 
 
-def _arguments(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> tuple[Array, ...]:
-    p = np.asarray(mean_pressure, float)
-    return np.where(p > 0, p, np.nan), np.asarray(D, float), np.asarray(gamma, float), np.minimum(m, ENDLESS)
+def _fixed(D: Array, _: Array) -> Array:
+    return np.zeros_like(D)
 
 
-def _flattened(p: Array, D: Array, gamma: Array, m: Array) -> tuple[Array, Array]:
-    """Number of flattened terms, N + 1 or all m of them, and p/p_n* of the next, for p > 1."""
-    number = np.minimum(np.ceil(np.log(p) / ((D - 1) * np.log(gamma))), m)
-    return number, p * full_contact_pressure(-number, D, gamma)
+def _compliance(xi: Array, log_xi: Array, runs: Runs) -> Array:
+    """(26) for the waves that are not flat."""
+    zeroth, first = _moments(runs.gamma, runs.left)
+    _light_compliance(xi, log_xi, runs.end, zeroth, zeroth + (runs.D - 1) * np.log(runs.gamma) * first)
+    return with_flat_waves(log_xi, runs)
 
 
-def _light_compliance(xi: Array, D: Array, gamma: Array, m: Array) -> Array:
-    """(26) for m terms."""
-    zeroth, first = _moments(gamma, m)
-    xi = np.minimum(xi, 1)
-    return np.asarray(xi * ((1 - np.log(xi)) * zeroth + (D - 1) * np.log(gamma) * first))
-
-
-def _light_resistance(xi: Array, D: Array, gamma: Array, m: Array) -> Array:
+def _resistance(_: Array, log_xi: Array, runs: Runs) -> Array:
     """Its derivative with xi."""
-    zeroth, first = _moments(gamma, m)
-    return np.asarray((D - 1) * np.log(gamma) * first - np.minimum(np.log(xi), 0) * zeroth)
+    zeroth, first = _moments(runs.gamma, runs.left)
+    _light_resistance(log_xi, runs.end, zeroth, (runs.D - 1) * np.log(runs.gamma) * first)
+    return behind_flat_waves(log_xi, runs)
+
+
+@kernel
+def _light_compliance(xi: Array, log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
+    """xi (constant - slope ln xi), in place of ln xi."""
+    start = 0
+    for r in range(end.size):
+        x, y = xi[start : end[r]], log_xi[start : end[r]]
+        for i in range(y.size):
+            y[i] = min(x[i], 1.0) * (constant[r] - slope[r] * min(y[i], 0.0))
+        start = end[r]
+
+
+@kernel
+def _light_resistance(log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
+    """Constant - slope ln xi, in place of ln xi."""
+    start = 0
+    for r in range(end.size):
+        y = log_xi[start : end[r]]
+        for i in range(y.size):
+            y[i] = constant[r] - slope[r] * min(y[i], 0.0)
+        start = end[r]
 
 
 def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:

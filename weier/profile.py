@@ -47,8 +47,8 @@ def _power(gamma: ArrayLike, exponent: Array, n: ArrayLike) -> Array:
     """gamma^(exponent n) to the last digits."""
     # A rounded product exponent * n would cost the power up to 700 units in the last place. The leading
     # 29 bits of the exponent times n < 2^24 are exact, and what they leave is too small to magnify anything.
-    n, rest = np.asarray(n, float), np.fmod(exponent, 2.0**-29)
-    return np.asarray(np.power(gamma, (exponent - rest) * n, dtype=float) * np.exp(rest * n * np.log(gamma)))
+    n, leading = np.asarray(n, float), np.trunc(exponent * 2.0**29) / 2.0**29
+    return np.asarray(np.power(gamma, leading * n, dtype=float) * np.exp((exponent - leading) * n * np.log(gamma)))
 
 
 @dataclass(frozen=True)
@@ -109,9 +109,9 @@ class Profile:
         phases: float | Sequence[float] | Array | RandomPhases = 0.0,
     ) -> None:
         for name, value in (
-            ("D", _checked_dimension(D)),
+            ("D", checked_dimension(D)),
             ("gamma", _checked_ratio(gamma)),
-            ("m", _checked_terms(m)),
+            ("m", checked_terms(m)),
             ("phases", _checked_phases(phases, m)),
         ):
             object.__setattr__(self, name, value)
@@ -224,7 +224,8 @@ class Profile:
         return total
 
 
-def _checked_dimension(D: float) -> float:
+def checked_dimension(D: float) -> float:
+    """D, if it is a fractal dimension of a profile."""
     if not 1 < D < 2:
         raise ValueError(f"D must lie in (1, 2), got {D}")
     return float(D)
@@ -248,7 +249,8 @@ def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
     return ratio
 
 
-def _checked_terms(m: float) -> float:
+def checked_terms(m: float) -> float:
+    """m, if it is a number of terms: an integer, or inf."""
     if isinstance(m, bool) or not m >= 1 or (math.isfinite(m) and m != int(m)):
         raise ValueError(f"m must be a whole number of terms, at least 1, or inf, got {m}")
     return m if math.isinf(m) else int(m)
