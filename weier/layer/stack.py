@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier import westergaard
 from weier.errors import ConvergenceError
 from weier.layer.wave import Layer, Mesh, compressions, edge_depth, midpoints, trace, violations
+from weier.profile import checked_dimension, checked_terms
 
 Array = NDArray[np.float64]
 Law = Callable[[Array], tuple[Array, Array]]  # W and dW/dxi at increasing ln xi
@@ -297,11 +298,9 @@ def _checked_loads(mean_pressure: ArrayLike) -> Array:
 
 
 def _check(D: float, gamma: float, m: float, points: int) -> None:
-    if not 1 < D < 2:
-        raise ValueError(f"D must lie in (1, 2), got {D}")
+    checked_dimension(D)
+    checked_terms(m)
     if not 1 < gamma < math.inf:
         raise ValueError(f"gamma must be finite and exceed 1, got {gamma}")
-    if not m >= 1 or (math.isfinite(m) and m != int(m)):
-        raise ValueError(f"m must be a whole number of terms, at least 1, or inf, got {m}")
     if points != int(points) or points < 4:
         raise ValueError(f"points must be a whole number, at least 4, got {points}")
