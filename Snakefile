@@ -61,7 +61,7 @@ rule solve:
         "config/environment.yaml"
     threads: 1
     params:
-        definition=lambda w: scene(w.scene).definition(w.batch),
+        digest=lambda w: scene(w.scene).digest(w.batch),
     shell:
         "NUMBA_NUM_THREADS={threads} python -m weier batch"
         " config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output} 2>&1 | tee {log}"
@@ -80,11 +80,10 @@ rule gather:
     conda:
         "config/environment.yaml"
     params:
-        cases=lambda w: [case.key for case in scene(w.scene).studies[w.study]],
         text=lambda w: scene(w.scene).text,
     shell:
-        "python -m weier gather config/scenes/{wildcards.scene}.yaml"
-        " {wildcards.study} {output} {input.data} 2>&1 | tee {log}"
+        "python -m weier gather config/scenes/{wildcards.scene}.yaml"  # names of 40 000 batches fit no command
+        " {wildcards.study} {output} results/{wildcards.scene}/batches 2>&1 | tee {log}"
 
 
 rule bounds:

@@ -77,7 +77,7 @@ def load_or_refuse(path):
     else:
         names = [name for group in (loaded.studies, loaded.figures, loaded.batches) for name in group]
         assert all(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+-]*", name) for name in names)
-        assert all(loaded.definition(name) for name in loaded.batches)
+        assert all(loaded.digest(name) for name in loaded.batches)
         loaded.title.encode()
     assert "\n" not in refusal
     assert len(refusal) < 2000

@@ -164,11 +164,12 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path) -> None:
 @SCENE
 @click.argument("name")
 @output("path")
-@FILES
-def gather(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> None:
-    """Put the cases of one study into one file."""
+@click.argument("folder", type=click.Path(path_type=Path))
+def gather(scene_file: Path, name: str, path: Path, folder: Path) -> None:
+    """Put the cases of one study into one file, from the batches in FOLDER."""
     loaded = scene.load(scene_file)
-    keys = [case.key for case in loaded.studies[name]]
+    keys = [case.key for case in loaded.study_named(name)]
+    files = [folder / f"{batch}.nc" for batch in loaded.batches_of(name)]
     study.gather(files, keys, path, f"{loaded.title}: {name}", scene=loaded.text)
 
 
@@ -195,7 +196,7 @@ def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> No
     from weier.figures import draw  # as above
 
     loaded = scene.load(scene_file)
-    wanted = loaded.figures[name]
+    wanted = loaded.figure_named(name)
     draw(wanted.draw, [dataset.read(file) for file in files], wanted.title, path)
 
 

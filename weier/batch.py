@@ -30,13 +30,14 @@ def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dat
 
     """
     cases = list(cases)
-    data = dataset.blank(len(cases), scene.methods, scene.loads, scene.terms, scene.edges)
-    cost = dataset.blank_cost(len(cases), scene.methods, scene.terms)
+    methods, terms, edges = scene.layout_of(cases)  # not the scene's: other cases may change
+    data = dataset.blank(len(cases), methods, scene.loads, terms, edges)
+    cost = dataset.blank_cost(len(cases), methods, terms)
     for number, case in enumerate(cases):
         start = perf_counter()
         describe_case(data, number, case)
         for method in case.methods:
-            _solve_into(data, cost, scene, number, case, method)
+            _solve_into(data, cost, (number, methods.index(method)), case, method)
         _copy_case(data, cost, number)
         seconds = perf_counter() - start
         print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s", file=sys.stderr)
@@ -68,12 +69,11 @@ def _fitting(text: str) -> str:
     return text
 
 
-def _solve_into(data: xr.Dataset, cost: xr.Dataset, scene: Scene, number: int, case: Case, method: str) -> None:
-    place = number, scene.methods.index(method)
+def _solve_into(data: xr.Dataset, cost: xr.Dataset, place: tuple[int, int], case: Case, method: str) -> None:
     settings = all_settings(method, case.settings.get(method, {}))
     data["settings"].values[place] = _fitting(json.dumps(settings, sort_keys=True))
     try:
-        curve = solve(case.profile, scene.loads, method, **case.settings.get(method, {}))
+        curve = solve(case.profile, data["mean_pressure"].values, method, **case.settings.get(method, {}))
     except NotApplicableError:
         data["status"].values[place] = Status.not_applicable
         return
@@ -85,7 +85,7 @@ def _solve_into(data: xr.Dataset, cost: xr.Dataset, scene: Scene, number: int, c
         if name != "contact_edge":
             data[str(name)].values[place] = curve[name].values
     if "contact_edge" in data and "contact_edge" in curve:
-        data["contact_edge"].values[number, :, : curve.sizes["edge"]] = curve["contact_edge"].values
+        data["contact_edge"].values[place[0], :, : curve.sizes["edge"]] = curve["contact_edge"].values
     data["points"].values[place] = curve.attrs.get("points", np.nan)
     data["status"].values[place] = Status.solved
     cost["seconds"].values[place] = curve.attrs["seconds"]

@@ -23,7 +23,7 @@ from weier.variables import COORDINATES, COST, CURVE, RUN, VARIABLES, Status, Va
 
 __all__ = [
     "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
-    "curve", "open_lazily", "read", "write",
+    "curve", "open_lazily", "read", "widened", "write",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -58,6 +58,20 @@ def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset
     data = xr.Dataset({name: variables.blank(name, sizes) for name in COST})
     data = data.set_coords([name for name in COST if name in COORDINATES])
     return data.assign_coords(method=("method", list(methods), variables.attributes("method")))
+
+
+def widened(data: xr.Dataset, methods: Sequence[str], terms: int, edges: int) -> xr.Dataset:
+    """The same cases over more methods, terms and edges of contact: blank where they were not asked for."""
+    own = data["method"].values.tolist()
+    if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
+        return data
+    wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges)
+    places: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
+    places["method"] = [list(methods).index(method) for method in own]
+    for name in data.variables.keys() - data.sizes.keys():
+        values = data.variables[name]
+        wide.variables[name][{dim: places.get(dim, slice(None)) for dim in values.dims}] = values.values
+    return wide
 
 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:

@@ -7,12 +7,12 @@ import itertools
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import jsonschema
 import numpy as np
@@ -24,6 +24,7 @@ from weier.profile import Profile, random_phases
 from weier.variables import VARIABLES
 
 Array = NDArray[np.float64]
+Item = TypeVar("Item")
 
 PLANNED = "planned"  # the method that a scene with a tolerance runs
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
@@ -62,6 +63,19 @@ class Case:
         return Profile(limits.number("D", p["D"]), p["gamma"], limits.number("m", p["m"]), phases)
 
 
+class Layout(NamedTuple):
+    """What the arrays of some cases must hold.
+
+    methods : of all of them, in order of appearance
+    terms : of the longest finite series
+    edges : of contact, at most, two for each of the finest waves in a period; 0 where they are not kept
+    """
+
+    methods: tuple[str, ...]
+    terms: int
+    edges: int
+
+
 @dataclass(frozen=True)
 class Figure:
     """What a figure draws (a module of weier.figures) and from which studies."""
@@ -77,7 +91,6 @@ class Scene:
 
     name, title : of the file and for people
     loads : mean pressures, shape (loads,), in p_0*
-    methods : of all studies, in order of appearance
     studies : cases of each study, in the order of the file
     figures, claims : what is made from the studies
     batch : most cases in one job
@@ -88,7 +101,6 @@ class Scene:
     name: str
     title: str
     loads: Array
-    methods: tuple[str, ...]
     studies: Mapping[str, tuple[Case, ...]]
     figures: Mapping[str, Figure]
     claims: Mapping[str, tuple[str, ...]]
@@ -97,16 +109,36 @@ class Scene:
     text: str = ""
 
     @cached_property
-    def terms(self) -> int:
-        """Terms of the longest finite series."""
-        finite = [c.profile.terms for cases in self.studies.values() for c in cases if math.isfinite(c.profile.m)]
-        return max(finite, default=1)
+    def layout(self) -> Layout:
+        """What the arrays of all cases must hold."""
+        return self.layout_of([case for cases in self.studies.values() for case in cases])
 
-    @property
-    def edges(self) -> int:
-        """Most edges of contact to keep a load: two for each of the finest waves in a period."""
-        finite = [c.profile for cases in self.studies.values() for c in cases if math.isfinite(c.profile.m)]
-        return max(2 * profile.wavenumber[-1] for profile in finite) if self.contact_edges else 0
+    def layout_of(self, cases: Collection[Case]) -> Layout:
+        """What the arrays of some cases must hold, which is nothing that other cases need."""
+        methods = dict.fromkeys(method for case in cases for method in case.methods)
+        finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
+        edges = max((2 * profile.wavenumber[-1] for profile in finite), default=0) if self.contact_edges else 0
+        return Layout(tuple(methods), max((profile.terms for profile in finite), default=1), edges)
+
+    def study_named(self, name: str) -> tuple[Case, ...]:
+        """The cases of a study.
+
+        Raises
+        ------
+        SceneError
+            If there is no such study.
+        """
+        return self._found("study", self.studies, name)
+
+    def figure_named(self, name: str) -> Figure:
+        """What a figure draws.
+
+        Raises
+        ------
+        SceneError
+            If there is no such figure.
+        """
+        return self._found("figure", self.figures, name)
 
     @cached_property
     def batches(self) -> dict[str, tuple[Case, ...]]:
@@ -134,19 +166,23 @@ class Scene:
         SceneError
             If there is no such batch.
         """
-        if name not in self.batches:
-            raise SceneError(f"scene {self.name} has no batch {name!r}, only {', '.join(self.batches)}")
-        return self.batches[name]
+        return self._found("batch", self.batches, name)
+
+    def _found(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
+        if name not in table:
+            raise SceneError(f"scene {self.name} has no {kind} {name!r}, only {', '.join(table) or 'none':.300}")
+        return table[name]
 
     def batches_of(self, study: str) -> list[str]:
         """Names of the batches that hold the cases of a study."""
         keys = {case.key for case in self.studies[study]}
         return [name for name, cases in self.batches.items() if cases[0].key in keys]
 
-    def definition(self, batch: str) -> str:
-        """All that the numbers of a batch depend on, as text."""
+    def digest(self, batch: str) -> str:
+        """A digest of all that the numbers of a batch depend on: its own cases, the loads, what is kept."""
         cases = [case.definition for case in self.batch_named(batch)]
-        return json.dumps([self.loads.tolist(), self.methods, self.terms, self.edges, cases])
+        definition = json.dumps([self.loads.tolist(), self.contact_edges, cases])
+        return hashlib.sha256(definition.encode()).hexdigest()
 
 
 def load(path: str | Path) -> Scene:
@@ -205,12 +241,10 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
             for study in wanted:
                 if study not in studies:
                     raise SceneError(f"{path}: {what}.{name}: there is no study {study!r}, only {', '.join(studies)}")
-    methods = dict.fromkeys(method for cases in studies.values() for case in cases for method in case.methods)
     made = Scene(
         path.stem,
         raw["title"],
         loads,
-        tuple(methods),
         studies,
         figures,
         claims,
@@ -218,7 +252,7 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
         raw.get("contact_edges", False),
     )
     largest = max(map(len, made.batches.values()))
-    sizes = largest, len(methods), loads.size, made.edges, len(VARIABLES)
+    sizes = largest, len(made.layout.methods), loads.size, made.layout.edges, len(VARIABLES)
     _checked("batch", path, lambda: limits.check_memory(*sizes))
     return made
 

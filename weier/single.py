@@ -124,7 +124,7 @@ def solve_one(
     case = Case(parameters, tuple(methods), settings)
     limits.check_profile(case.profile, methods)
     title = f"Weierstrass profile, {case.profile.describe()}"
-    scene = Scene("one", title, loads, tuple(methods), {"one": (case,)}, {}, {}, 1, False, _text(title, case, loads))
+    scene = Scene("one", title, loads, {"one": (case,)}, {}, {}, 1, False, _text(title, case, loads))
     data, cost = solve_batch(scene, [case])
     _check_solved(data)
     return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)

@@ -19,7 +19,6 @@ from weier.files import replacing
 
 EXACT = ("bem", "patches")  # solve the truncated series itself, so that the bounds theorem applies to their curves
 BLOCK = 64  # cases in memory: the bounds take loads^2 numbers for each
-SHARED = ("method", "mean_pressure")  # the labels that all files of a scene have in common
 
 
 def gather(
@@ -38,7 +37,8 @@ def gather(
     Parameters
     ----------
     files : sequence of path
-        netCDF files of weier, of the same methods and loads.
+        netCDF files of weier, of the same loads; what one lacks of the methods, terms and edges of contact of the
+        others stays blank.
     keys : sequence of str
         Which cases, each once.
     path : path
@@ -53,20 +53,23 @@ def gather(
     Raises
     ------
     ValueError
-        If a case is in none of the files, or the files differ in methods or loads.
+        If a case is in none of the files, or the files differ in loads.
 
     """
+    if not files:
+        raise ValueError("there must be files to gather from, got none")
     place = {key: row for row, key in enumerate(keys)}
     like, histories = _layout(files, set(keys))
-    like = like.merge(more) if more is not None else like
-    like = like.assign_attrs(provenance.attributes(title, step, scene, histories))
+    whole = like.merge(more) if more is not None else like
+    whole = whole.assign_attrs(provenance.attributes(title, step, scene, histories))
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, like, {"case": len(keys)}, netcdf.text_widths(like))
-        netcdf.fill(file, like.drop_dims("case"))
+        netcdf.create(file, whole, {"case": len(keys)}, netcdf.text_widths(whole))
+        netcdf.fill(file, whole.drop_dims("case"))
         for block in _blocks(files, place):
-            _put(file, change(block) if change else block, place)
+            wide = dataset.widened(block, *_together(like, block))
+            _put(file, change(wide) if change else wide, place)
 
 
 def add_bounds(data: xr.Dataset) -> xr.Dataset:
@@ -95,24 +98,32 @@ def keys_of(files: Sequence[str | Path]) -> list[str]:
 
 
 def _layout(files: Sequence[str | Path], missing: set[str]) -> tuple[xr.Dataset, list[str]]:
-    """The first case, which shows what the whole will look like, and the histories of the files."""
-    like, histories = xr.Dataset(), dict[str, None]()
+    """The first case, as wide as the whole will be, and the histories of the files."""
+    like, histories, strangers = xr.Dataset(), dict[str, None](), list[str]()
+    wanted = missing
     for path in files:
         with dataset.open_lazily(path) as data:
             like = like if like.sizes else data.isel(case=slice(1)).load()
-            _check_alike(like, data, f"{path} and {files[0]}")
+            if not like["mean_pressure"].equals(data["mean_pressure"]):
+                raise ValueError(f"{path} and {files[0]} differ in loads: delete the older one, and make it again")
+            like = dataset.widened(like, *_together(like, data))
             histories[data.attrs.get("history", "")] = None
-            missing = missing - set(data["key"].values.tolist())
+            keys = set(data["key"].values.tolist())
+            missing = missing - keys
+            strangers += [str(path)] if wanted.isdisjoint(keys) else []
     if missing:
-        raise ValueError(f"{len(missing)} cases are in none of the files, the first with the key {min(missing)}")
+        raise ValueError(
+            f"{len(missing)} cases are in none of the files, the first with the key {min(missing)}: "
+            f"delete {', '.join(strangers) or 'the older files'} and make it again"
+        )
     return like, list(histories)
 
 
-def _check_alike(one: xr.Dataset, other: xr.Dataset, what: str) -> None:
-    differ = [name for name in SHARED if not one[name].equals(other[name])]
-    sizes = [{dim: size for dim, size in data.sizes.items() if dim != "case"} for data in (one, other)]
-    if differ or sizes[0] != sizes[1]:
-        raise ValueError(f"{what} differ in {', '.join(differ) or 'size'}: delete the older one, and make it again")
+def _together(one: xr.Dataset, other: xr.Dataset) -> tuple[list[str], int, int]:
+    """Methods, terms and edges of contact that have room for both."""
+    methods = dict.fromkeys([*one["method"].values.tolist(), *other["method"].values.tolist()])
+    terms, edges = (max(data.sizes.get(dim, 0) for data in (one, other)) for dim in ("term", "edge"))
+    return list(methods), terms, edges
 
 
 def _blocks(files: Sequence[str | Path], place: Mapping[str, int]) -> Iterator[xr.Dataset]:

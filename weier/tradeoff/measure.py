@@ -45,7 +45,7 @@ def measure(scene: Scene) -> xr.Dataset:
     """
     cases = list({case.key: case for study in scene.studies.values() for case in study}.values())
     names = _names(cases)
-    data = dataset.blank(len(cases), names, scene.loads, scene.terms)
+    data = dataset.blank(len(cases), names, scene.loads, scene.layout.terms)
     data["seconds"] = variables.blank("seconds", {"case": len(cases), "method": len(names)})
     for number, case in enumerate(cases):
         print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}", file=sys.stderr)
