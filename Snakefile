@@ -6,6 +6,7 @@ sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
 
 from snakemake.utils import validate
 
+from weier.files import bring_to_present, check_writable, remove_leftovers
 from weier.sources import sources
 
 
@@ -23,6 +24,12 @@ wildcard_constraints:
 
 
 include: "config/scenes.smk"
+
+
+onstart:
+    check_writable("results")
+    remove_leftovers("results")
+    bring_to_present("results", "weier", "config")
 
 
 rule all:
@@ -82,8 +89,8 @@ rule gather:
     params:
         text=lambda w: scene(w.scene).text,
     shell:
-        "python -m weier gather config/scenes/{wildcards.scene}.yaml"  # names of 40 000 batches fit no command
-        " {wildcards.study} {output} results/{wildcards.scene}/batches 2>&1 | tee {log}"
+        "python -m weier gather config/scenes/{wildcards.scene}.yaml"
+        " {wildcards.study} {output} results/{wildcards.scene}/batches 2>&1 | tee {log}"  # names of 40 000 batches fit no command
 
 
 rule bounds:

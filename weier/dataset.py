@@ -130,7 +130,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     if "key" not in data.variables:
         data.close()
-        raise ValueError(f"{path} is a netCDF file, but not of weier: its cases have no key")
+        raise ValueError(f"{path} is a netCDF file, but not of weier: delete it and make it again")
     return data
 
 

@@ -1,20 +1,91 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, whatever happens to the process, the disk or the clock."""
 
 from __future__ import annotations
 
 import os
+import re
+import socket
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
+PROBE = 2**20  # bytes that show why a file could not be written
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A path to write beside the real one, which it replaces when all went well and leaves alone otherwise."""
+    """A path to write beside the real one, which it replaces when all went well and leaves alone otherwise.
+
+    Raises
+    ------
+    OSError
+        If the disk is full or closed to writing.
+
+    """
     path = Path(path)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    beside = path.with_name(f".{path.name}.{_host()}.{os.getpid()}")
     try:
         yield beside
         os.replace(beside, path)
+    except (OSError, RuntimeError):  # of netCDF, which calls a full disk "HDF error" or "Permission denied"
+        _check_room(beside, path)
+        raise
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):
+            beside.unlink()
+
+
+def check_writable(folder: str | Path) -> None:
+    """Refuse to start where nothing can be written.
+
+    Raises
+    ------
+    OSError
+        If the folder is closed to writing.
+
+    """
+    if Path(folder).exists() and not os.access(folder, os.W_OK):
+        raise OSError(f"{folder} cannot be written to: open it for writing, or work in a copy of the checkout")
+
+
+def remove_leftovers(folder: str | Path) -> None:
+    """Remove what processes of this machine that were killed had half written below a folder."""
+    for path in Path(folder).rglob(".*"):
+        found = LEFTOVER.fullmatch(path.name)
+        if found and found["host"] == _host() and not _runs(int(found["process"])):
+            path.unlink(missing_ok=True)
+
+
+def bring_to_present(*folders: str | Path) -> None:
+    """Give files that are dated in the future the time of now: a clock that went back leaves them new for ever."""
+    now = time.time()
+    for folder in folders:
+        for path in Path(folder).rglob("*"):
+            with suppress(FileNotFoundError):
+                if path.lstat().st_mtime > now:
+                    os.utime(path, follow_symlinks=False)
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # of another user
+        return True
+    return True
+
+
+def _host() -> str:
+    return socket.gethostname().partition(".")[0]
+
+
+def _check_room(beside: Path, path: Path) -> None:
+    """Say why nothing can be written, if that is so."""
+    try:
+        with beside.open("ab") as file:
+            file.write(bytes(PROBE))
+    except OSError as error:
+        raise OSError(f"{path} cannot be written: {error.strerror}; mend that and run again") from None

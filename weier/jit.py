@@ -66,4 +66,20 @@ def kernel(function: Function) -> Function:
     """Compile `function` with numba on first call: arrays in, arrays out, IEEE division, no GIL."""
     with _cached_here():
         compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    if not disabled():
+        _forgive(compiled._cache)
     return cast(Function, compiled)
+
+
+def _forgive(cache: Any) -> None:
+    """Make a damaged file of the cache as good as none, where numba would stop at every later run."""
+    load = cache.load_overload
+
+    def load_or_forget(*place: Any) -> Any:
+        try:
+            return load(*place)
+        except Exception:  # whatever pickle makes of torn bytes
+            cache.flush()
+            return None
+
+    cache.load_overload = load_or_forget

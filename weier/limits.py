@@ -26,7 +26,7 @@ MOST_PHASE = 1e6  # radians: a float of more has lost the digits that matter
 MOST_POINTS = 10**7
 MOST_BYTES = 4 * 2**30  # of one batch
 LOADS = 1e-12, 1e12  # p_0*
-GAMMA = 1e6
+GAMMA = 10**6
 NUMERICAL = ("bem", "patches")
 
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"

@@ -1,0 +1,309 @@
+"""What a run survives: after each fault the next one ends with the same bytes, or says in one sentence what to do."""
+
+import importlib.util
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from weier import jit
+
+SCENE = """
+title: test
+loads: [0.01, 0.1, 1.0]
+methods: [archard, demelio]
+studies:
+  one: {product: {D: 1.25, gamma: 5, m: 2}}
+"""
+PRODUCTS = ("contact.nc", "claims.md")
+PATIENCE = 120  # seconds
+PAUSE = Path(__file__).parent / "pause"
+COMMAND = ["snakemake", "--cores", "2", "--config", "scenes=test"]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """A copy of the checkout with a finished run."""
+    folder = tmp_path_factory.mktemp("undisturbed")
+    for name in ("Snakefile", "config", "profiles", "weier"):
+        copy = shutil.copytree if Path(name).is_dir() else shutil.copy2
+        copy(name, folder / name)
+    (folder / "config/scenes/test.yaml").write_text(SCENE)
+    assert run(folder)[0] == 0
+    return folder
+
+
+@pytest.fixture
+def checkout(undisturbed, tmp_path):
+    """The same, to be disturbed."""
+    return shutil.copytree(undisturbed, tmp_path / "checkout")
+
+
+def environment(checkout, **more):
+    return os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(checkout)} | more
+
+
+def run(checkout, *arguments):
+    """Exit code and all that was said."""
+    done = subprocess.run(
+        [*COMMAND, *arguments],
+        cwd=checkout,
+        env=environment(checkout),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def assert_the_next_run_is_undisturbed(checkout, undisturbed):
+    code, said = run(checkout)
+    assert code == 0, said
+    for name in PRODUCTS:
+        assert (checkout / "results/test" / name).read_bytes() == (undisturbed / "results/test" / name).read_bytes()
+    assert leftovers(checkout) == []
+
+
+def leftovers(checkout):
+    return [path for path in checkout.rglob("results/**/.*") if path.name != ".kernels"]
+
+
+def forget(checkout, *names):
+    for name in names:
+        (checkout / "results/test" / name).unlink()
+
+
+@contextmanager
+def paused(checkout, at, tmp_path):
+    """Snakemake, and the number of its worker that stands still with the file `at` written and not yet in place."""
+    here = tmp_path / "here"
+    more = {"PAUSE_AT": at, "PAUSE_FILE": str(here), "PYTHONPATH": f"{PAUSE}:{checkout}"}
+    with (tmp_path / "said").open("w") as said:
+        process = subprocess.Popen(
+            COMMAND, cwd=checkout, env=environment(checkout, **more), stdout=said, stderr=said, start_new_session=True
+        )
+    try:
+        wait(lambda: here.exists() and here.read_text())
+        yield process, int(here.read_text())
+    finally:
+        here.unlink(missing_ok=True)
+        process.wait(PATIENCE)
+
+
+def wait(until):
+    end = time.monotonic() + PATIENCE
+    while not until():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def parent(process):
+    return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+def gone(process):
+    """Ended, be it that nobody asked how."""
+    status = Path(f"/proc/{process}/status")
+    return not status.exists() or "State:\tZ" in status.read_text()
+
+
+def test_kill_of_a_worker(checkout, undisturbed, tmp_path):
+    forget(checkout, *PRODUCTS)
+    with paused(checkout, "contact.nc", tmp_path) as (snakemake, worker):
+        os.kill(worker, signal.SIGKILL)
+    assert snakemake.returncode != 0
+    assert not (checkout / "results/test/contact.nc").exists()
+    assert len(leftovers(checkout)) == 1
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+@pytest.mark.slow
+def test_kill_of_a_job(checkout, undisturbed, tmp_path):
+    """The shell dies, its worker does not know and finishes."""
+    forget(checkout, *PRODUCTS, "batches/one-0.nc")
+    with paused(checkout, "batches/one-0.nc", tmp_path) as (snakemake, worker):
+        os.kill(parent(worker), signal.SIGKILL)
+        assert snakemake.wait(PATIENCE) != 0
+    wait(lambda: gone(worker))
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+@pytest.mark.slow
+def test_two_runs_at_once_and_kill_of_snakemake(checkout, undisturbed, tmp_path):
+    forget(checkout, *PRODUCTS)
+    with paused(checkout, "contact.nc", tmp_path) as (snakemake, worker):
+        code, said = run(checkout)
+        assert code != 0
+        assert "Please make sure that no other Snakemake process is trying to create the same files" in said
+        snakemake.kill()
+        snakemake.wait(PATIENCE)
+        code, said = run(checkout)
+        assert code != 0
+        assert "can be removed with the --unlock argument" in said
+        assert run(checkout, "--unlock")[0] == 0
+        assert_the_next_run_is_undisturbed_beside(worker, checkout, undisturbed)
+    wait(lambda: gone(worker))
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def assert_the_next_run_is_undisturbed_beside(worker, checkout, undisturbed):
+    """The worker of the killed run still stands there: what it is writing is its own."""
+    code, said = run(checkout)
+    assert code == 0, said
+    assert not gone(worker)
+    assert [path.name.rpartition(".")[2] for path in leftovers(checkout)] == [str(worker)]
+    assert (checkout / "results/test/contact.nc").read_bytes() == (
+        undisturbed / "results/test/contact.nc"
+    ).read_bytes()
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:5000])
+
+
+def replace_by_another(path):
+    path.unlink()
+    xr.Dataset({"x": 1}).to_netcdf(path)
+
+
+@pytest.mark.parametrize(
+    ("damage", "sentence"),
+    [(cut, "contact.nc is not a whole netCDF file: delete it and make it again"),
+     (replace_by_another, "contact.nc is a netCDF file, but not of weier: delete it and make it again")],
+)  # fmt: skip
+def test_a_damaged_dataset_of_a_scene(checkout, damage, sentence):
+    """Nothing depends on it, so that no job would ever look at it."""
+    damage(checkout / "results/test/contact.nc")
+    code, said = run(checkout)
+    assert code != 0
+    assert sentence in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", [cut, replace_by_another])
+def test_a_damaged_batch(checkout, undisturbed, damage):
+    damage(checkout / "results/test/batches/one-0.nc")
+    code, said = run(checkout)
+    assert code != 0
+    assert "results/test/batches/one-0.nc is" in said
+    assert "delete it and make it again" in said
+    forget(checkout, "batches/one-0.nc")
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+@contextmanager
+def mounted(folder, *options):
+    done = subprocess.run(["mount", *options, folder], capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip(f"only root may mount a disk to fill or to close: {done.stderr.strip()}")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", folder], check=True)
+
+
+FULL = ("-t", "tmpfs", "-o", "size=64k", "tmpfs")
+
+
+def test_a_full_disk_is_named(tmp_path):
+    """netCDF would call it an HDF error."""
+    program = (
+        "import numpy as np; from weier import dataset\n"
+        f"dataset.write(dataset.blank(9, ['bem'], np.ones(99), 1), {str(tmp_path / 'a.nc')!r}, 'test')"
+    )
+    with mounted(tmp_path, *FULL):
+        said = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE
+        ).stderr
+        assert list(tmp_path.iterdir()) == []
+    assert f"OSError: {tmp_path}/a.nc cannot be written: No space left on device" in said.splitlines()[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("room", [0, 20, 100, 200])
+def test_a_full_disk(checkout, undisturbed, room):
+    """With so many kB left: it fails sooner or later, and goes on from there."""
+    shutil.rmtree(checkout / "results")
+    (checkout / "results").mkdir()
+    with mounted(checkout / "results", *FULL):
+        subprocess.run(["mount", "-o", f"remount,size={room + 4}k", checkout / "results"], check=True)
+        code, said = run(checkout)
+        assert code != 0
+        assert "No space left on device" in said
+        subprocess.run(["mount", "-o", "remount,size=10m", checkout / "results"], check=True)
+        assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def test_a_folder_closed_to_writing(checkout, undisturbed):
+    forget(checkout, *PRODUCTS)
+    results = checkout / "results"
+    with mounted(results, "--bind", results):
+        subprocess.run(["mount", "-o", "remount,ro,bind", results], check=True)
+        code, said = run(checkout)
+    assert code != 0
+    assert "results cannot be written to: open it for writing, or work in a copy of the checkout" in said
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def date(folder, seconds):
+    """Everything in a folder, at so many seconds from now."""
+    for path in [folder, *folder.rglob("*")]:
+        if path.exists():
+            os.utime(path, (time.time() + seconds,) * 2)
+
+
+@pytest.mark.slow
+def test_a_clock_that_was_ahead(checkout, undisturbed):
+    forget(checkout, *PRODUCTS)
+    date(checkout / "results", 9e5)
+    date(checkout / "weier", 9e5)
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+    assert "Nothing to be done" in run(checkout)[1]
+
+
+@pytest.mark.slow
+def test_a_clock_that_goes_back_within_a_run(checkout, undisturbed, tmp_path):
+    forget(checkout, *PRODUCTS)
+    with paused(checkout, "contact.nc", tmp_path) as (snakemake, _):
+        date(checkout / "results/test/studies", 9e5)
+    assert snakemake.returncode != 0
+    assert "clock skew" in (tmp_path / "said").read_text()
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+KERNEL = """
+from weier.jit import kernel
+
+@kernel
+def square(x):
+    return x * x
+"""
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize("size", [0, 99])
+def test_a_damaged_cache_of_compiled_kernels(tmp_path, monkeypatch, suffix, size):
+    """numba alone would stop at it in every later run."""
+    monkeypatch.setattr(jit, "_FOLDER", str(tmp_path / "cache"))
+    (tmp_path / "kernels.py").write_text(KERNEL)
+    assert compiled_and_cached(tmp_path) == (9.0, 0)
+    (damaged,) = (tmp_path / "cache").rglob(f"*.{suffix}")
+    damaged.write_bytes(damaged.read_bytes()[:size])
+    assert compiled_and_cached(tmp_path) == (9.0, 0)
+    assert compiled_and_cached(tmp_path) == (9.0, 1)
+
+
+def compiled_and_cached(folder):
+    """A kernel's answer in a program of its own, and how often it came from the cache."""
+    spec = importlib.util.spec_from_file_location("kernels", folder / "kernels.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.square(3.0), sum(module.square.stats.cache_hits.values())

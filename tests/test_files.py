@@ -1,0 +1,54 @@
+"""Files that appear whole or not at all, what killed processes leave, and times in the future."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from weier.files import bring_to_present, check_writable, remove_leftovers, replacing
+
+
+def test_a_file_appears_when_all_went_well(tmp_path):
+    with replacing(tmp_path / "a") as beside:
+        beside.write_text("new")
+        assert list(tmp_path.iterdir()) == [beside]
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["new"]
+
+
+def test_a_file_stays_as_it_was_when_something_went_wrong(tmp_path):
+    (tmp_path / "a").write_text("old")
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "a") as beside:
+        (beside / "of no folder").write_text("new")
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
+
+
+def test_leftovers_go_when_their_process_is_gone(tmp_path):
+    program = (
+        "import os, pathlib, sys; from weier.files import replacing\n"
+        "with replacing(pathlib.Path(sys.argv[1], 'killed.nc')) as beside: beside.touch(); os.kill(os.getpid(), 9)"
+    )
+    subprocess.run([sys.executable, "-c", program, tmp_path])
+    (tmp_path / ".kernels").touch()
+    (tmp_path / ".else.nc.anotherhost.1").touch()
+    with replacing(tmp_path / "mine.nc") as mine:
+        mine.touch()
+        assert len(list(tmp_path.iterdir())) == 4
+        remove_leftovers(tmp_path)
+        assert {path.name for path in tmp_path.iterdir()} == {mine.name, ".kernels", ".else.nc.anotherhost.1"}
+
+
+def test_no_file_stays_in_the_future(tmp_path):
+    for name, seconds in (("past", -1e6), ("future", 1e6)):
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, (time.time() + seconds,) * 2)
+    before = (tmp_path / "past").stat().st_mtime
+    bring_to_present(tmp_path)
+    assert (tmp_path / "past").stat().st_mtime == before
+    assert before < (tmp_path / "future").stat().st_mtime <= time.time()
+
+
+def test_a_folder_to_write_to_is_not_refused(tmp_path):
+    check_writable(tmp_path)
+    check_writable(tmp_path / "not there yet")
