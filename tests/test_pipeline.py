@@ -4,11 +4,11 @@ import os
 import re
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 
 from weier import dataset
+from weier.sources import PACKAGE
 
 SCENE = """
 title: test
@@ -27,9 +27,9 @@ figures:
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
     folder = tmp_path_factory.mktemp("checkout")
-    for name in ("Snakefile", "config", "weier"):
-        copy = shutil.copytree if Path(name).is_dir() else shutil.copy
-        copy(name, folder / name)
+    shutil.copy("Snakefile", folder)
+    shutil.copytree("config", folder / "config")
+    shutil.copytree(PACKAGE, folder / "weier")
     (folder / "config/scenes/test.yaml").write_text(SCENE)
     return folder
 

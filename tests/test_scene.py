@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from weier import claims, figures, scene
+from weier.sources import PACKAGE
 
 SCENES = sorted(Path("config/scenes").glob("*.yaml"))
 
@@ -39,7 +40,7 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
 
 
 def test_the_schema_knows_every_figure_and_claim():
-    schema = json.loads(Path("weier/scene.schema.json").read_text())
+    schema = json.loads((PACKAGE / "scene.schema.json").read_text())
     assert schema["$defs"]["figure"]["properties"]["draw"]["enum"] == list(figures.KINDS)
     assert schema["properties"]["claims"]["propertyNames"]["enum"] == list(claims.CLAIMS)
 
