@@ -151,6 +151,18 @@ def test_exact_method_is_the_line_and_the_other_points(studies: dict[str, xr.Dat
     assert styles["boundary elements"] == "None"
 
 
+def test_boundary_elements_are_points_beside_each_exact_curve(studies: dict[str, xr.Dataset]) -> None:
+    for m, values in zip([1, 2], studies["terms"].sel({"method": "bem"})["resistance"].values, strict=True):
+        alone = studies["terms"].isel(case=[m - 1])
+        lines = sketch("truncated_resistance", [alone]).axes[0].get_lines()
+        points, legend = (line.get_ydata() for line in lines if line.get_marker() == "o")
+        assert np.array_equal(points, values)
+        assert len(legend) == 0
+        assert len([each for each in sketch("phases", [alone]).axes[0].get_lines() if each.get_marker() == "o"]) == 2
+        without = sketch("truncated_resistance", [alone.sel({"method": ["bem"]})]).axes[0].get_lines()
+        assert [line.get_marker() for line in without] == ["None"]
+
+
 def test_truncated_series_meet_in_the_mean_plane(studies: dict[str, xr.Dataset]) -> None:
     for case in curves.cases([studies["terms"]]):
         h = curves.numerical(case, "compliance")

@@ -50,6 +50,12 @@ def numerical(case: xr.Dataset, name: str) -> Array | None:
     return curve(case, name, numerical_method(case))
 
 
+def second(case: xr.Dataset, name: str) -> Array | None:
+    """The values of a variable by the other numerical method, where two solved the case, or None."""
+    solved = [method for method in NUMERICAL if curve(case, "compliance", method) is not None]
+    return curve(case, name, solved[1]) if len(solved) > 1 else None
+
+
 def full_contact_load(of: Sequence[xr.Dataset]) -> float:
     """The first load at which all cases are all but flat, or the last load there is."""
     return max((_full_contact_load(case) for case in of), default=np.nan)

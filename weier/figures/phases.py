@@ -42,9 +42,14 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 def _phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     loads = cases[0]["mean_pressure"].values
     h = np.array([curves.numerical(case, "compliance") for case in cases])
-    for row, color in zip(h, style.shade(curves.phase_angle(case) / np.pi for case in cases), strict=True):
+    colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
+    for row, color in zip(h, colors, strict=True):
         axes.plot(loads, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
-    axes.plot(loads, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases")
+    axes.plot(
+        loads, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases", zorder=3
+    )
+    checks = [curves.second(case, "compliance") for case in cases]
+    style.draw_points(axes, loads, zip(checks, colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

@@ -16,6 +16,7 @@ from weier import curves
 from weier.profile import LARGEST_DENOMINATOR
 
 Shown = TypeVar("Shown")
+Color = tuple[float, ...]
 
 WIDTH = 3.5  # inches: one column of a journal
 HEIGHT = 2.6
@@ -72,6 +73,7 @@ DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.
 # A second numerical method: its distance between points is a part of the diagonal of the axes.
 POINTS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markerfacecolor": "white"}
 POINTS |= {"markeredgewidth": 0.7, "markevery": 0.06}
+FEW_POINTS: dict[str, Any] = POINTS | {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}  # many curves
 BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
 
@@ -98,6 +100,15 @@ def line(method: str) -> dict[str, Any]:
     return METHODS.get(method, Line(method, ORANGE, DASHES[5]))._asdict()
 
 
+def draw_points(axes: Axes, loads: np.ndarray, rows: Iterable[tuple[np.ndarray | None, Color]]) -> None:
+    """A few points of a second numerical method beside each of many curves; the legend names them once, in black."""
+    found = [(values, color) for values, color in rows if values is not None]
+    for values, color in found:
+        axes.plot(loads, values, color=color, **FEW_POINTS)
+    if found:
+        axes.plot([], [], label=METHODS["bem"].label, color=BLACK, **FEW_POINTS)
+
+
 def family(count: int) -> list[dict[str, Any]]:
     """Keywords of Axes.plot for so many curves in order, from light to dark."""
     colors = shade(np.linspace(0, 1, count) if count > 1 else [1.0])
@@ -105,7 +116,7 @@ def family(count: int) -> list[dict[str, Any]]:
     return [{"color": color, "linestyle": dash} for color, dash in zip(colors, dashes, strict=True)]
 
 
-def shade(fraction: Iterable[float]) -> list[tuple[float, ...]]:
+def shade(fraction: Iterable[float]) -> list[Color]:
     """Colours from light (0) to dark (1), distinct in grey print; no yellow, which white paper swallows."""
     colormap = matplotlib.colormaps["viridis_r"]
     return [colormap(0.2 + 0.75 * value) for value in fraction]

@@ -14,7 +14,7 @@ from weier.figures import truncation
 
 ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
 ZOOM = 0.03, 0.05  # of the ranges of loads and values that the inset shows
-INSET = 0.5, 0.45, 0.42, 0.38  # of the axes: left, bottom, width, height
+INSET = 0.5, 0.51, 0.42, 0.31  # of the axes: left, bottom, width, height; between the curves and the legend
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

@@ -48,12 +48,22 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str, datum: D
     """The curves of one panel, m ascending, the bounds below them."""
     _bounds(axes, cases[-1], quantity, datum)
     by_terms = curves.groups(cases, "m")
-    for look, same in zip(style.family(len(by_terms)), by_terms, strict=True):
+    looks = style.family(len(by_terms))
+    for look, same in zip(looks, by_terms, strict=True):
         many = {"linewidth": 0.4, "alpha": style.FAINT} if len(same) > 1 else {}
         for number, case in enumerate(same):
             label = style.describe(case, "m") if number == 0 else None
             values = datum(case, numerical(case, quantity))
             axes.plot(case["mean_pressure"].values, values, label=label, **look | many)
+    alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
+    checks = [(_check(case, quantity, datum), color) for case, color in alone]
+    style.draw_points(axes, cases[0]["mean_pressure"].values, checks)
+
+
+def _check(case: xr.Dataset, quantity: str, datum: Datum) -> np.ndarray | None:
+    """The other numerical method of a case, if there is one."""
+    values = curves.second(case, quantity)
+    return None if values is None else datum(case, values)
 
 
 def numerical(case: xr.Dataset, quantity: str) -> np.ndarray:
