@@ -23,5 +23,8 @@ rule page:
         "results/logs/{scene}/page.log",
     conda:
         "environment.yaml"
+    params:
+        figures=lambda w: repr(scene(w.scene).figures),
     shell:
-        "python -m weier page {output} {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"
+        "python -m weier page config/scenes/{wildcards.scene}.yaml {output}"
+        " {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from weier import batch, curves, dataset, figures, scene, study
 from weier.dataset import Status
 from weier.figures import style, truncated_compliance
+from weier.figures.captions import CAPTIONS, caption
 
 SCENE = """
 title: Small
@@ -124,7 +125,14 @@ def test_unknown_kind(tmp_path: Path) -> None:
 
 def test_kinds_are_the_modules() -> None:
     modules = {path.stem for path in Path(figures.__file__).parent.glob("*.py")}
-    assert modules - {*figures.KINDS, *figures.MEASURES} == {"__init__", "style", "methods", "truncation"}
+    assert modules - {*figures.KINDS, *figures.MEASURES} == {"__init__", "captions", "methods", "style", "truncation"}
+
+
+def test_every_kind_has_a_caption() -> None:
+    assert set(CAPTIONS) == {*figures.KINDS, *figures.MEASURES}
+    name, text = caption("profiles", "figure_1", "Rough <and> smooth")
+    assert (name, text) == ("Figure 1", f"Rough <and> smooth. {CAPTIONS['profiles']}")
+    assert caption("profiles", "figure_1")[1] == CAPTIONS["profiles"]
 
 
 def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, xr.Dataset]) -> None:

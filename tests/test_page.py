@@ -8,13 +8,33 @@ import subprocess
 import numpy as np
 import pytest
 
-from weier import dataset, page
+from weier import dataset, page, plan, scene
 from weier.dataset import Status
+from weier.figures.captions import CAPTIONS
+from weier.page import plans
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
 CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
 PNG = bytes.fromhex("89504e470d0a1a0a")
+SCENE = """
+title: test
+loads: [0.02, 0.3, 1.5]
+methods: [demelio]
+studies:
+  one: {product: {D: 1.25, gamma: 5, m: 2}}
+figures:
+  figure_1: {draw: profiles, studies: [one], title: Rough & <i>smooth</i>}
+"""
+PLANNED = """
+title: test
+loads: [0.02, 0.3, 1.5]
+methods: [patches]
+tolerance: 1.0e-4
+studies:
+  one: {product: {D: 1.5, gamma: 2, m: [1, 3], phase: 1.0}}
+  far: {product: {D: 1.5, gamma: 2, m: inf}}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +58,14 @@ def folder(tmp_path_factory):
     return folder
 
 
+def load(folder, text):
+    (folder / "test.yaml").write_text(text)
+    return scene.load(folder / "test.yaml")
+
+
 def write(folder, name):
-    page.write(folder / "contact.nc", [folder / "figure_1.png"], [folder / "cost.nc"], folder / name)
+    loaded = load(folder, SCENE)
+    page.write(loaded, folder / "contact.nc", [folder / "figure_1.png"], [folder / "cost.nc"], folder / name)
     return (folder / name).read_text(encoding="utf-8")
 
 
@@ -68,6 +94,53 @@ def test_costs_and_states_are_counted(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     assert "<td>bem</td><td>4</td><td>0.5</td><td>0.5</td><td>2</td>" in text
     assert "<td>bem</td><td>4</td><td>0</td><td>0</td><td>0</td>" in text
+
+
+def test_figures_have_captions(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {CAPTIONS['profiles']}"
+    assert f"<figcaption>{caption}</figcaption>" in text
+
+
+@pytest.fixture
+def planned(tmp_path):
+    """A scene with a tolerance, solved with errors and seconds that are known."""
+    loaded = load(tmp_path, PLANNED)
+    cases = [case for study in loaded.studies.values() for case in study]
+    data = dataset.blank(3, loaded.methods, loaded.loads, 3)
+    cost = dataset.blank_cost(3, loaded.methods)
+    for each in (data, cost):
+        each["key"].values[:] = [case.key for case in cases]
+    data["compliance"].values[:2] = 0.5
+    data["compliance"].values[:2, loaded.methods.index("planned"), 1] += [3e-5, -7e-5]
+    cost["seconds"].values[:2, loaded.methods.index("planned")] = [0.5, 1.5]
+    return loaded, data, cost
+
+
+def test_a_plan_stands_against_what_it_took_and_missed(planned):
+    loaded, data, cost = planned
+    made = [plan(case.profile, loaded.loads, 1e-4) for case in loaded.studies["one"]]
+    ways = [" and ".join(part.method for part in each.parts) for each in made]
+    assert len(set(ways)) == 2
+    table = plans.rows(loaded, data, [cost])
+    assert [row[0] for row in table] == [*ways, "out of reach", "all"]
+    assert [row[1] for row in table] == [1, 1, 1, 3]
+    assert [row[3] for row in table] == ["0.5", "1.5", "0", "2"]
+    assert [row[7] for row in table] == ["3.0e-05", "7.0e-05", "unknown", "7.0e-05"]
+    for row, each, took in zip(table, made, (0.5, 1.5), strict=False):
+        assert row[2] == f"{each.seconds:.2g}"
+        assert row[4] == f"{took / each.seconds:.2g}"
+        assert row[5:7] == ["1.0e-04", f"{each.error:.1e}"]
+
+
+def test_an_error_is_unknown_where_nothing_measured_it(planned):
+    loaded, data, cost = planned
+    assert {row[7] for row in plans.rows(loaded, data.sel({"method": ["planned"]}), [cost])} == {"unknown"}
+
+
+def test_a_scene_without_a_tolerance_has_no_plans(planned, tmp_path):
+    _, data, cost = planned
+    assert plans.rows(load(tmp_path, SCENE), data, [cost]) == []
 
 
 # As a user does: the drop-down is set and says so. It stands in the shadow of its widget.

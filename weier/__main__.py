@@ -254,15 +254,17 @@ def draw_command(kind: str, path: Path, files: Sequence[Path]) -> None:
 
 
 @cli.command()
+@SCENE
 @output("path")
 @click.argument("contact", type=click.Path(path_type=Path))
 @FILES
-def page(path: Path, contact: Path, files: Sequence[Path]) -> None:
+def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> None:
     """Write the page of a scene from its dataset CONTACT, its figures (.png) and its costs (.nc)."""
     from weier import page as pages  # bokeh takes a second, and only this command needs it
 
     figures = [file for file in files if file.suffix == ".png"]
-    pages.write(contact, figures, [file for file in files if file.suffix == ".nc"], path)
+    costs = [file for file in files if file.suffix == ".nc"]
+    pages.write(scene.load(scene_file), contact, figures, costs, path)
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""The page of a scene: one HTML file with its curves to look through, figures, claims, errors and provenance.
+"""The page of a scene: one HTML file with its curves to look through, figures, claims, errors, costs and provenance.
 
 Everything stands in the file: it is read without a network, and the same data make the same bytes.
 """
@@ -19,8 +19,11 @@ from bokeh.resources import Resources
 
 from weier import dataset
 from weier.dataset import Status
+from weier.figures.captions import caption
 from weier.files import replacing
+from weier.page import plans
 from weier.page.curves import MOST_CASES, explorer
+from weier.scene import Scene
 
 HOLDS = {0: "no", 1: "yes", 2: "not measured"}
 PLACE = ID("curves")
@@ -34,15 +37,17 @@ pre { background: #f4f4f4; padding: 1rem; overflow-x: auto; font-size: 0.8rem; }
 """
 
 
-def write(contact: str | Path, figures: Sequence[Path], costs: Sequence[Path], path: str | Path) -> None:
+def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[Path], path: Path) -> None:
     """Write the page of a scene, whole or not at all.
 
     Parameters
     ----------
+    scene : Scene
+        What its figures draw, and what it planned.
     contact : path
         The dataset of the scene.
     figures : sequence of path
-        PNG files.
+        PNG files, by the names of the scene.
     costs : sequence of path
         Files of seconds, one a batch.
     path : path
@@ -54,24 +59,24 @@ def write(contact: str | Path, figures: Sequence[Path], costs: Sequence[Path], p
         If one of the files is missing, cut short, or not of weier.
 
     """
-    path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with dataset.open_lazily(contact) as data:
-        text = _page(data, figures, costs)
+        text = _page(scene, data, figures, [dataset.read(cost) for cost in costs])
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
 
 
-def _page(data: xr.Dataset, figures: Sequence[Path], costs: Sequence[Path]) -> str:
+def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequence[xr.Dataset]) -> str:
     title = escape(data.attrs.get("title", "A scene"))
     count = data.sizes["case"]
     shown = f"the first {MOST_CASES} of {count}" if count > MOST_CASES else f"all {count}"
     sections = {
         f"Curves, {shown} cases": f'<div id="{PLACE}"></div>',
-        "Figures": "".join(map(_figure, figures)) or "<p>This scene draws no figures.</p>",
+        "Figures": "".join(_figure(scene, path) for path in figures) or "<p>This scene draws no figures.</p>",
         "Claims": _claims(data),
         "Errors": _errors(data),
         "Cost": _costs(costs),
+        **_plans(scene, data, costs),
         "Provenance": _provenance(data),
     }
     body = "\n".join(f"<h2>{heading}</h2>\n{content}" for heading, content in sections.items())
@@ -86,10 +91,11 @@ def _page(data: xr.Dataset, figures: Sequence[Path], costs: Sequence[Path]) -> s
     )
 
 
-def _figure(path: Path) -> str:
-    code = b64encode(path.read_bytes()).decode()
-    name = escape(path.stem)
-    return f'<figure><img alt="{name}" src="data:image/png;base64,{code}"><figcaption>{name}</figcaption></figure>'
+def _figure(scene: Scene, path: Path) -> str:
+    figure = scene.figures[path.stem]
+    name, text = map(escape, caption(figure.draw, path.stem, figure.title))
+    picture = f"data:image/png;base64,{b64encode(path.read_bytes()).decode()}"
+    return f'<figure><img alt="{name}" src="{picture}"><figcaption><b>{name}.</b> {text}</figcaption></figure>\n'
 
 
 def _table(header: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -119,10 +125,9 @@ def _errors(data: xr.Dataset) -> str:
     return _table(["method", *names, "largest residual, g_0"], rows)
 
 
-def _costs(costs: Sequence[Path]) -> str:
+def _costs(costs: Sequence[xr.Dataset]) -> str:
     seconds: dict[str, list[float]] = {}
-    for path in costs:
-        data = dataset.read(path)
+    for data in costs:
         for row, method in enumerate(data["method"].values.tolist()):
             known = data["seconds"].values[:, row]
             seconds.setdefault(method, []).extend(known[np.isfinite(known)].tolist())
@@ -132,6 +137,12 @@ def _costs(costs: Sequence[Path]) -> str:
         if each
     ]
     return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows)
+
+
+def _plans(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:
+    """What was planned against what came of it: a section of scenes with a tolerance."""
+    rows = plans.rows(scene, data, costs)
+    return {"Plan and cost": f"<p>{escape(plans.NOTE)}</p>{_table(plans.HEADER, rows)}"} if rows else {}
 
 
 def _provenance(data: xr.Dataset) -> str:
