@@ -144,4 +144,5 @@ rule claims:
 
 
 include: "config/accuracy.smk"
+include: "config/docs.smk"
 include: "config/page.smk"

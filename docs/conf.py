@@ -1,0 +1,99 @@
+"""How the documentation is built; `snakemake --cores 2 docs` draws its figures and builds it."""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))  # the checkout, not an installed copy
+
+from weier import scene  # noqa: E402
+from weier.figures import style  # noqa: E402
+from weier.figures.captions import caption  # noqa: E402
+from weier.version import VERSION  # noqa: E402
+
+project = "weier"
+author = "The weier developers"
+copyright = "the weier developers, MIT licence"
+version = release = VERSION
+
+extensions = [
+    "matplotlib.sphinxext.plot_directive",
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 2
+default_role = "py:obj"  # `single backticks` in docstrings link to what they name
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the docstrings say types, shapes and units
+plot_include_source = plot_apply_rcparams = True
+plot_html_show_formats = plot_html_show_source_link = False
+plot_formats = [("png", 200)]
+plot_rcparams = style.RC | {"figure.figsize": (style.WIDTH, style.HEIGHT), "figure.constrained_layout.use": True}
+
+html_theme = "furo"
+html_title = "weier"
+html_static_path = ["style.css"]
+html_css_files = ["style.css"]
+html_math_renderer = "mathml"  # browsers know it: no script, no network
+
+COLON = "\ue000"  # of a private range: no text has it
+
+
+def inline_math(translator, node):
+    """A formula within a line."""
+    translator.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def display_math(translator, node):
+    """A formula on its own."""
+    translator.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
+    raise nodes.SkipNode
+
+
+class SceneFigures(SphinxDirective):
+    """The figures of a scene with their captions, as the pipeline left them."""
+
+    required_arguments = 1
+
+    def run(self):
+        """A figure node for each."""
+        loaded = scene.load(ROOT / f"config/scenes/{self.arguments[0]}.yaml")
+        return [self.picture(name, figure) for name, figure in loaded.figures.items()]
+
+    def picture(self, name, figure):
+        """Picture and caption."""
+        title, text = caption(figure.draw, name, figure.title)
+        path = Path(self.config.scene_figures, f"{name}.png")
+        words = nodes.caption("", "", nodes.strong("", f"{title}. "), nodes.Text(text))
+        return nodes.figure("", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=title, width="28em"), words)
+
+
+def before_napoleon(app, what, name, obj, options, lines):
+    """Docstrings are plain text: |k|, p_0* and (13) are no markup, nor does a colon end the type of a property."""
+    plain = [re.sub(r"^( *)(\()|([|*])", r"\1\\\2\3", line) for line in lines]
+    lines[:] = [line.replace(":", COLON) for line in plain] if what == "property" else plain
+
+
+def after_napoleon(app, what, name, obj, options, lines):
+    """The colons again."""
+    lines[:] = [line.replace(COLON, ":") for line in lines]
+
+
+def setup(app: Sphinx) -> None:
+    """What is not in the lists above."""
+    app.add_config_value("scene_figures", str(ROOT / "results/paper/figures"), "env", str)
+    app.add_directive("scene-figures", SceneFigures)
+    app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
+    app.connect("autodoc-process-docstring", before_napoleon, priority=100)
+    app.connect("autodoc-process-docstring", after_napoleon, priority=900)
