@@ -42,7 +42,7 @@ def cli() -> None:
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --loads 0.01:1:5        one profile, as JSON
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
-    snakemake --cores 2 --config scenes=minimal                a scene of config/scenes
+    snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
 
     Completion of commands and options, for this shell or in ~/.bashrc (zsh_source, fish_source for others):
 
@@ -192,7 +192,10 @@ def bounds(gathered: Path, path: Path) -> None:
 @output("path")
 @FILES
 def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> None:
-    """Draw one figure of a scene from its studies, as PDF, SVG and PNG beside PATH."""
+    """Draw one figure of a scene from its studies.
+
+    As PDF, SVG and PNG beside PATH.
+    """
     from weier.figures import draw  # as above
 
     loaded = scene.load(scene_file)
@@ -214,7 +217,10 @@ def claims(scene_file: Path, path: Path, table: Path, files: Sequence[Path]) -> 
 @cli.command("plan")
 @SCENE
 def plan_command(scene_file: Path) -> None:
-    """What a scene with a tolerance will run, case by case, and why; nothing is solved."""
+    """What a scene with a tolerance will run, and why.
+
+    Case by case; nothing is solved.
+    """
     click.echo(describe_plans(scene.load(scene_file)))
 
 
@@ -223,7 +229,10 @@ def plan_command(scene_file: Path) -> None:
 @output("path")
 @output("table")
 def tradeoff_command(scene_file: Path, path: Path, table: Path) -> None:
-    """Measure the errors and seconds of all methods and settings on the profiles of a scene."""
+    """Measure the errors and seconds of all methods and settings.
+
+    On the profiles of a scene.
+    """
     loaded = scene.load(scene_file)
     measured = tradeoff.measure(loaded)
     dataset.write(measured, path, loaded.title, "measured", loaded.text)
@@ -235,7 +244,10 @@ def tradeoff_command(scene_file: Path, path: Path, table: Path) -> None:
 @output("path")
 @click.option("--terms", default=8, show_default=True, help="Waves to resolve, from 1 up to this.")
 def endless_command(scene_file: Path, path: Path, terms: int) -> None:
-    """Best estimates and bounds of the first case of a scene, an endless series, by the terms that are resolved."""
+    """An endless series by the number of terms resolved.
+
+    Best estimates and bounds of the first case of a scene.
+    """
     loaded = scene.load(scene_file)
     (case, *_) = next(iter(loaded.studies.values()))
     found = endless.convergence(case.profile, loaded.loads, terms)
@@ -247,7 +259,10 @@ def endless_command(scene_file: Path, path: Path, terms: int) -> None:
 @output("path")
 @FILES
 def draw_command(kind: str, path: Path, files: Sequence[Path]) -> None:
-    """Draw a kind of figure from files, as PDF, SVG and PNG beside PATH."""
+    """Draw a kind of figure from files.
+
+    As PDF, SVG and PNG beside PATH.
+    """
     from weier.figures import draw  # as above
 
     draw(kind, [dataset.read(file) for file in files], "", path)
@@ -259,7 +274,10 @@ def draw_command(kind: str, path: Path, files: Sequence[Path]) -> None:
 @click.argument("contact", type=click.Path(path_type=Path))
 @FILES
 def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> None:
-    """Write the page of a scene from its dataset CONTACT, its figures (.png) and its costs (.nc)."""
+    """Write the page of a scene.
+
+    From its dataset CONTACT, its figures (.png) and its costs (.nc).
+    """
     from weier import page as pages  # bokeh takes a second, and only this command needs it
 
     figures = [file for file in files if file.suffix == ".png"]
