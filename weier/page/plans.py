@@ -51,7 +51,7 @@ def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> It
         if made is None:
             yield Outcome(OUT_OF_REACH, np.nan, np.nan, wanted["tolerance"], np.nan, np.nan)
         else:
-            way = " and ".join(part.method for part in made.parts)
+            way = " and ".join(dict.fromkeys(part.method for part in made.parts))
             yield Outcome(way, made.seconds, seconds.get(key, np.nan), made.tolerance, made.error, measured)
 
 
