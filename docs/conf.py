@@ -30,7 +30,6 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
 ]
-myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 2
 default_role = "py:obj"  # `single backticks` in docstrings link to what they name
 autodoc_member_order = "bysource"
