@@ -71,6 +71,15 @@ class Interface:
     ------
     ValueError
         If a value lies outside its range, or both bodies are rigid.
+
+    Examples
+    --------
+    >>> import weier
+    >>> copper = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
+    >>> contact = weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)
+    >>> print(f"{contact.pressure(0.1) / 1e6:.1f} MPa, {contact.resistance(2.5):.2e} ohm m2")
+    21.4 MPa, 1.35e-11 ohm m2
+
     """
 
     mu_1: float
