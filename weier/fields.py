@@ -7,6 +7,7 @@ import xarray as xr
 
 from weier import bem, patches
 from weier.dataset import NORMALISED
+from weier.limits import check_resolvable
 from weier.loads import checked_loads
 from weier.profile import Profile
 
@@ -58,13 +59,14 @@ def fields(profile: Profile, mean_pressure: float, method: str = "patches", poin
         If the load cannot be solved.
 
     """
-    (load,) = checked_loads(mean_pressure)
+    load = _one_load(mean_pressure)
+    check_resolvable(profile)
     if method == "bem":
-        found = bem.field(profile, float(load), points)
+        found = bem.field(profile, load, points)
         return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
     if method != "patches":
         raise ValueError(f'method must be "patches" or "bem" for fields, got {method!r}')
-    contact = patches.solve_load(profile, float(load))
+    contact = patches.solve_load(profile, load)
     points = bem.checked_points(profile, points)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     along = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
@@ -86,13 +88,21 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing.
+        If the loads are not positive and increasing, or the waves too many.
     ConvergenceError
         If a load on the way cannot be solved.
 
     """
+    check_resolvable(profile)
     found = patches.events(profile, low, high)._asdict()
     return _dataset(("event",), found | {"birth": found["birth"].astype("i1")})
+
+
+def _one_load(mean_pressure: float) -> float:
+    loads = checked_loads(mean_pressure)
+    if loads.size != 1:
+        raise ValueError(f"mean_pressure must be one load, got {loads.size}: ask for the fields of each by itself")
+    return float(loads[0])
 
 
 def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:

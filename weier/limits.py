@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Mapping, Sequence
-from numbers import Integral, Real
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,6 @@ import yaml
 from numpy.typing import NDArray
 
 from weier.profile import Profile, RandomPhases
-from weier.solve import checked_method
 
 MOST_TEXT = 10**6  # characters of a scene file
 MOST_NODES = 10**6  # values of one, after each alias is written out
@@ -24,19 +21,13 @@ MOST_TERMS = 1000  # of a finite series: the closed forms add them one by one
 MOST_WAVES = 100_000  # of the finest term in one period: 6.4 million nodes, a gigabyte
 MOST_PHASE = 1e6  # radians: a float of more has lost the digits that matter
 MOST_POINTS = 10**7
+MOST_DENSE = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
 MOST_BYTES = 4 * 2**30  # of one batch
 LOADS = 1e-12, 1e12  # p_0*
 GAMMA = 10**6
 NUMERICAL = ("bem", "patches")
 
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
-KINDS: dict[str, Any] = {
-    "int": (Integral,),
-    "float": (Real,),
-    "bool": (bool,),
-    "str": (str,),
-    "int | None": (Integral, type(None)),
-}
 
 
 def number(name: str, value: Any) -> float:
@@ -95,11 +86,8 @@ def check_profile(profile: Profile, methods: Sequence[str]) -> None:
     drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
     if not drawn and np.abs(profile.phase).max() > MOST_PHASE:
         raise ValueError(f"phases must lie in [-{MOST_PHASE:g}, {MOST_PHASE:g}], got {np.abs(profile.phase).max():g}")
-    if any(method in NUMERICAL for method in methods) and not resolvable(profile):
-        raise ValueError(
-            f"the finest wave must fit at most {MOST_WAVES} times into the period, which {profile.describe()} "
-            "exceeds: take fewer terms, or methods other than bem and patches"
-        )
+    if any(method in NUMERICAL for method in methods):
+        check_resolvable(profile)
 
 
 def resolvable(profile: Profile) -> bool:
@@ -107,24 +95,34 @@ def resolvable(profile: Profile) -> bool:
     return (profile.m - 1) * math.log(profile.gamma.numerator) <= math.log(MOST_WAVES)
 
 
-def check_settings(method: str, settings: Mapping[str, Any]) -> None:
-    """Refuse a setting of the wrong kind, before a solver meets it.
+def check_resolvable(profile: Profile) -> None:
+    """Refuse a finite series whose period holds more waves than a computer does.
 
     Raises
     ------
     ValueError
-        If the method has no such setting, or its value is of another kind or out of any range.
+        If the finest wave fits too often into the period.
 
     """
-    parameters = inspect.signature(checked_method(method, settings).solver).parameters
-    for name, value in settings.items():
-        kind = str(parameters[name].annotation)
-        if not isinstance(value, KINDS[kind]) or (isinstance(value, bool) and kind != "bool"):
-            raise ValueError(f"{name} of {method} must be {kind}, got {f'{value!r:.40}'}")
-        if kind == "float" and not 1e-15 <= value < 1:
-            raise ValueError(f"{name} of {method} must lie in [1e-15, 1), got {f'{value!r:.40}'}")
-        if kind.startswith("int") and value is not None and not 1 <= value <= MOST_POINTS:
-            raise ValueError(f"{name} of {method} must lie in [1, {MOST_POINTS}], got {f'{value!r:.40}'}")
+    if not resolvable(profile):
+        raise ValueError(
+            f"the finest wave must fit at most {MOST_WAVES} times into the period, which {profile.describe()} "
+            "exceeds: take fewer terms, or methods other than bem and patches"
+        )
+
+
+def check_points(points: int, dense: bool = False) -> None:
+    """Refuse a grid that no computer holds, with a dense matrix or without.
+
+    Raises
+    ------
+    ValueError
+        If it has too many nodes.
+
+    """
+    most, instead = (MOST_DENSE, 'take solver "fft", or fewer') if dense else (MOST_POINTS, "take fewer")
+    if points > most:
+        raise ValueError(f"points must be at most {most}, got {points}: {instead}")
 
 
 def check_loads(loads: NDArray[np.float64]) -> None:

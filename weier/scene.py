@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from weier import limits
 from weier.loads import checked_loads
 from weier.profile import Profile, random_phases
+from weier.solve import check_settings
 from weier.variables import VARIABLES
 
 Array = NDArray[np.float64]
@@ -264,7 +265,7 @@ def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) ->
         wanted = {name: raw[name] for name in ("tolerance", "quantity") if name in raw}
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: wanted} | settings
     for method in methods:
-        _checked(f"studies.{name}", path, lambda m=method: limits.check_settings(m, settings.get(m, {})))
+        _checked(f"studies.{name}", path, lambda m=method: check_settings(m, settings.get(m, {})))
     for product in study.get("cases", [study.get("product")]):
         for parameters in _checked(f"studies.{name}", path, lambda p=product: list(_combinations(p))):
             case = Case(parameters, methods, {m: s for m, s in settings.items() if m in methods})

@@ -20,6 +20,7 @@ from weier.files import replacing
 from weier.limits import MOST_LOADS
 from weier.loads import checked_loads
 from weier.scene import Case, Scene
+from weier.solve import check_settings
 
 Array = NDArray[np.float64]
 
@@ -117,7 +118,7 @@ def solve_one(
     """
     limits.check_loads(loads)
     for method in methods:
-        limits.check_settings(method, settings.get(method, {}))
+        check_settings(method, settings.get(method, {}))
     foreign = [method for method in settings if method not in methods]
     if foreign:
         raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")

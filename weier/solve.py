@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
+from numbers import Integral, Real
 from time import perf_counter
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -14,11 +15,20 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from weier import archard, bem, dataset, demelio, layer, patches, planned, westergaard
+from weier.limits import MOST_POINTS, check_resolvable
 from weier.loads import checked_loads
 from weier.plan import OutOfReachError
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
+
+KINDS: dict[str, Any] = {
+    "int": (Integral,),
+    "float": (Real,),
+    "bool": (bool,),
+    "str": (str,),
+    "int | None": (Integral, type(None)),
+}
 
 
 class Estimate(NamedTuple):
@@ -108,6 +118,7 @@ def _truncated(solver: Callable[..., Any]) -> Method:
     def run(profile: Profile, loads: Array, **settings: Any) -> Any:
         if math.isinf(profile.m):
             raise NotApplicableError("m = inf has no finest wave to resolve: choose a finite m")
+        check_resolvable(profile)
         return solver(profile, loads, **settings)
 
     return Method(run, solver)
@@ -148,6 +159,26 @@ def checked_method(name: str, settings: Iterable[str] = ()) -> Method:
             choice = f"it takes {', '.join(known)}" if known else "it takes none"
             raise ValueError(f'method "{name}" has no setting {setting!r}: {choice}')
     return METHODS[name]
+
+
+def check_settings(method: str, settings: Mapping[str, Any]) -> None:
+    """Refuse a setting of the wrong kind, before a solver meets it.
+
+    Raises
+    ------
+    ValueError
+        If the method has no such setting, or its value is of another kind or out of any range.
+
+    """
+    parameters = inspect.signature(checked_method(method, settings).solver).parameters
+    for name, value in settings.items():
+        kind = str(parameters[name].annotation)
+        if not isinstance(value, KINDS[kind]) or (isinstance(value, bool) and kind != "bool"):
+            raise ValueError(f"{name} of {method} must be {kind}, got {f'{value!r:.40}'}")
+        if kind == "float" and not 1e-15 <= value < 1:
+            raise ValueError(f"{name} of {method} must lie in [1e-15, 1), got {f'{value!r:.40}'}")
+        if kind.startswith("int") and value is not None and not 1 <= value <= MOST_POINTS:
+            raise ValueError(f"{name} of {method} must lie in [1, {MOST_POINTS}], got {f'{value!r:.40}'}")
 
 
 def all_settings(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from weier.bem.contact import no_answer
 from weier.bem.grids import full_contact, inverse, nested_grids
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
+from weier.limits import check_points, check_resolvable
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -75,7 +76,7 @@ def curve(
     Raises
     ------
     ValueError
-        If `solver` is unknown or `points` too few for the finest wave.
+        If `solver` is unknown or `points` too few for the finest wave, or too many.
     ConvergenceError
         If a load misses the tolerance.
 
@@ -87,9 +88,10 @@ def curve(
     """
     points = checked_points(profile, points)
     check_tolerance(tolerance)
-    partial = mean_pressure[mean_pressure < flattening_load(profile, points)]
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    check_points(points, dense=solver == "direct")
+    partial = mean_pressure[mean_pressure < flattening_load(profile, points)]
     if partial.size == 0:
         answer = no_answer(0)
     elif solver == "fft":
@@ -122,9 +124,10 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
     Raises
     ------
     ValueError
-        If there are no more than two points a wave.
+        If there are no more than two points a wave, or more than a computer holds.
 
     """
+    check_resolvable(profile)
     finest = profile.wavenumber[-1]
     if points is None:
         return POINTS_PER_WAVE * finest
@@ -133,6 +136,7 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
             f"points must be a whole number above {2 * finest}, two for each of the {finest} finest waves in a "
             f"period, got {points}; {POINTS_PER_WAVE * finest} is the default"
         )
+    check_points(int(points))
     return int(points)
 
 
