@@ -145,4 +145,5 @@ rule claims:
 
 include: "config/accuracy.smk"
 include: "config/docs.smk"
+include: "config/extremes.smk"
 include: "config/page.smk"

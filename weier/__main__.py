@@ -254,6 +254,19 @@ def endless_command(scene_file: Path, path: Path, terms: int) -> None:
     dataset.write(found, path, loaded.title, "solved", loaded.text)
 
 
+@cli.command("extremes")
+@output("path")
+@output("table")
+def extremes_command(path: Path, table: Path) -> None:
+    """Examine every method at the extremes of loads, parameters and sizes."""
+    from weier import extremes  # mpmath, which only this command needs
+
+    title = "Stability at the extremes"
+    found = extremes.measure()
+    dataset.write(found, path, title, "examined")
+    extremes.write_table(found, title, table)
+
+
 @cli.command("draw")
 @click.argument("kind")
 @output("path")

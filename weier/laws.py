@@ -47,7 +47,7 @@ def bem_compliance_error(profile: Profile, points: int) -> float:
 
 def _unresolved(profile: Profile) -> float:
     """Sum g_n (waves_n/waves of the finest)^2, in g_0."""
-    share = np.array(profile.wavenumber, float) / profile.wavenumber[-1]
+    share = np.array([waves / profile.wavenumber[-1] for waves in profile.wavenumber])  # integers of any size
     return float(np.sum(profile.amplitude * share**2))
 
 

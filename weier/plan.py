@@ -165,7 +165,10 @@ def left_out(profile: Profile, terms: float) -> float:
 
 def _full_load(profile: Profile) -> float:
     """A load from which on contact is full: the pressure that flattens all waves falls nowhere below -sum p_n*."""
-    return math.inf if math.isinf(profile.m) else float(profile.full_contact_pressure.sum())
+    if math.isinf(profile.m):
+        return math.inf
+    with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
+        return float(profile.full_contact_pressure.sum())
 
 
 def _ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Iterator[Part]:

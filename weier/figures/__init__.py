@@ -24,7 +24,7 @@ KINDS = (
     "truncated_resistance",
 )
 
-MEASURES = ("endless", "work_precision")  # of other files than those of a scene
+MEASURES = ("endless", "extremes", "work_precision")  # of other files than those of a scene
 
 # No dates: the same data make the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}

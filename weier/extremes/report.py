@@ -1,0 +1,136 @@
+"""The extremes as a table to read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from weier.extremes.examine import Outcome
+from weier.extremes.measure import VERDICTS, Verdict
+from weier.files import replacing
+
+HEAD = [
+    "extreme", "method", "loads", "outcome", "rises", "concave", "in bounds", "digits of h", "of R", "error of h",
+    "against",
+]  # fmt: skip
+NOTE = (
+    "Each method on each extreme, at the loads of that extreme in p\\_0\\*. A load ends in a finite number or in "
+    "an error that says in a sentence what is wrong; where the loads together, as one curve, end in an error, "
+    "each is tried alone. *Rises*, *concave* and *in bounds* judge the curve of the finite loads: compliance "
+    "never falls, resistance falls and lies between the chords to either side, both lie within the bounds that "
+    "the first wave in closed form sets, with the law of the mesh error for boundary elements; in all of it what "
+    "rounding, iteration or an asked tolerance leaves is allowed. *Digits* are the fewest correct ones over the "
+    "loads, relative to the number itself, 16 for no error; *error* is the largest of h, in g\\_0. They are "
+    "counted against the sum of the recursion in 50 digits (mpmath), against a layer of twice the points, "
+    "or for boundary elements and contact patches against closed forms at first touch and full contact and, "
+    "between, contact patches at a tolerance of 1e-13 of the same profile begun elsewhere. Few digits of h at "
+    "light loads are what a mesh gives, whose contact is one node at least; `bem direct` has the paper's 12 "
+    "points for each of the finest waves."
+)
+
+
+def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
+    """Write a row a method and extreme, what was said, and the condition numbers, as Markdown."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as beside:
+        beside.write_text(_markdown(data, title), encoding="utf-8")
+
+
+def failures(data: xr.Dataset) -> list[str]:
+    """What is not as it should be, a line each: none where all is well."""
+    found = []
+    for case, method in _runs(data):
+        run = data.isel(case=case, method=method)
+        faults = [name.replace("_", " ") for name in VERDICTS if run[name] == Verdict.no and name != "together"]
+        outcome = run["outcome"].values
+        for bad in (Outcome.unclear_error, Outcome.not_finite):
+            if (outcome == bad).any():
+                faults.append(bad.name.replace("_", " "))
+        if run["together"] == Verdict.no and (outcome == Outcome.finite).any():
+            faults.append("not as one curve")
+        if faults:
+            found.append(f"{run['extreme'].item()}, {run['method'].item()}: {', '.join(faults)}")
+    return found
+
+
+def _runs(data: xr.Dataset) -> list[tuple[int, int]]:
+    run = (data["outcome"].values != Outcome.not_run).any(axis=-1)
+    return [(int(case), int(method)) for case, method in np.argwhere(run)]
+
+
+def _markdown(data: xr.Dataset, title: str) -> str:
+    runs, faults = _runs(data), failures(data)
+    messages = list(dict.fromkeys(filter(None, (str(data["message"].values[run]) for run in runs))))
+    summary = f"{len(runs)} rows, {len(faults)} of them with a fault" + (":" if faults else ".")
+    listed = ["", *(f"- {_plain(fault)}" for fault in faults)] if faults else []
+    said = [f"{number}. {_plain(message)}" for number, message in enumerate(messages, 1)]
+    return "\n".join(
+        [
+            f"# {title}", "", summary, *listed, "", *_table([HEAD, *(_row(data, run, messages) for run in runs)]), "",
+            NOTE, "", "## What was said", "", *said, "", "## Condition numbers of the boundary elements", "",
+            *_table(_conditions(data)), "",
+        ]
+    )  # fmt: skip
+
+
+def _table(lines: list[list[str]]) -> list[str]:
+    head, *rows = lines
+    return ["| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]]
+
+
+def _row(data: xr.Dataset, place: tuple[int, int], messages: list[str]) -> list[str]:
+    case, method = place
+    run = data.isel(case=case, method=method)
+    outcome = run["outcome"].values
+    loads = data["mean_pressure"].values[outcome != Outcome.not_run]
+    shape = [_verdict(run[name].item()) for name in ("monotone", "concave", "inside_bounds")]
+    digits = [_worst(run[name].values, np.fmin, "{:.1f}") for name in ("compliance_digits", "resistance_digits")]
+    return [
+        _plain(str(run["extreme"].item())),
+        str(run["method"].item()),
+        f"{loads.size}: {loads[0]:.0e}..{loads[-1]:.0e}" if loads.size > 1 else f"{loads[0]:.0e}",
+        _outcome(run, messages),
+        *shape,
+        *digits,
+        _worst(run["compliance_error"].values, np.fmax, "{:.0e}"),
+        str(run["compared_with"].item()),
+    ]
+
+
+def _outcome(run: xr.Dataset, messages: list[str]) -> str:
+    outcome, message = run["outcome"].values, str(run["message"].item())
+    counts = {kind: int((outcome == kind).sum()) for kind in Outcome if kind != Outcome.not_run}
+    parts = [f"{count} {kind.name.replace('_', ' ')}" for kind, count in counts.items() if count]
+    words = [kind.name.replace("_", " ") for kind, count in counts.items() if count]
+    text = words[0] if len(words) == 1 else ", ".join(parts)
+    text += ", warned" if run["silent"] == Verdict.no else ""
+    if not message:
+        return text
+    note = f" ({messages.index(message) + 1})"
+    return text + (", but one by one" if counts[Outcome.finite] == sum(counts.values()) else "") + note
+
+
+def _verdict(value: int) -> str:
+    return {Verdict.no: "**no**", Verdict.yes: "yes", Verdict.not_measured: ""}[Verdict(value)]
+
+
+def _worst(values: np.ndarray, of: np.ufunc, form: str) -> str:
+    worst = of.reduce(values)
+    return "" if np.isnan(worst) else form.format(worst)
+
+
+def _conditions(data: xr.Dataset) -> list[list[str]]:
+    names = {"condition_operator": "influence matrix", "condition_full": "full contact", "condition_half": "half"}
+    rows = [
+        [str(nodes), *("" if np.isnan(v := data[name].values[i]) else f"{v:.3g}" for name in names)]
+        for i, nodes in enumerate(data["nodes"].values)
+    ]
+    return [["nodes", *names.values()], *rows]
+
+
+def _plain(text: str) -> str:
+    """Text that Markdown does not read as emphasis or a new column."""
+    return text.replace("_", r"\_").replace("*", r"\*").replace("|", r"\|")

@@ -1,0 +1,128 @@
+"""What is known of the curves apart from the method under examination, load by load."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import mpmath as mp
+import numpy as np
+from numpy.typing import NDArray
+
+from weier import layer, patches
+from weier.errors import ConvergenceError
+from weier.extremes import exact
+from weier.limits import resolvable
+from weier.patches.guess import Surface, surface
+from weier.profile import Profile
+
+Array = NDArray[np.float64]
+
+LIGHT = 1e-20  # p_0*: below, a contact is so small that its relative error as a Hertzian one is p, times few
+TIGHTEST = 1e-13  # tolerance of the contact patches on the moved profile
+MOVE = 0.3  # lambda_0, by which the profile is moved for it
+LAYER: dict[str, Any] = {"points": 48, "accuracy": 1e-6}  # twice the points: errors fall as N^-2.4 at least
+MOST_WAVES = 300  # in a period, that contact patches are asked for
+
+
+class Truth(NamedTuple):
+    """Compliance and resistance, shape (loads,), as numbers of mpmath, NaN where none is known; and whence."""
+
+    compliance: list[mp.mpf]
+    resistance: list[mp.mpf]
+    source: str
+
+
+def truth(method: str, profile: Profile, loads: Array) -> Truth:
+    """What a method should give; for the planned one, what the series does."""
+    series = profile.D, float(profile.gamma), profile.m
+    if profile.m == 1:
+        return _collected([exact.westergaard(p) for p in loads], "mpmath")
+    if method == "archard":
+        return _collected([exact.archard(p, *series) for p in loads], "mpmath")
+    if method == "demelio":
+        return _collected([exact.demelio(p, *series) for p in loads], "mpmath")
+    if method == "layer":
+        return _layer(profile, loads)
+    if math.isinf(profile.m) or not resolvable(profile) or profile.wavenumber[-1] > MOST_WAVES:
+        return _unknown(loads)
+    return _contact(profile, loads)
+
+
+def _collected(pairs: list[exact.Pair], source: str) -> Truth:
+    return Truth([h for h, _ in pairs], [R for _, R in pairs], source)
+
+
+def _unknown(loads: Array) -> Truth:
+    return Truth([mp.nan] * loads.size, [mp.nan] * loads.size, "")
+
+
+def _layer(profile: Profile, loads: Array) -> Truth:
+    """The layer model itself on a finer mesh, load by load."""
+    pairs = []
+    for load in loads:
+        try:
+            found = layer.curve(load, profile.D, float(profile.gamma), profile.m, **LAYER)
+            pairs.append((mp.mpf(float(found.compliance)), mp.mpf(float(found.resistance))))
+        except (ConvergenceError, ValueError):
+            pairs.append((mp.nan, mp.nan))
+    return _collected(pairs, "finer layer")
+
+
+def _contact(profile: Profile, loads: Array) -> Truth:
+    """Closed forms at both ends; between them the contact patches of the moved profile at their tightest."""
+    seen, moved = surface(profile), _moved(profile)
+    single = int((seen.heights.rise == 0).sum()) == 1
+    pairs = []
+    for load in loads:
+        if load >= seen.full_load * (1 + 1e-12):
+            pairs.append((_total(profile), mp.mpf(0)))
+        elif load <= LIGHT and single and profile.period == 1:
+            pairs.append(_first_touch(profile, seen, load))
+        else:
+            pairs.append(_patches(moved, load))
+    return _collected(pairs, "closed forms, patches 1e-13")
+
+
+def _first_touch(profile: Profile, seen: Surface, load: float) -> exact.Pair:
+    """One contact so small that only the curvature k of its crest matters: h = h_0 + p (1 - ln(4 pi^2 p/k)).
+
+    It is Hertz's, of half-width a = 2 sqrt(p/k), and Westergaard's wave of curvature 4 pi^2 is the case
+    h = p (1 - ln p).
+    """
+    x = seen.heights.place[np.argmax(seen.heights.rise)]
+    with mp.workdps(exact.DIGITS):
+        for _ in range(8):  # Newton's method from a double
+            x = x - _height(profile, x, 1) / _height(profile, x, 2)
+        p = mp.mpf(load)
+        R = -mp.log(4 * mp.pi**2 * p / -_height(profile, x, 2))
+        return _total(profile) - _height(profile, x, 0) + p * (1 + R), R
+
+
+def _height(profile: Profile, x: mp.mpf, order: int) -> mp.mpf:
+    """The series, or its derivative of an order, at x."""
+    falls, total = mp.mpf(float(profile.gamma)) ** (mp.mpf(profile.D) - 2), mp.mpf(0)
+    for n, phase in enumerate(profile.phase):
+        k = 2 * mp.pi * mp.mpf(float(profile.gamma)) ** n
+        total += falls**n * k**order * mp.cos(k * x + mp.mpf(float(phase)) + order * mp.pi / 2)
+    return total
+
+
+def _total(profile: Profile) -> mp.mpf:
+    with mp.workdps(exact.DIGITS):
+        falls = mp.mpf(float(profile.gamma)) ** (mp.mpf(profile.D) - 2)
+        return mp.fsum(falls**n for n in range(profile.terms))
+
+
+def _moved(profile: Profile) -> Profile:
+    """The same profile, begun elsewhere: the same curves by other numbers."""
+    cycles = MOVE * np.array(profile.wavenumber, float) / profile.period
+    return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))
+
+
+def _patches(profile: Profile, load: float) -> exact.Pair:
+    try:
+        found = patches.curve(profile, [load], TIGHTEST)
+    except (ConvergenceError, ValueError):
+        return mp.nan, mp.nan
+    return mp.mpf(float(found.compliance[0])), mp.mpf(float(found.resistance[0]))
