@@ -1,4 +1,4 @@
-"""Whatever is drawn from the extremes: numbers or a clear sentence, and no warning; what is solved is a compliance."""
+"""Whatever is drawn from the extremes: numbers or a clear sentence, no warning, and every curve a compliance."""
 
 import math
 

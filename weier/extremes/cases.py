@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 SHALLOW = 10  # terms, of which the layer has a curve in a second; each load of a deeper stack takes some
 PAPER_POINTS = 12  # for each of the finest waves, of the dense solver
 LEAST_POINTS, MOST_POINTS = 3, 2**20
-NEAR = (1e-12, 1e-9, 1e-6, 1e-3)  # relative distances of loads from an event
+NEAR = (1e-12, 1e-8, 1e-4)  # relative distances of loads from an event
 
 SWEEP = 10.0 ** np.array(
     [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), -3, -2.5, -2, -1.5, -1, -0.5, 0, 0.5, 1, 2, 6, 12,

@@ -78,9 +78,9 @@ def _numbers(curve: xr.Dataset) -> Examined:
 
 
 def clear(error: Exception) -> bool:
-    """Whether weier itself says what is wrong: not numpy from within, and not of a number that is none."""
-    own = PACKAGE in Path(extract_tb(error.__traceback__)[-1].filename).parents
-    text = str(error)
+    """Whether weier itself says what is wrong: raised by a line of its own, and not about a number that is none."""
+    last, text = extract_tb(error.__traceback__)[-1], str(error)
+    own = PACKAGE in Path(last.filename).parents and str(last.line).startswith("raise")
     return own and isinstance(error, ValueError | ConvergenceError) and bool(text) and not OBSCURE.search(text)
 
 

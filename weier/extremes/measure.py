@@ -40,7 +40,7 @@ class Verdict(IntEnum):
 VERDICTS = {
     "monotone": "whether the compliance never falls",
     "concave": "whether the resistance falls and lies between the chords to either side",
-    "inside_bounds": "whether both lie within the bounds that the first wave sets",
+    "inside": "whether both lie within the bounds that the first wave sets",
     "together": "whether all loads were solved as one curve",
     "silent": "whether nothing was warned of",
 }
@@ -58,7 +58,7 @@ def measure(cases: Sequence[Extreme] | None = None) -> xr.Dataset:
     -------
     Dataset
         As the dataset of a scene, with extremes for cases, each at its own loads, and contenders for methods.
-        outcome says what became of each load; monotone, concave, inside_bounds, together and silent judge the curve;
+        outcome says what became of each load; monotone, concave, inside, together and silent judge the curve;
         compliance_digits and resistance_digits count what is right, from 0 to 16, where anything is known. Condition
         numbers of the boundary elements stand over the dimension nodes.
 
@@ -112,7 +112,7 @@ def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Contender)
     found = examine(contender, profile, loads)
     solved = found.outcome == Outcome.finite
     data["outcome"].values[place][rows] = found.outcome
-    known = truth(contender.method, profile, loads[solved])
+    known = truth(contender.method, profile, loads[solved])  # costs as much as the solution
     h, R = found.compliance[solved], found.resistance[solved]
     curves = {
         "compliance": h,
@@ -145,7 +145,7 @@ def _judged(
         return judged
     noise, total = verdicts.NOISE[contender.method], profile.total_amplitude
     mesh = laws.bem_compliance_error(profile, _points(contender, profile)) if contender.method == "bem" else 0.0
-    judged["inside_bounds"] = Verdict(verdicts.inside(profile, p, h, R, noise, mesh))
+    judged["inside"] = Verdict(verdicts.inside(profile, p, h, R, noise, mesh))
     if p.size > 1:
         judged["monotone"] = Verdict(verdicts.monotone(h, noise.height * total))
         judged["concave"] = Verdict(verdicts.concave(p, h, R, noise, total))

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import mpmath as mp
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import layer, patches
-from weier.errors import ConvergenceError
 from weier.extremes import exact
+from weier.extremes.examine import examine
 from weier.limits import resolvable
 from weier.patches.guess import Surface, surface
 from weier.profile import Profile
+from weier.tradeoff.contenders import Contender
 
 Array = NDArray[np.float64]
 
 LIGHT = 1e-20  # p_0*: below, a contact is so small that its relative error as a Hertzian one is p, times few
-TIGHTEST = 1e-13  # tolerance of the contact patches on the moved profile
+TIGHTEST = 1e-12  # tolerance of the contact patches on the moved profile
 MOVE = 0.3  # lambda_0, by which the profile is moved for it
 LAYER: dict[str, Any] = {"points": 48, "accuracy": 1e-6}  # twice the points: errors fall as N^-2.4 at least
 MOST_WAVES = 300  # in a period, that contact patches are asked for
@@ -43,10 +44,10 @@ def truth(method: str, profile: Profile, loads: Array) -> Truth:
     if method == "demelio":
         return _collected([exact.demelio(p, *series) for p in loads], "mpmath")
     if method == "layer":
-        return _layer(profile, loads)
+        return _collected(_solved(Contender("layer", "layer", LAYER), profile, loads), "finer layer")
     if math.isinf(profile.m) or not resolvable(profile) or profile.wavenumber[-1] > MOST_WAVES:
         return _unknown(loads)
-    return _contact(profile, loads)
+    return _contact(profile, tuple(loads.tolist()))
 
 
 def _collected(pairs: list[exact.Pair], source: str) -> Truth:
@@ -57,31 +58,18 @@ def _unknown(loads: Array) -> Truth:
     return Truth([mp.nan] * loads.size, [mp.nan] * loads.size, "")
 
 
-def _layer(profile: Profile, loads: Array) -> Truth:
-    """The layer model itself on a finer mesh, load by load."""
-    pairs = []
-    for load in loads:
-        try:
-            found = layer.curve(load, profile.D, float(profile.gamma), profile.m, **LAYER)
-            pairs.append((mp.mpf(float(found.compliance)), mp.mpf(float(found.resistance))))
-        except (ConvergenceError, ValueError):
-            pairs.append((mp.nan, mp.nan))
-    return _collected(pairs, "finer layer")
-
-
-def _contact(profile: Profile, loads: Array) -> Truth:
+@lru_cache(maxsize=1)  # of one extreme by several methods
+def _contact(profile: Profile, loads: tuple[float, ...]) -> Truth:
     """Closed forms at both ends; between them the contact patches of the moved profile at their tightest."""
-    seen, moved = surface(profile), _moved(profile)
-    single = int((seen.heights.rise == 0).sum()) == 1
-    pairs = []
-    for load in loads:
+    seen = surface(profile)
+    single = int((seen.heights.rise == 0).sum()) == 1 and profile.period == 1
+    pairs = _solved(Contender("patches", "patches", {"tolerance": TIGHTEST}), _moved(profile), np.array(loads))
+    for i, load in enumerate(loads):
         if load >= seen.full_load * (1 + 1e-12):
-            pairs.append((_total(profile), mp.mpf(0)))
-        elif load <= LIGHT and single and profile.period == 1:
-            pairs.append(_first_touch(profile, seen, load))
-        else:
-            pairs.append(_patches(moved, load))
-    return _collected(pairs, "closed forms, patches 1e-13")
+            pairs[i] = _total(profile), mp.mpf(0)
+        elif load <= LIGHT and single:
+            pairs[i] = _first_touch(profile, seen, load)
+    return _collected(pairs, "closed forms, patches 1e-12")
 
 
 def _first_touch(profile: Profile, seen: Surface, load: float) -> exact.Pair:
@@ -120,9 +108,7 @@ def _moved(profile: Profile) -> Profile:
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))
 
 
-def _patches(profile: Profile, load: float) -> exact.Pair:
-    try:
-        found = patches.curve(profile, [load], TIGHTEST)
-    except (ConvergenceError, ValueError):
-        return mp.nan, mp.nan
-    return mp.mpf(float(found.compliance[0])), mp.mpf(float(found.resistance[0]))
+def _solved(contender: Contender, profile: Profile, loads: Array) -> list[exact.Pair]:
+    """What another solution gives, NaN where it gives nothing."""
+    found = examine(contender, profile, loads)
+    return [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]
