@@ -15,7 +15,7 @@ from weier import claims as claim
 from weier import dataset, endless, jit, scene, single, study, tradeoff
 from weier.errors import ConvergenceError
 from weier.fields import events, fields
-from weier.plans import describe_plans
+from weier.plans import plan
 from weier.profile import Profile
 from weier.solve import METHODS, solve
 from weier.version import VERSION
@@ -221,7 +221,7 @@ def plan_command(scene_file: Path) -> None:
 
     Case by case; nothing is solved.
     """
-    click.echo(describe_plans(scene.load(scene_file)))
+    click.echo(plan(scene.load(scene_file)))
 
 
 @cli.command("tradeoff")

@@ -16,6 +16,7 @@ from weier.errors import ConvergenceError
 from weier.limits import resolvable
 from weier.scene import Case, Scene
 from weier.solve import NotApplicableError, all_settings, solve
+from weier.variables import PLANNED
 
 
 def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dataset]:
@@ -83,7 +84,8 @@ def _solve_into(data: xr.Dataset, cost: xr.Dataset, place: tuple[int, int], case
         return
     for name in curve.data_vars:
         if name != "contact_edge":
-            data[str(name)].values[place] = curve[name].values
+            whose = number if name in PLANNED else place
+            data[str(name)].values[whose] = curve[name].values
     if "contact_edge" in data and "contact_edge" in curve:
         data["contact_edge"].values[place[0], :, : curve.sizes["edge"]] = curve["contact_edge"].values
     data["points"].values[place] = curve.attrs.get("points", np.nan)

@@ -26,8 +26,8 @@ from weier.bem.curve import checked_points
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
 from weier.loads import checked_loads
-from weier.plan import truncated
 from weier.profile import Profile
+from weier.terms import truncated
 
 Array = NDArray[np.float64]
 

@@ -1,9 +1,9 @@
 """What each method costs and how far it is off, before it is run.
 
-Laws fitted to the rule `tradeoff` (14 profiles; D from 1.1 to 1.75, gamma from 2 to 5, up to 32 waves of the finest
-term in a period, 25 loads from 1e-3 to 10 p_0*), and checked on random profiles by `python -m benchmarks.planned`.
-Heights in g_0, pressures in p_0*, seconds on one core of a 2.5 GHz server, bytes beyond those of the interpreter.
-The error of a resistance is relative to the larger of itself and 1 g_0/p_0*.
+The constants stand above what the rule `tradeoff` measures (`weier.tradeoff.fit` fits them again and writes both side
+by side into results/tradeoff/tradeoff.md), are checked on random profiles by `python -m benchmarks.planned`, and those of
+memory by `python -m benchmarks.memory`. Heights in g_0, pressures in p_0*, seconds on one core of a 2.5 GHz server,
+bytes beyond those of the interpreter. The error of a resistance is relative to the larger of itself and 1 g_0/p_0*.
 """
 
 from __future__ import annotations
@@ -11,41 +11,54 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from weier.profile import Profile
 
-# Times what the grid misses of each wave, sum g_n (waves_n/points)^2: measured between 1.3 and 3.9, of order 2.
+Array = NDArray[np.float64]
+
+# Times what the grid misses of each wave, sum g_n (waves_n/points)^2. Of order 2.
 BEM_COMPLIANCE = 4.5
-# Measured at up to 12 for one wave and 6 for more. Order 1: edges of contact move by whole nodes.
+# Times waves/points: up to 12 for one wave and 6 for more. Order 1: edges of contact move by whole nodes.
 BEM_RESISTANCE = 14.0
 FEWEST_PER_WAVE = 12  # fewer were not measured
 HALVED_TO = 8  # points a wave that the coarsest of the nested grids has at least
 
-# Measured: 2e-3 of the tolerance and 0.6 of it.
-PATCHES_COMPLIANCE = 0.01
+PATCHES_COMPLIANCE = 0.01  # times the tolerance
 PATCHES_RESISTANCE = 1.0
-PATCHES_FLOOR = 1e-12  # rounding
-PATCHES_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12)
+# At a looser tolerance symmetric contacts take hundreds of times as long, and no others less.
+PATCHES_TOLERANCES = (1e-8, 1e-10, 1e-12)
+# What misses the contact conditions by a length is exact for a surface as far from the given one, and the bounds
+# theorem holds the compliance to that length: measured 1.25 of it, since it is looked for at every second node.
+RESIDUAL = 2.0
+FLOOR = 1e-14  # of the total amplitude: rounding of the compliance;
+ROUNDING = 1e-12  # of the resistance, and of both before it is known how many operations
 
 # Largest error of the compliance in the amplitude of the terms after the first. At light loads an estimate knows
 # nothing of where the crests are: it tends to 0 where the profile tends to first contact; that part is added apart.
-LAYER = 0.3
+LAYER = 0.5
 DEMELIO = 0.7
+# The same of the endless series with its coarse terms resolved, in the amplitude of its tail.
+TAIL = 0.8
+CROWDED = 0.3  # p_0*: from here on the coarsest wave is in touch all along, and the errors fall as 1/p
 
-SECONDS_LOAD = {"westergaard": 1e-6, "demelio": 2e-5, "layer": 4e-4}
-SECONDS_FEW_NODES, SECONDS_NODE = 2e-5, 1.5e-6  # of boundary elements, for each load
-SECONDS_PATCH, SECONDS_CONTACT, CONTACT_POWER = 7e-4, 3e-4, 1.15  # each load; and for each of the finest waves
-BYTES_NODE = 250  # of boundary elements: the grids, their eigenvalues and the arrays of the solver
+SECONDS_START = {"westergaard": 1e-6, "demelio": 5e-5, "layer": 0.06, "bem": 3e-4, "patches": 5e-4, "endless": 0.15}
+SECONDS_LOAD = {"westergaard": 1e-6, "demelio": 2e-6, "layer": 3e-4, "bem": 2e-5, "patches": 4e-4, "endless": 4e-3}
+SECONDS_NODE = {"bem": 4e-7, "endless": 1.2e-5}  # of each load; a start takes
+START_LOADS = 3  # as long as so many loads
+SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.2e-5, 8e-5, 2.0  # of patches, each load
+
+BYTES_NODE = {"bem": 180, "endless": 3000}  # the grids, their eigenvalues, the solver's arrays; GMRES keeps 80 directions
 NODES_CONTACT = 20  # of a contact, whose matrix is dense;
-DENSE_COPIES = 4  # the matrix, its factors and what they are made from
+DENSE_COPIES = 7  # the matrix, its factors and what they are made from
 
 
 def bem_compliance_error(profile: Profile, points: int) -> float:
     """Error of h by boundary elements on `points` nodes, in g_0: 4.5 sum g_n (waves_n/points)^2."""
-    return BEM_COMPLIANCE * _unresolved(profile) * (profile.wavenumber[-1] / points) ** 2
+    return BEM_COMPLIANCE * unresolved(profile) * (profile.wavenumber[-1] / points) ** 2
 
 
-def _unresolved(profile: Profile) -> float:
+def unresolved(profile: Profile) -> float:
     """Sum g_n (waves_n/waves of the finest)^2, in g_0."""
     share = np.array([waves / profile.wavenumber[-1] for waves in profile.wavenumber])  # integers of any size
     return float(np.sum(profile.amplitude * share**2))
@@ -59,7 +72,7 @@ def bem_resistance_error(profile: Profile, points: int) -> float:
 def bem_points(profile: Profile, error: float, quantity: str) -> int:
     """Fewest nodes in a period that keep within this error, and can be halved to nested grids."""
     if quantity == "compliance":
-        needed = math.sqrt(BEM_COMPLIANCE * _unresolved(profile) / error)
+        needed = math.sqrt(BEM_COMPLIANCE * unresolved(profile) / error)
     else:
         needed = BEM_RESISTANCE / error
     needed = max(needed, FEWEST_PER_WAVE)
@@ -70,38 +83,52 @@ def bem_points(profile: Profile, error: float, quantity: str) -> int:
 def patches_error(tolerance: float, quantity: str) -> float:
     """Error by contact patches at this tolerance."""
     factor = PATCHES_COMPLIANCE if quantity == "compliance" else PATCHES_RESISTANCE
-    return factor * tolerance + PATCHES_FLOOR
+    return factor * tolerance + ROUNDING
 
 
-def estimate_error(method: str, first_contact: float, amplitude: float) -> float:
-    """Error of h by an estimate, in g_0.
+def estimate_error(method: str, mean_pressure: ArrayLike, first_contact: float, amplitude: float) -> Array:
+    """Error of h by an estimate, in g_0, shape of the loads.
 
     Parameters
     ----------
     method : "layer" or "demelio"
+    mean_pressure : array_like
+        In p_0*.
     first_contact : float
         Compliance at first contact, in g_0, or a bound above it.
     amplitude : float
         Sum of the amplitudes after the first, in g_0.
     """
-    return max(first_contact, (LAYER if method == "layer" else DEMELIO) * amplitude)
+    light = max(first_contact, (LAYER if method == "layer" else DEMELIO) * amplitude)
+    return light * _crowding(mean_pressure)
 
 
-def bem_seconds(points: int, loads: int) -> float:
-    """Seconds of boundary elements."""
-    return (SECONDS_FEW_NODES + SECONDS_NODE * points) * loads
+def endless_error(mean_pressure: ArrayLike, tail: float) -> Array:
+    """Error of h of an endless series by a tail of this amplitude on the layer, in g_0, but that of the mesh."""
+    return TAIL * tail * _crowding(mean_pressure)
 
 
-def patches_seconds(waves: int, loads: int) -> float:
-    """Seconds of contact patches, at so many of the finest waves in a period."""
-    return float((SECONDS_PATCH + SECONDS_CONTACT * waves**CONTACT_POWER) * loads)
+def _crowding(mean_pressure: ArrayLike) -> Array:
+    return np.minimum(1.0, CROWDED / np.asarray(mean_pressure, float))
 
 
-def bem_bytes(points: int) -> float:
-    """Memory of boundary elements."""
-    return float(BYTES_NODE * points)
+def grid_seconds(method: str, points: int) -> tuple[float, float]:
+    """Seconds to start on so many nodes, and for each load."""
+    load = SECONDS_LOAD[method] + SECONDS_NODE[method] * points
+    return SECONDS_START[method] + START_LOADS * load, load
 
 
-def patches_bytes(waves: int) -> float:
+def patches_seconds(waves: int, contacts: ArrayLike) -> Array:
+    """Seconds of contact patches for each load, at so many of the finest waves in a period and contacts."""
+    many = np.asarray(contacts, float) ** CONTACT_POWER
+    return SECONDS_LOAD["patches"] + SECONDS_WAVE * waves + SECONDS_CONTACT * many
+
+
+def grid_bytes(method: str, points: int) -> float:
+    """Memory of a solver on so many nodes."""
+    return float(BYTES_NODE[method] * points)
+
+
+def patches_bytes(contacts: float) -> float:
     """Memory of contact patches: a few dense matrices."""
-    return float(DENSE_COPIES * 8 * (NODES_CONTACT * waves) ** 2)
+    return float(DENSE_COPIES * 8 * (NODES_CONTACT * contacts) ** 2)

@@ -1,28 +1,34 @@
-"""What a requested accuracy takes: the cheapest method that the measured laws and the bounds theorem allow."""
+"""What a requested accuracy takes, load by load: the cheapest ways that the measured laws and the bounds theorem allow."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import islice, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier import laws, layer
+from weier import demelio, endless, laws, layer, westergaard
 from weier.bounds import resistance_bounds
 from weier.loads import checked_loads
-from weier.profile import Profile, RandomPhases
+from weier.patches import guess
+from weier.profile import Profile
+from weier.terms import left_out, truncated
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3
 QUANTITIES = ("compliance", "resistance")
-MOST_POINTS = 2**21  # a load then takes some seconds
+MOST_POINTS = 2**21  # a load then takes a second
 MOST_CONTACTS = 256  # a dense matrix of more takes seconds a load
+MOST_FORESEEN = 64  # contacts, where there may be more waves than that: the foresight is off by a factor of 4 at most
 MOST_SAMPLES = 2**17  # where first contact is looked for
 SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude
+SERIES = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
 TABLE = 100  # loads on which the bounds on the resistance are foreseen
 
 
@@ -31,16 +37,17 @@ class OutOfReachError(ValueError):
 
 
 class Part(NamedTuple):
-    """A range of loads and how it is solved.
+    """A range of loads and how it is solved; arrays over its loads.
 
-    mean_pressure : shape (loads,), in p_0*
-    method : "full contact", "westergaard", "demelio", "layer", "bem" or "patches"
+    mean_pressure : in p_0*
+    method : "full contact", "westergaard", "demelio", "layer", "bem", "patches" or "endless"
     terms : of the series, that are modelled
     settings : of the method, as keywords of weier.solve
     truncation : by the bounds theorem, what the terms not modelled may change
     discretisation : by the measured laws, of a numerical method
     estimate : by the measured laws, of an estimate
-    seconds, memory : expected; memory in bytes
+    seconds_start, seconds_load : expected
+    memory : expected, in bytes
     why : in a sentence
     """
 
@@ -48,17 +55,28 @@ class Part(NamedTuple):
     method: str
     terms: float
     settings: Mapping[str, Any]
-    truncation: float
-    discretisation: float
-    estimate: float
-    seconds: float
+    truncation: Array
+    discretisation: Array
+    estimate: Array
+    seconds_start: float
+    seconds_load: Array
     memory: float
     why: str
 
     @property
-    def error(self) -> float:
+    def error(self) -> Array:
         """All errors together."""
         return self.truncation + self.discretisation + self.estimate
+
+    @property
+    def seconds(self) -> float:
+        """Expected seconds on one core."""
+        return self.seconds_start + float(self.seconds_load.sum())
+
+    def at(self, loads: slice) -> Part:
+        """The same for some of its loads."""
+        names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load")
+        return self._replace(**{name: getattr(self, name)[loads] for name in names})
 
 
 @dataclass(frozen=True)
@@ -73,7 +91,7 @@ class Plan:
     @property
     def error(self) -> float:
         """Largest expected error, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
-        return max(part.error for part in self.parts)
+        return max(float(part.error.max()) for part in self.parts)
 
     @property
     def seconds(self) -> float:
@@ -97,8 +115,9 @@ def _line(part: Part) -> str:
     settings = "".join(f", {name} {value:g}" for name, value in part.settings.items())
     return (
         f"  {p.size} loads from {p[0]:.3g} to {p[-1]:.3g}: {part.method} with {part.terms:g} terms{settings}; "
-        f"error {part.error:.1e} (truncation {part.truncation:.1e}, discretisation {part.discretisation:.1e}, "
-        f"estimate {part.estimate:.1e}), {part.seconds:.2g} s, {part.memory / 1e6:.2g} MB: {part.why}"
+        f"error {part.error.max():.1e} (truncation {part.truncation.max():.1e}, discretisation "
+        f"{part.discretisation.max():.1e}, estimate {part.estimate.max():.1e}), {part.seconds:.2g} s, "
+        f"{part.memory / 1e6:.2g} MB: {part.why}"
     )
 
 
@@ -130,62 +149,57 @@ def plan(
 
     Notes
     -----
-    Beyond the sum of all p_n* the contact is full, and h = sum g_n, R = 0. Below, terms of total amplitude G may be
-    left out: by the bounds theorem they change the mean gap by G at most, so that h_k + G is within G (27).
+    Terms of total amplitude G may be left out: by the bounds theorem h lies within [h_k, h_k + 2 G] of the curve
+    h_k of the others (27), and nowhere above its full contact, h = sum g_n. So where the k terms are flat already,
+    no term left out changes the middle of what remains by more than G/2.
     """
     loads = checked_loads(mean_pressure)
     _check(tolerance, quantity)
-    full = _full_load(profile)
-    partial, flat = loads[loads < full], loads[loads >= full]
-    parts = []
-    if partial.size:
-        found = [way for way in _ways(profile, partial, tolerance, quantity) if way.error <= tolerance]
-        if not found:
-            raise OutOfReachError(_out_of_reach(profile, partial, tolerance, quantity))
-        parts.append(min(found, key=lambda part: part.seconds))
-    if flat.size:
-        why = f"from {full:.3g} p_0* on, the sum of all p_n*, nothing is left to flatten"
-        parts.append(Part(flat, "full contact", profile.m, {}, 0.0, 0.0, 0.0, 0.0, 0.0, why))
-    return Plan(profile, quantity, tolerance, tuple(parts))
+    ways = list(_ways(profile, loads, tolerance, quantity))
+    if not all(np.any([way.error <= tolerance for way in ways], axis=0)):
+        raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity))
+    return Plan(profile, quantity, tolerance, cheapest(ways, tolerance))
 
 
-def truncated(profile: Profile, terms: int) -> Profile:
-    """The first terms of a profile."""
-    if isinstance(profile.phases, float | RandomPhases):
-        return Profile(profile.D, profile.gamma, terms, profile.phases)
-    return Profile(profile.D, profile.gamma, terms, profile.phases[:terms])
+def cheapest(ways: Sequence[Part], tolerance: float) -> tuple[Part, ...]:
+    """Parts of the ways that together cover the loads within the tolerance in the least time.
 
-
-def left_out(profile: Profile, terms: float) -> float:
-    """Amplitude of the terms from here on, in g_0."""
-    if terms == profile.m:
-        return 0.0
-    return profile.total_amplitude - truncated(profile, int(terms)).total_amplitude
-
-
-def _full_load(profile: Profile) -> float:
-    """A load from which on contact is full: the pressure that flattens all waves falls nowhere below -sum p_n*."""
-    if math.isinf(profile.m):
-        return math.inf
-    with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
-        return float(profile.full_contact_pressure.sum())
+    Notes
+    -----
+    Dynamic programming along the loads: up to each, and by each way, the least seconds are those up to the load
+    before, by the same way or by the cheapest one and another start.
+    """
+    cost = np.array([np.where(way.error <= tolerance, way.seconds_load, np.inf) for way in ways])
+    start, number = np.array([way.seconds_start for way in ways]), np.arange(len(ways))
+    total, origins = start + cost[:, 0], []
+    for load in cost.T[1:]:
+        stay = total <= total.min() + start
+        origins.append(np.where(stay, number, total.argmin()))
+        total = np.where(stay, total, total.min() + start) + load
+    taken = [int(total.argmin())]
+    for origin in reversed(origins):
+        taken.append(int(origin[taken[-1]]))
+    taken.reverse()
+    ends = [0, *(np.flatnonzero(np.diff(taken)) + 1).tolist(), len(taken)]
+    return tuple(ways[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
 
 
 def _ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Iterator[Part]:
-    """All ways that might do, each at its cheapest setting for the tolerance."""
+    """All ways that might do, each at its cheapest setting; their error is infinite where they say nothing."""
+    lengths = list(_lengths(profile))
+    yield from _flattened(profile, lengths, loads, tolerance, quantity)
     if quantity == "compliance":  # no estimate knows the resistance of a few crests: errors of 100 % were measured
         yield from _estimates(profile, loads)
-    for terms in _worth_trying(profile, quantity):
+        if math.isinf(profile.m):
+            yield from _resolved_in_part(profile, lengths, loads, tolerance)
+    for terms in _worth_trying(profile, lengths, tolerance, quantity):
         kept = truncated(profile, terms)
         truncation = _truncation(profile, kept, loads, quantity)
-        if truncation < tolerance:
-            yield from _numerical(kept, loads, truncation, tolerance - truncation, quantity)
-
-
-def _worth_trying(profile: Profile, quantity: str) -> list[int]:
-    """Numbers of terms: for a resistance, which no bound holds tightly, all of them if that can be resolved."""
-    lengths = list(_lengths(profile))
-    return [int(profile.m)] if quantity == "resistance" and profile.m in lengths else lengths
+        # What a few loads leave to the discretisation would make all others expensive.
+        within = truncation <= (tolerance / 2 if np.ptp(truncation) > 0 else tolerance)
+        rest = tolerance - float(truncation[within].max(initial=0.0))
+        if within.any() and rest > 0:
+            yield from _numerical(kept, loads, np.where(within, truncation, np.inf), rest, quantity)
 
 
 def _lengths(profile: Profile) -> Iterator[int]:
@@ -196,60 +210,140 @@ def _lengths(profile: Profile) -> Iterator[int]:
         terms += 1
 
 
+def _worth_trying(profile: Profile, lengths: Sequence[int], tolerance: float, quantity: str) -> list[int]:
+    """Numbers of terms: for a resistance, which no bound holds tightly, all of them if that can be resolved."""
+    if profile.m in lengths and quantity == "resistance":
+        return [int(profile.m)]
+    enough = (terms for terms in lengths if quantity == "resistance" or left_out(profile, terms) < tolerance)
+    return sorted({*islice(enough, SERIES), lengths[-1]})
+
+
+def _flattened(
+    profile: Profile, lengths: Sequence[int], loads: Array, tolerance: float, quantity: str
+) -> Iterator[Part]:
+    """Full contact of as many terms as need be told: a closed form, that costs nothing."""
+    finite = [] if math.isinf(profile.m) else [int(profile.m)]
+    few = [terms for terms in lengths if left_out(profile, terms) / 2 <= tolerance][:1]
+    for terms in {*finite, *few} if quantity == "compliance" else finite:
+        full = _full_load(truncated(profile, terms))
+        error = np.where(loads >= full, left_out(profile, terms) / 2, np.inf)
+        why = f"from {full:.3g} p_0* on these terms are flat, and what is left can only add to that"
+        yield _closed_form("full contact", loads, terms, why, truncation=error)
+
+
+def _closed_form(method: str, loads: Array, terms: float, why: str, **errors: Array) -> Part:
+    none = np.zeros(loads.size)
+    known = {"truncation": none, "discretisation": none, "estimate": none} | errors
+    start, load = (table.get(method, 0.0) for table in (laws.SECONDS_START, laws.SECONDS_LOAD))
+    return Part(loads, method, terms, {}, **known, seconds_start=start, seconds_load=none + load, memory=0.0, why=why)
+
+
+@lru_cache(maxsize=8)
+def _surface(kept: Profile) -> guess.Surface:
+    return guess.surface(kept)
+
+
+def _seen(kept: Profile) -> bool:
+    """Whether every crest of a series can be looked at before anything is solved."""
+    return kept.wavenumber[-1] * SAMPLES_PER_WAVE <= MOST_SAMPLES
+
+
+def _full_load(kept: Profile) -> float:
+    """A load from which on contact is full: that of the pressure which flattens all waves, or the sum of all p_n*."""
+    if _seen(kept):
+        return _surface(kept).full_load
+    with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
+        return float(kept.full_contact_pressure.sum())
+
+
 def _estimates(profile: Profile, loads: Array) -> Iterator[Part]:
     first, amplitude = _first_contact(profile), profile.total_amplitude - 1
     for method in ("demelio", "layer"):
-        error = laws.estimate_error(method, first, amplitude)
-        seconds, why = laws.SECONDS_LOAD[method] * loads.size, "an estimate whose measured error is small enough"
-        yield Part(loads, method, profile.m, {}, 0.0, 0.0, error, seconds, 0.0, why)
+        error = laws.estimate_error(method, loads, first, amplitude)
+        yield _closed_form(
+            method, loads, profile.m, "an estimate whose measured error is small enough", estimate=error
+        )
 
 
 def _first_contact(profile: Profile) -> float:
     """A bound above the compliance at first contact, in g_0: the highest of the sampled heights is reached."""
-    terms = max(
-        k for k in _lengths(profile) if truncated(profile, k).wavenumber[-1] * SAMPLES_PER_WAVE <= MOST_SAMPLES
-    )
+    terms = max(k for k in _lengths(profile) if _seen(truncated(profile, k)))
     kept = truncated(profile, terms)
     highest = float(kept.sampled_height(SAMPLES_PER_WAVE * kept.wavenumber[-1]).max())
     return kept.total_amplitude - highest + 2 * left_out(profile, terms)
 
 
-def _truncation(profile: Profile, kept: Profile, loads: Array, quantity: str) -> float:
+def _resolved_in_part(profile: Profile, lengths: Sequence[int], loads: Array, tolerance: float) -> Iterator[Part]:
+    """The coarse terms on a layer of all finer ones, with as few of them as some load allows."""
+    for terms in lengths:
+        kept = truncated(profile, terms)
+        points = endless.POINTS_PER_WAVE * kept.wavenumber[-1]
+        if points > endless.MOST_POINTS:
+            return
+        error = laws.endless_error(loads, kept.tail_amplitude)
+        mesh = np.full(loads.size, laws.bem_compliance_error(kept, points))
+        if np.any(error + mesh <= tolerance):
+            start, load = laws.grid_seconds("endless", points)
+            none, why = np.zeros(loads.size), f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all"
+            memory, settings = laws.grid_bytes("endless", points), {"points": points}
+            yield Part(loads, "endless", terms, settings, none, mesh, error, start, none + load, memory, why)
+            if np.all(error + mesh <= tolerance):
+                return
+
+
+def _truncation(profile: Profile, kept: Profile, loads: Array, quantity: str) -> Array:
     """What the terms left out may change, by the bounds theorem."""
     amplitude = left_out(profile, kept.m)
     if quantity == "compliance" or amplitude == 0:
-        return amplitude
+        return np.full(loads.size, amplitude)
     # Foreseen on the layer model's curve, which is near enough to tell how wide the bounds will be.
     p = np.unique(np.concatenate([loads, np.geomspace(loads[0] / 10, loads[-1] * 10, TABLE)]))
     low, high = resistance_bounds(p, layer.compliance(p, kept.D, float(kept.gamma), kept.m), amplitude)
-    return float(np.max((high - low)[np.isin(p, loads)] / 2 / np.maximum(low[np.isin(p, loads)], 1)))
+    here = np.isin(p, loads)
+    return np.asarray((high - low)[here] / np.maximum(low[here], 1))
 
 
-def _numerical(kept: Profile, loads: Array, truncation: float, error: float, quantity: str) -> Iterator[Part]:
+def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, quantity: str) -> Iterator[Part]:
     """Boundary elements and contact patches that leave no more than this error."""
-    waves, terms = kept.wavenumber[-1], kept.m
-    if terms == 1:
-        seconds = laws.SECONDS_LOAD["westergaard"] * loads.size
-        yield Part(loads, "westergaard", 1, {}, truncation, 0.0, 0.0, seconds, 0.0, "one wave has a closed form")
+    if kept.terms == 1:
+        why = "one wave has a closed form"
+        yield _closed_form("westergaard", loads, 1, why, truncation=truncation)
         return
+    none, waves = np.zeros(loads.size), kept.wavenumber[-1]
     points = laws.bem_points(kept, error, quantity)
     if points <= MOST_POINTS:
         law = laws.bem_compliance_error if quantity == "compliance" else laws.bem_resistance_error
         why = f"{points / waves:.0f} points for each of {waves} waves are the fewest that do"
-        seconds, memory = laws.bem_seconds(points, loads.size), laws.bem_bytes(points)
-        settings = {"points": points}
-        yield Part(loads, "bem", terms, settings, truncation, law(kept, points), 0.0, seconds, memory, why)
+        (start, load), memory = laws.grid_seconds("bem", points), laws.grid_bytes("bem", points)
+        settings, miss = {"points": points}, none + law(kept, points)
+        yield Part(loads, "bem", kept.terms, settings, truncation, miss, none, start, none + load, memory, why)
     able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
-    if waves <= MOST_CONTACTS and able:
-        miss = laws.patches_error(able[0], quantity)
-        why = f"exact edges of at most {waves} contacts cost less than a grid so fine"
-        seconds, memory = laws.patches_seconds(waves, loads.size), laws.patches_bytes(waves)
-        yield Part(loads, "patches", terms, {"tolerance": able[0]}, truncation, miss, 0.0, seconds, memory, why)
+    if able and _seen(kept):
+        count = contacts(kept, loads)
+        most = MOST_CONTACTS if waves <= MOST_CONTACTS else MOST_FORESEEN
+        miss = np.where(count <= most, laws.patches_error(able[0], quantity), np.inf)
+        start, load = laws.SECONDS_START["patches"], laws.patches_seconds(waves, count)
+        why = "exact edges of as few contacts cost less than a grid so fine"
+        memory, settings = laws.patches_bytes(min(most, count.max())), {"tolerance": able[0]}
+        yield Part(loads, "patches", kept.terms, settings, truncation, miss, none, start, load, memory, why)
+
+
+def contacts(kept: Profile, loads: Array) -> Array:
+    """Contacts to expect, shape (loads,): crests that a flat as near as by Demelio's estimate would cut.
+
+    As many as gaps, and no more of those than troughs that full contact would have to pull on. In nine of ten
+    loads that is between a third and twice of the truth.
+    """
+    seen, ratio = _surface(kept), float(kept.gamma)
+    near = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))
+    crests = np.searchsorted(np.sort(-seen.heights.rise), near, side="right")
+    troughs = np.searchsorted(np.sort(-seen.pressures.rise), seen.full_load - loads, side="right")
+    return np.maximum(np.minimum(crests, troughs), 1).astype(float)
 
 
 def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str) -> str:
     terms = list(_lengths(profile))[-1]
-    rest = _truncation(profile, truncated(profile, terms), loads, quantity)
+    rest = _truncation(profile, truncated(profile, terms), loads, quantity).max()
     return (
         f"tolerance must be larger, or the series shorter, got {tolerance:g} for the {quantity} of "
         f"{profile.describe()}: {terms} terms are the most that can be resolved, and the others may change it by "

@@ -7,9 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import bem, demelio, layer, patches, westergaard
-from weier.plan import TOLERANCE, Part, left_out, plan, truncated
+from weier import bem, demelio, endless, laws, layer, patches, westergaard
+from weier.bounds import resistance_bounds
+from weier.plan import TOLERANCE, Part, plan
 from weier.profile import Profile
+from weier.terms import left_out, truncated
 
 Array = NDArray[np.float64]
 
@@ -19,8 +21,21 @@ class Curve(NamedTuple):
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*
-    compliance_error, resistance_error : expected, of the quantity that was planned for; NaN for the other
+    compliance_error, resistance_error : expected, in the same units
+    planned_method, planned_terms, planned_points : what was taken at each load; no points where there is no grid
     """
+
+    compliance: Array
+    resistance: Array
+    compliance_error: Array
+    resistance_error: Array
+    planned_method: NDArray[np.str_]
+    planned_terms: Array
+    planned_points: Array
+
+
+class Solved(NamedTuple):
+    """The terms that are modelled, in their own datum, and how far off; resistance_error is inf where unknown."""
 
     compliance: Array
     resistance: Array
@@ -54,34 +69,100 @@ def curve(
     ConvergenceError
         If a solver misses its own tolerance.
 
+    Notes
+    -----
+    The error of a compliance is that of the discretisation, by the law of the method or from the residual that it
+    left, and half of what the bounds theorem leaves open between h_k and full contact. The error of a resistance is
+    that of the method where all terms are modelled, or what a concave curve within the errors of the compliance may
+    be as steep as, if that is less.
     """
-    runs = [_run(profile, part, quantity) for part in plan(profile, mean_pressure, tolerance, quantity).parts]
-    return Curve(*(np.concatenate(columns) for columns in zip(*runs, strict=True)))
+    return run(profile, plan(profile, mean_pressure, tolerance, quantity).parts)
 
 
-def _run(profile: Profile, part: Part, quantity: str) -> Curve:
-    h, R = _solved(profile, part)
-    error, unknown = np.full(h.size, part.error), np.full(h.size, np.nan)
-    if quantity == "compliance":
-        return Curve(h + left_out(profile, part.terms), R, error, unknown)
-    return Curve(h + left_out(profile, part.terms), R, unknown, error * np.maximum(R, 1))
+def run(profile: Profile, parts: tuple[Part, ...]) -> Curve:
+    """Run parts that cover the loads one after the other.
+
+    Raises
+    ------
+    ConvergenceError
+        If a solver misses its own tolerance.
+    """
+    rows = [_completed(profile, part, _solved(profile, part)) for part in parts]
+    h, R, miss, rough = (np.concatenate(columns) for columns in zip(*rows, strict=True))
+    loads = np.concatenate([part.mean_pressure for part in parts])
+    counts = [part.mean_pressure.size for part in parts]
+    points = [part.settings.get("points", np.nan) for part in parts]
+    steep = _steepness(loads, h, R, miss)
+    return Curve(
+        h,
+        R,
+        miss,
+        np.minimum(rough, steep),
+        np.repeat([part.method for part in parts], counts),
+        np.repeat([float(part.terms) for part in parts], counts),
+        np.repeat(np.array(points, float), counts),
+    )
 
 
-def _solved(profile: Profile, part: Part) -> tuple[Array, Array]:
-    """Compliance of the terms that are modelled, in their own datum, and resistance."""
-    loads, series = part.mean_pressure, (profile.D, float(profile.gamma), profile.m)
-    if part.method == "full contact":
-        return np.full(loads.size, profile.total_amplitude), np.zeros(loads.size)
-    if part.method == "westergaard":
-        return westergaard.compliance(loads), westergaard.resistance(loads)
+def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
+    """The same for the whole series: the middle of what the terms left out can make of it."""
+    if part.method in ("layer", "demelio", "endless"):
+        return found
+    room = np.clip(profile.total_amplitude - found.compliance, 0.0, 2 * left_out(profile, part.terms))
+    whole = part.terms == profile.m
+    return Solved(
+        found.compliance + room / 2,
+        found.resistance,
+        found.compliance_error + room / 2,
+        found.resistance_error if whole else np.full(room.size, np.inf),
+    )
+
+
+def _steepness(loads: Array, h: Array, R: Array, miss: Array) -> Array:
+    """How far a resistance can be from that of any concave curve this close to the compliance."""
+    no_less = 0.0  # compliance at first contact: no crest is higher than all waves together
+    low, high = resistance_bounds(loads, h, miss.max(), no_less)
+    return np.maximum(R - low, high - R)
+
+
+def _solved(profile: Profile, part: Part) -> Solved:
+    loads, none = part.mean_pressure, np.zeros(part.mean_pressure.size)
+    unknown, series = none + np.inf, (profile.D, float(profile.gamma), profile.m)
     if part.method == "demelio":
-        return demelio.compliance(loads, *series), demelio.resistance(loads, *series)
+        return Solved(demelio.compliance(loads, *series), demelio.resistance(loads, *series), part.error, unknown)
     if part.method == "layer":
-        found = layer.curve(loads, *series)
-        return found.compliance, found.resistance
+        law = layer.curve(loads, *series)
+        return Solved(law.compliance, law.resistance, part.error, unknown)
+    if part.method == "endless":
+        return _on_layer(profile, part)
     kept = truncated(profile, int(part.terms))
-    if part.method == "bem":
-        grid = bem.curve(kept, loads, **part.settings)
-        return grid.compliance, grid.resistance
-    exact = patches.curve(kept, loads, **part.settings)
-    return exact.compliance, exact.resistance
+    if part.method == "full contact":
+        return Solved(none + kept.total_amplitude, none, none, none)
+    if part.method == "westergaard":
+        return Solved(westergaard.compliance(loads), westergaard.resistance(loads), none, none)
+    return _on_grid(kept, part) if part.method == "bem" else _by_contacts(kept, part)
+
+
+def _on_layer(profile: Profile, part: Part) -> Solved:
+    """The estimate, with the least of what its law and its certificate say."""
+    terms = int(part.terms)
+    found, kept = endless.curve(profile, part.mean_pressure, terms, **part.settings), truncated(profile, terms)
+    mesh = laws.bem_compliance_error(kept, bem.checked_points(kept))
+    beside = np.maximum(found.compliance_upper - found.compliance, found.compliance - found.compliance_lower) + mesh
+    unknown = np.full(beside.size, np.inf)
+    return Solved(found.compliance, found.resistance, np.minimum(part.error, beside), unknown)
+
+
+def _on_grid(kept: Profile, part: Part) -> Solved:
+    grid = bem.curve(kept, part.mean_pressure, **part.settings)
+    miss = laws.bem_compliance_error(kept, grid.points) + laws.RESIDUAL * grid.residual
+    rough = laws.bem_resistance_error(kept, grid.points) * np.maximum(grid.resistance, 1)
+    return Solved(grid.compliance, grid.resistance, miss, rough)
+
+
+def _by_contacts(kept: Profile, part: Part) -> Solved:
+    exact = patches.curve(kept, part.mean_pressure, **part.settings)
+    miss = laws.RESIDUAL * exact.residual + laws.FLOOR * kept.total_amplitude
+    rough = laws.patches_error(part.settings["tolerance"], "resistance") * np.maximum(exact.resistance, 1)
+    flat = exact.patch_count == 0
+    return Solved(exact.compliance, exact.resistance, np.where(flat, 0, miss), np.where(flat, 0, rough))

@@ -1,32 +1,113 @@
-"""The plans of a scene with a tolerance, to read before anything runs."""
+"""Plans before anything runs: of one profile, or of all cases of a scene."""
 
 from __future__ import annotations
 
-from weier.plan import OutOfReachError, Plan, plan
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import overload
+
+from numpy.typing import ArrayLike
+
+from weier.plan import TOLERANCE, OutOfReachError, Plan
+from weier.plan import plan as plan_profile
+from weier.profile import Profile
 from weier.scene import PLANNED, Case, Scene
 
 
-def describe_plans(scene: Scene) -> str:
-    """The plan of every case of a scene, and what all of them take.
+@dataclass(frozen=True)
+class ScenePlan:
+    """The plan of each case, by its key, or why there is none; `print` it."""
+
+    cases: Mapping[str, Plan | OutOfReachError]
+
+    @property
+    def plans(self) -> list[Plan]:
+        """Those of the cases that can be solved."""
+        return [each for each in self.cases.values() if isinstance(each, Plan)]
+
+    @property
+    def seconds(self) -> float:
+        """Expected seconds on one core."""
+        return sum(each.seconds for each in self.plans)
+
+    @property
+    def memory(self) -> float:
+        """Expected bytes beyond those of the interpreter."""
+        return max((each.memory for each in self.plans), default=0.0)
+
+    def __str__(self) -> str:
+        """The plan of every case, and what all of them take."""
+        found, total = len(self.plans), len(self.cases)
+        last = f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
+        return "\n".join([*map(str, self.cases.values()), last])
+
+
+@overload
+def plan(
+    subject: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE, quantity: str = "compliance"
+) -> Plan: ...
+@overload
+def plan(
+    subject: Scene, mean_pressure: ArrayLike | None = None, tolerance: float | None = None, quantity: str | None = None
+) -> ScenePlan: ...
+def plan(
+    subject: Profile | Scene,
+    mean_pressure: ArrayLike | None = None,
+    tolerance: float | None = None,
+    quantity: str | None = None,
+) -> Plan | ScenePlan:
+    """The cheapest way to curves within a tolerance, load by load; nothing is solved.
+
+    Parameters
+    ----------
+    subject : Profile or Scene
+        With any number of terms, inf too; a scene as `weier.scene.load` reads it.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*. Of a scene: its own unless told.
+    tolerance : float
+        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*. Of a scene: its
+        own unless told; else 1e-3.
+    quantity : "compliance" or "resistance"
+        What is to be that accurate. Of a scene: its own unless told; else the compliance.
+
+    Returns
+    -------
+    Plan or ScenePlan
+        Which method, how many terms, points and seconds, what error and why: `print` it.
 
     Raises
     ------
     ValueError
-        If the scene has no tolerance.
+        If the tolerance is not positive or the quantity unknown, a profile comes without loads, or a scene without
+        tolerance; OutOfReachError if no method can be that accurate on a profile.
+
+    Examples
+    --------
+    >>> import weier
+    >>> found = weier.plan(weier.Profile(D=1.25, gamma=5, m=3), [0.01, 0.1, 20], tolerance=1e-4)
+    >>> [part.method for part in found.parts]
+    ['bem', 'full contact']
 
     """
-    cases = {case.key: case for study in scene.studies.values() for case in study if PLANNED in case.methods}
+    told = {"tolerance": tolerance, "quantity": quantity}
+    wanted = {name: value for name, value in told.items() if value is not None}
+    if isinstance(subject, Scene):
+        return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
+    if mean_pressure is None:
+        raise ValueError("mean_pressure must be given with a profile: only a scene has loads of its own")
+    return plan_profile(subject, mean_pressure, **wanted)
+
+
+def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, object]) -> ScenePlan:
+    every = {case.key: case for study in scene.studies.values() for case in study}
+    cases = every if "tolerance" in wanted else {key: case for key, case in every.items() if PLANNED in case.methods}
     if not cases:
         raise ValueError(f"scene {scene.name} has no tolerance to plan for: add one, such as tolerance: 1e-3")
-    plans = [_plan(scene, case) for case in cases.values()]
-    found = [each for each in plans if isinstance(each, Plan)]
-    seconds, memory = sum(each.seconds for each in found), max((each.memory for each in found), default=0.0)
-    total = f"{len(found)} of {len(plans)} cases can be solved, in about {seconds:.2g} s and {memory / 1e6:.2g} MB"
-    return "\n".join([*map(str, plans), total])
+    return ScenePlan({key: _plan_case(case, loads, wanted) for key, case in cases.items()})
 
 
-def _plan(scene: Scene, case: Case) -> Plan | OutOfReachError:
+def _plan_case(case: Case, loads: ArrayLike, wanted: Mapping[str, object]) -> Plan | OutOfReachError:
     try:
-        return plan(case.profile, scene.loads, **case.settings.get(PLANNED, {}))
+        return plan_profile(case.profile, loads, **{**case.settings.get(PLANNED, {}), **wanted})
     except OutOfReachError as error:
         return error

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 CURVE = ("case", "method", "mean_pressure")
 RUN = ("case", "method")
+LOADS = ("case", "mean_pressure")
 ROUNDING = 1e-9  # a difference of heights that is 0 may come out this much below
 
 
@@ -70,6 +71,11 @@ VARIABLES = {
 CONTACT_EDGE = Variable(
     ("case", "mean_pressure", "edge"), "left and right edge of each contact, in turn, by method patches", "lambda_0"
 )
+PLANNED = {
+    "planned_method": Variable(LOADS, "method that the plan took at this load, for method planned", dtype="U16"),
+    "planned_terms": Variable(LOADS, "terms that it modelled, for method planned", least=1),
+    "planned_points": Variable(LOADS, "nodes of its grid in one period, for method planned", least=1),
+}
 SECONDS = Variable(RUN, "time to solve all loads", "s", least=0)
 
 COORDINATES = ("method", "mean_pressure", "key", "D", "gamma", "m", "phase")
@@ -78,7 +84,7 @@ COST = ("key", "D", "gamma", "m", "phase", "settings", "seconds")
 
 def variable(name: str) -> Variable:
     """The entry of a variable in the table."""
-    return (VARIABLES | {"contact_edge": CONTACT_EDGE, "seconds": SECONDS})[name]
+    return (VARIABLES | PLANNED | {"contact_edge": CONTACT_EDGE, "seconds": SECONDS})[name]
 
 
 def blank(name: str, sizes: Mapping[str, int]) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
@@ -114,4 +120,4 @@ def _content(name: str) -> str:
         return "coordinate"
     if name in ("status", "residual"):
         return "qualityInformation"
-    return "auxiliaryInformation" if name in ("settings", "seconds", "work", "points") else "modelResult"
+    return "auxiliaryInformation" if name in ("settings", "seconds", "work", "points", *PLANNED) else "modelResult"
