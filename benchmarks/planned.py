@@ -19,7 +19,9 @@ def main() -> None:
         for each in found:
             if not each.inside or not each.kept:
                 print("missed:", each)
-        print(f"{what}: {sum(each.inside for each in found)} of {len(found)} curves are within the errors they expect,")
+        print(
+            f"{what}: {sum(each.inside for each in found)} of {len(found)} curves are within the errors they expect,"
+        )
         print(f"{sum(each.kept for each in found)} within the tolerance they were planned for")
         for methods in sorted({each.methods for each in found}):
             for quantity in ("compliance", "resistance"):

@@ -1,28 +1,32 @@
 """What a tolerance takes: the laws hold, the plan keeps its word, and says why."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 import weier
-from weier import Profile, laws, patches, random_phases, scene
+from weier import Profile, dataset, endless, laws, patches, planned, random_phases, scene
 from weier.bounds import compliance_bounds
-from weier.plan import OutOfReachError, left_out, plan, truncated
-from weier.plans import describe_plans
+from weier.plan import OutOfReachError, cheapest, contacts, plan
 from weier.solve import NotApplicableError
-from weier.tradeoff.verify import verify
+from weier.terms import left_out, truncated
+from weier.tradeoff.verify import verify, verify_endless
 
 LOADS = np.geomspace(1e-3, 10, 12)
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 
 
 def test_planned_curves_are_within_the_errors_they_expect():
-    """All of 200 others did: of 20, none may miss."""
-    found = list(verify(20, seed=1))
-    assert len({each.methods[0] for each in found}) >= 3
+    """All of 200 others did: of 20, none may miss, nor of 2 endless ones."""
+    found = [*verify(20, seed=1), *verify_endless(2, seed=1)]
+    assert {method for each in found for method in each.methods} >= {"full contact", "westergaard", "bem", "patches"}
     assert {each.quantity for each in found} == {"compliance", "resistance"}
-    assert [each for each in found if not each.inside or each.expected > each.tolerance] == []
+    assert [each for each in found if not each.inside or not each.kept] == []
+    # They are not wide for safety's sake: half of those by contact patches are within 30 of the truth.
+    exact = [each.compliance for each in found if each.methods[0] == "patches" and each.compliance.true > 1e-14]
+    assert np.median([check.expected / check.true for check in exact]) < 30
 
 
 @pytest.mark.parametrize("D", [1.15, 1.6])
@@ -58,7 +62,8 @@ def test_a_finer_tolerance_takes_no_less():
 def test_the_parts_cover_the_loads_and_add_up(quantity, tolerance):
     found = plan(PROFILE, LOADS, tolerance, quantity)
     assert np.array_equal(np.concatenate([part.mean_pressure for part in found.parts]), LOADS)
-    assert found.error == max(p.truncation + p.discretisation + p.estimate for p in found.parts) <= tolerance
+    sums = [p.truncation + p.discretisation + p.estimate for p in found.parts]
+    assert found.error == np.concatenate(sums).max() <= tolerance
     assert found.parts[-1].method == "full contact"
     assert str(found).count("\n") == 1 + len(found.parts)
 
@@ -72,13 +77,91 @@ def test_full_contact_is_closed_form_and_exact():
 
 
 def test_terms_that_a_tolerance_does_not_need_are_left_out_within_the_bounds():
-    (part, _) = plan(PROFILE, LOADS, 0.2).parts
+    (part, flat) = plan(PROFILE, LOADS, 0.1).parts
     assert part.terms == 2
     assert part.truncation == pytest.approx(PROFILE.amplitude[2])
     kept = patches.curve(truncated(PROFILE, 2), LOADS).compliance
-    low, high = compliance_bounds(kept + left_out(PROFILE, 2), part.truncation)
+    low, high = compliance_bounds(kept + left_out(PROFILE, 2), part.truncation[0])
     exact = patches.curve(PROFILE, LOADS).compliance
     assert np.all((low <= exact) & (exact <= high))
+    # Once two terms are flat the third is told by half of its height, and no grid.
+    assert (flat.method, flat.terms) == ("full contact", 2)
+    assert flat.truncation == pytest.approx(PROFILE.amplitude[2] / 2)
+    curve = planned.run(PROFILE, (part, flat))
+    assert np.all(np.abs(curve.compliance - exact) <= curve.compliance_error)
+    assert np.all(curve.compliance_error <= 0.1)
+
+
+def test_parts_are_the_cheapest_of_all_that_cover_the_loads():
+    """Dynamic programming finds what trying every sequence finds."""
+    random = np.random.default_rng(4)
+    (like,) = plan(Profile(1.5, 3, 1), [0.1] * 1, 1e-3).parts
+    none = np.zeros(5)
+    for _ in range(20):
+        ways = [
+            like._replace(
+                method=name, mean_pressure=np.arange(1.0, 6.0), estimate=none, discretisation=none,
+                truncation=np.where(random.random(5) < 0.3, np.inf, 0.0) if number else none,
+                seconds_start=random.random(), seconds_load=random.random(5),
+            )
+            for number, name in enumerate("abc")
+        ]  # fmt: skip
+        seconds = [
+            sum(part.seconds for part in cut(ways, order))
+            for order in itertools.product(range(3), repeat=5)
+            if all(np.isfinite(ways[way].truncation[load]) for load, way in enumerate(order))
+        ]
+        parts = cheapest(ways, 1e-3)
+        assert sum(part.seconds for part in parts) == pytest.approx(min(seconds))
+        assert np.concatenate([part.mean_pressure for part in parts]).tolist() == [1, 2, 3, 4, 5]
+
+
+def cut(ways, order):
+    """The parts of a sequence of ways."""
+    loads = 0
+    for way, run in itertools.groupby(order):
+        count = len(list(run))
+        yield ways[way].at(slice(loads, loads + count))
+        loads += count
+
+
+def test_light_loads_are_a_few_exact_contacts_and_crowded_ones_a_grid():
+    profile = Profile(1.25, 5, 3, random_phases(1))
+    parts = plan(profile, np.geomspace(1e-3, 10, 40), 1e-6).parts
+    assert [part.method for part in parts] == ["patches", "bem", "patches", "full contact"]
+    longer = plan(Profile(1.25, 5, 5, random_phases(1)), np.geomspace(1e-3, 10, 40), 1e-6).parts
+    assert [part.method for part in longer] == ["patches", "bem"]  # 625 waves, but two of them in touch
+
+
+def test_contacts_are_foreseen_to_a_factor_in_nine_of_ten():
+    ratio = []
+    for seed in range(4):
+        profile = Profile(1.5, 3, 4, random_phases(seed))
+        exact = patches.curve(profile, LOADS)
+        here = exact.patch_count > 0
+        ratio += (contacts(profile, LOADS)[here] / exact.patch_count[here]).tolist()
+    assert np.quantile(ratio, 0.05) > 1 / 4
+    assert np.quantile(ratio, 0.95) < 4
+
+
+def test_the_resistance_of_a_plan_for_the_compliance_is_within_its_error():
+    exact = patches.curve(PROFILE, LOADS)
+    curve = planned.curve(PROFILE, LOADS, 0.1)  # two terms and a closed form: only concavity tells the resistance
+    off = np.abs(curve.resistance - exact.resistance)
+    assert np.all(off <= curve.resistance_error)
+    assert np.all(np.isfinite(curve.resistance_error))
+    assert curve.resistance_error[-1] < 1
+
+
+def test_many_heavy_loads_leave_the_finer_terms_to_the_layer():
+    profile = Profile(1.7, 2, math.inf, random_phases(7))
+    parts = plan(profile, np.geomspace(1, 30, 60), 0.3).parts
+    some = tuple(part.at(slice(None, None, 8)) for part in parts if part.method == "endless")
+    assert [part.terms for part in some] == [6, 1]
+    curve = planned.run(profile, some)
+    loads = np.concatenate([part.mean_pressure for part in some])
+    assert np.all(np.abs(curve.compliance - endless.curve(profile, loads, 8).compliance) <= curve.compliance_error)
+    assert np.all(curve.compliance_error <= 0.3)
 
 
 def test_one_wave_is_a_closed_form():
@@ -87,7 +170,7 @@ def test_one_wave_is_a_closed_form():
 
 
 def test_an_endless_series_resolves_what_its_tail_demands():
-    (part,) = plan(Profile(1.25, 5, math.inf), LOADS, 1e-2).parts
+    part = plan(Profile(1.25, 5, math.inf), LOADS, 1e-2).parts[0]
     assert part.method == "bem"
     assert part.truncation == pytest.approx(Profile(1.25, 5, int(part.terms)).tail_amplitude)
     assert Profile(1.25, 5, int(part.terms) - 1).tail_amplitude > 1e-2
@@ -120,9 +203,11 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     path = tmp_path / "test.yaml"
     path.write_text(SCENE)
     loaded = scene.load(path)
-    text = describe_plans(loaded)
-    assert text.count("bem with 2 terms") == 2
-    assert "2 of 2 cases can be solved" in text
+    found = weier.plan(loaded)
+    assert str(found).count("bem with 2 terms") == 2
+    assert "2 of 2 cases can be solved" in str(found)
+    assert found.seconds == sum(each.seconds for each in found.plans)
+    assert weier.plan(loaded, tolerance=1e-9).plans[0].parts[0].method == "patches"
     data, _ = weier.batch.solve_batch(loaded, loaded.studies["one"])
     assert data.method.values.tolist() == ["planned"]
     for case in range(2):
@@ -130,6 +215,13 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
         error = np.abs(data.compliance.values[case, 0] - exact)
         assert np.all(error <= data.compliance_error.values[case, 0])
         assert 0 < data.compliance_error.values[case, 0, 0] <= 1e-3
+    # Which way was taken at each load is in the file.
+    dataset.write(data, tmp_path / "data.nc", "planned")
+    again = dataset.read(tmp_path / "data.nc")
+    assert again["planned_method"].values[1].tolist() == ["bem", "bem", "full contact"]
+    assert again["planned_terms"].values[1].tolist() == [2, 2, 2]
+    points = plan(loaded.studies["one"][1].profile, loaded.loads).parts[0].settings["points"]
+    np.testing.assert_array_equal(again["planned_points"].values[1], [points, points, np.nan])
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 """What each method costs and how far it is off, before it is run.
 
-The constants stand above what the rule `tradeoff` measures (`weier.tradeoff.fit` fits them again and writes both side
-by side into results/tradeoff/tradeoff.md), are checked on random profiles by `python -m benchmarks.planned`, and those of
-memory by `python -m benchmarks.memory`. Heights in g_0, pressures in p_0*, seconds on one core of a 2.5 GHz server,
+The constants stand above what the rule `tradeoff` measures (`weier.tradeoff.fit` fits them again, side by side in
+results/tradeoff/tradeoff.md). `python -m benchmarks.planned` checks them on random profiles, and those of memory
+come from `python -m benchmarks.memory`. Heights in g_0, pressures in p_0*, seconds on one core of a 2.5 GHz server,
 bytes beyond those of the interpreter. The error of a resistance is relative to the larger of itself and 1 g_0/p_0*.
 """
 
@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 
 # Times what the grid misses of each wave, sum g_n (waves_n/points)^2. Of order 2.
 BEM_COMPLIANCE = 4.5
-# Times waves/points: up to 12 for one wave and 6 for more. Order 1: edges of contact move by whole nodes.
-BEM_RESISTANCE = 14.0
+# Times waves/points: up to 14.7 for one wave and 6 for more. Order 1: edges of contact move by whole nodes.
+BEM_RESISTANCE = 18.0
 FEWEST_PER_WAVE = 12  # fewer were not measured
 HALVED_TO = 8  # points a wave that the coarsest of the nested grids has at least
 
@@ -38,17 +38,21 @@ ROUNDING = 1e-12  # of the resistance, and of both before it is known how many o
 # nothing of where the crests are: it tends to 0 where the profile tends to first contact; that part is added apart.
 LAYER = 0.5
 DEMELIO = 0.7
-# The same of the endless series with its coarse terms resolved, in the amplitude of its tail.
+CROWDED = 0.3  # p_0*: from here on crests of the coarsest wave matter no more, and the errors fall with the load
+# Of the endless series with its coarse terms resolved, in the amplitude of its tail: at light loads, at heavy ones.
 TAIL = 0.8
-CROWDED = 0.3  # p_0*: from here on the coarsest wave is in touch all along, and the errors fall as 1/p
+TAIL_CROWDED = 0.16
 
 SECONDS_START = {"westergaard": 1e-6, "demelio": 5e-5, "layer": 0.06, "bem": 3e-4, "patches": 5e-4, "endless": 0.15}
-SECONDS_LOAD = {"westergaard": 1e-6, "demelio": 2e-6, "layer": 3e-4, "bem": 2e-5, "patches": 4e-4, "endless": 4e-3}
-SECONDS_NODE = {"bem": 4e-7, "endless": 1.2e-5}  # of each load; a start takes
+SECONDS_LOAD = {"westergaard": 1e-6, "demelio": 2e-6, "layer": 3e-4, "bem": 2e-5, "patches": 3e-4, "endless": 4e-3}
+SECONDS_NODE = {"bem": 3e-7, "endless": 1.2e-5}  # of each load; a start takes
 START_LOADS = 3  # as long as so many loads
-SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.2e-5, 8e-5, 2.0  # of patches, each load
+SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.5e-5, 8e-5, 2.0  # of patches, each load
 
-BYTES_NODE = {"bem": 180, "endless": 3000}  # the grids, their eigenvalues, the solver's arrays; GMRES keeps 80 directions
+BYTES_NODE = {
+    "bem": 180,
+    "endless": 3000,
+}  # the grids, their eigenvalues, the solver's arrays; GMRES keeps 80 directions
 NODES_CONTACT = 20  # of a contact, whose matrix is dense;
 DENSE_COPIES = 7  # the matrix, its factors and what they are made from
 
@@ -65,7 +69,7 @@ def unresolved(profile: Profile) -> float:
 
 
 def bem_resistance_error(profile: Profile, points: int) -> float:
-    """Error of the resistance by boundary elements on `points` nodes: 14 waves/points."""
+    """Error of the resistance by boundary elements on `points` nodes: 18 waves/points."""
     return BEM_RESISTANCE * profile.wavenumber[-1] / points
 
 
@@ -86,30 +90,35 @@ def patches_error(tolerance: float, quantity: str) -> float:
     return factor * tolerance + ROUNDING
 
 
-def estimate_error(method: str, mean_pressure: ArrayLike, first_contact: float, amplitude: float) -> Array:
-    """Error of h by an estimate, in g_0, shape of the loads.
+def estimate_error(method: str, mean_pressure: Array, D: float, first_contact: float, amplitude: float) -> Array:
+    """Error of h by an estimate, in g_0, shape (loads,).
 
     Parameters
     ----------
     method : "layer" or "demelio"
-    mean_pressure : array_like
+    mean_pressure : array, shape (loads,)
         In p_0*.
+    D : float
+        Fractal dimension.
     first_contact : float
         Compliance at first contact, in g_0, or a bound above it.
     amplitude : float
         Sum of the amplitudes after the first, in g_0.
     """
     light = max(first_contact, (LAYER if method == "layer" else DEMELIO) * amplitude)
-    return light * _crowding(mean_pressure)
+    return light * unflattened(mean_pressure / CROWDED, D)
 
 
-def endless_error(mean_pressure: ArrayLike, tail: float) -> Array:
-    """Error of h of an endless series by a tail of this amplitude on the layer, in g_0, but that of the mesh."""
-    return TAIL * tail * _crowding(mean_pressure)
+def endless_error(mean_pressure: Array, kept: Profile) -> Array:
+    """Error of h of an endless series with all but these terms on the layer, in g_0, but that of the mesh."""
+    share = np.maximum(TAIL * np.minimum(CROWDED / mean_pressure, 1), TAIL_CROWDED)
+    pressure = float(kept.gamma) ** ((kept.D - 1) * kept.terms)  # p_k*
+    return np.asarray(share * kept.tail_amplitude * unflattened(mean_pressure / pressure, kept.D))
 
 
-def _crowding(mean_pressure: ArrayLike) -> Array:
-    return np.minimum(1.0, CROWDED / np.asarray(mean_pressure, float))
+def unflattened(xi: Array, D: float) -> Array:
+    """Share of the amplitudes that a load xi, in p* of the first, leaves: g_n where p_n* = xi (20), at least 1/xi."""
+    return np.asarray(np.maximum(xi, 1.0) ** -min((2 - D) / (D - 1), 1.0))
 
 
 def grid_seconds(method: str, points: int) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""What a requested accuracy takes, load by load: the cheapest ways that the measured laws and the bounds theorem allow."""
+"""What a requested accuracy takes, load by load: the cheapest that the measured laws and the bounds theorem allow."""
 
 from __future__ import annotations
 
@@ -227,7 +227,10 @@ def _flattened(
     for terms in {*finite, *few} if quantity == "compliance" else finite:
         full = _full_load(truncated(profile, terms))
         error = np.where(loads >= full, left_out(profile, terms) / 2, np.inf)
-        why = f"from {full:.3g} p_0* on these terms are flat, and what is left can only add to that"
+        what = (
+            "nothing is left to flatten" if terms == profile.m else "what follows changes that by half of its height"
+        )
+        why = f"from {full:.3g} p_0* on these terms are flat, and {what}"
         yield _closed_form("full contact", loads, terms, why, truncation=error)
 
 
@@ -259,7 +262,7 @@ def _full_load(kept: Profile) -> float:
 def _estimates(profile: Profile, loads: Array) -> Iterator[Part]:
     first, amplitude = _first_contact(profile), profile.total_amplitude - 1
     for method in ("demelio", "layer"):
-        error = laws.estimate_error(method, loads, first, amplitude)
+        error = laws.estimate_error(method, loads, profile.D, first, amplitude)
         yield _closed_form(
             method, loads, profile.m, "an estimate whose measured error is small enough", estimate=error
         )
@@ -280,7 +283,7 @@ def _resolved_in_part(profile: Profile, lengths: Sequence[int], loads: Array, to
         points = endless.POINTS_PER_WAVE * kept.wavenumber[-1]
         if points > endless.MOST_POINTS:
             return
-        error = laws.endless_error(loads, kept.tail_amplitude)
+        error = laws.endless_error(loads, kept)
         mesh = np.full(loads.size, laws.bem_compliance_error(kept, points))
         if np.any(error + mesh <= tolerance):
             start, load = laws.grid_seconds("endless", points)
@@ -322,10 +325,10 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
         count = contacts(kept, loads)
         most = MOST_CONTACTS if waves <= MOST_CONTACTS else MOST_FORESEEN
         miss = np.where(count <= most, laws.patches_error(able[0], quantity), np.inf)
-        start, load = laws.SECONDS_START["patches"], laws.patches_seconds(waves, count)
+        start, each = laws.SECONDS_START["patches"], laws.patches_seconds(waves, count)
         why = "exact edges of as few contacts cost less than a grid so fine"
-        memory, settings = laws.patches_bytes(min(most, count.max())), {"tolerance": able[0]}
-        yield Part(loads, "patches", kept.terms, settings, truncation, miss, none, start, load, memory, why)
+        memory, limit = laws.patches_bytes(min(most, count.max())), {"tolerance": able[0]}
+        yield Part(loads, "patches", kept.terms, limit, truncation, miss, none, start, each, memory, why)
 
 
 def contacts(kept: Profile, loads: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import overload
+from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
@@ -48,7 +48,10 @@ def plan(
 ) -> Plan: ...
 @overload
 def plan(
-    subject: Scene, mean_pressure: ArrayLike | None = None, tolerance: float | None = None, quantity: str | None = None
+    subject: Scene,
+    mean_pressure: ArrayLike | None = None,
+    tolerance: float | None = None,
+    quantity: str | None = None,
 ) -> ScenePlan: ...
 def plan(
     subject: Profile | Scene,
@@ -90,7 +93,7 @@ def plan(
 
     """
     told = {"tolerance": tolerance, "quantity": quantity}
-    wanted = {name: value for name, value in told.items() if value is not None}
+    wanted: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
     if isinstance(subject, Scene):
         return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
     if mean_pressure is None:
@@ -98,7 +101,7 @@ def plan(
     return plan_profile(subject, mean_pressure, **wanted)
 
 
-def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, object]) -> ScenePlan:
+def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:
     every = {case.key: case for study in scene.studies.values() for case in study}
     cases = every if "tolerance" in wanted else {key: case for key, case in every.items() if PLANNED in case.methods}
     if not cases:
@@ -106,7 +109,7 @@ def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, object]) ->
     return ScenePlan({key: _plan_case(case, loads, wanted) for key, case in cases.items()})
 
 
-def _plan_case(case: Case, loads: ArrayLike, wanted: Mapping[str, object]) -> Plan | OutOfReachError:
+def _plan_case(case: Case, loads: ArrayLike, wanted: Mapping[str, Any]) -> Plan | OutOfReachError:
     try:
         return plan_profile(case.profile, loads, **{**case.settings.get(PLANNED, {}), **wanted})
     except OutOfReachError as error:

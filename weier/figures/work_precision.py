@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.figures import style
-from weier.tradeoff.report import pareto, seconds_per_load, typical, worst_over_loads
+from weier.tradeoff.errors import worst_over_loads
+from weier.tradeoff.report import pareto, seconds_per_load, typical
 
 FLOOR = 1e-15  # an error of 0 is drawn here
 LABELS = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,23 +10,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier.files import replacing
+from weier.tradeoff.errors import worst_over_loads
+from weier.tradeoff.fit import Constant, constants
 
 Array = NDArray[np.float64]
 
 LIGHT, HEAVY = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
-
-
-def worst_over_loads(data: xr.Dataset, quantity: str) -> Array:
-    """Largest error over the loads, shape (case, method); that of R relative to the larger of itself and 1.
-
-    NaN where not run. The resistance falls from some g_0/p_0* at light loads to 0 at full contact: an error
-    relative to itself has no meaning at one end, one in g_0/p_0* little at the other.
-    """
-    error = data[f"{quantity}_error"].values
-    if quantity == "resistance":
-        exact = data["resistance"].sel({"method": data.attrs["reference_method"]}).values
-        error = error / np.maximum(exact, 1)[:, None]
-    return np.fmax.reduce(error, axis=-1)
 
 
 def seconds_per_load(data: xr.Dataset) -> Array:
@@ -61,8 +51,23 @@ def _markdown(data: xr.Dataset, title: str) -> str:
         "error of R", "worst",
     ]  # fmt: skip
     lines = [head, ["---"] * len(head), *(_row(data, number) for number in range(data.sizes["method"]))]
-    table = ["| " + " | ".join(line) + " |" for line in lines]
-    return "\n".join([f"# {title}", "", *table, "", NOTE, ""])
+    laws = [LAWS, ["---"] * len(LAWS), *map(_law, constants(data))]
+    return "\n".join([f"# {title}", "", *_rows(lines), "", NOTE, "", *_rows(laws), "", LAWS_NOTE, ""])
+
+
+def _rows(lines: Sequence[Sequence[str]]) -> list[str]:
+    return ["| " + " | ".join(line) + " |" for line in lines]
+
+
+LAWS = ["constant of weier/laws.py", "shipped", "measured here"]
+LAWS_NOTE = (
+    "Of an error the measured constant is the largest of all profiles, settings and loads, the shipped one must be "
+    "no smaller; of seconds it is a fit, and differs from computer to computer."
+)
+
+
+def _law(constant: Constant) -> list[str]:
+    return [constant.name, f"{constant.shipped:.2g}", f"{constant.measured:.2g}"]
 
 
 NOTE = (

@@ -1,0 +1,69 @@
+"""Peak memory of boundary elements by their nodes, and of contact patches by their contacts.
+
+`python -m benchmarks.memory` runs each in a process of its own and prints what stands in `weier.laws`.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import resource
+import sys
+from collections.abc import Callable
+
+import numpy as np
+
+from weier import Profile, bem, endless, laws, patches, random_phases
+
+UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
+NODES = (2**14, 2**17, 2**20)
+RESOLVED = (8, 9, 10)
+TERMS = (6, 7, 8)
+LOADS = np.array([0.03, 0.3, 1.0])
+
+
+def main() -> None:
+    """Print bytes a node, and dense matrices in copies."""
+    for points in NODES:
+        used, _ = _measured(_grid, points)
+        print(f"bem, {points} nodes: {used / points:.0f} bytes a node; the law has {laws.BYTES_NODE['bem']}")
+    for terms in RESOLVED:
+        used, points = _measured(_on_layer, terms)
+        print(
+            f"endless, {points:g} nodes: {used / points:.0f} bytes a node; the law has {laws.BYTES_NODE['endless']}"
+        )
+    for terms in TERMS:
+        used, contacts = _measured(_exact, terms)
+        print(
+            f"patches, {2 ** (terms - 1)} waves, {contacts:g} contacts: {used / 1e6:.2g} MB; "
+            f"the law has {laws.patches_bytes(contacts) / 1e6:.2g} MB"
+        )
+
+
+def _measured(run: Callable[[int], float], size: int) -> tuple[float, float]:
+    """Bytes at most, beyond those of a small run before, and what `run` returns."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(_peak, (run, size))
+
+
+def _peak(run: Callable[[int], float], size: int) -> tuple[float, float]:
+    run(1 if run is _on_layer else 2 if run is _exact else 256)  # loads compiled code
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    found = run(size)
+    return UNIT * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), found
+
+
+def _grid(points: int) -> float:
+    return bem.curve(Profile(1.5, 2, 5, random_phases(1)), LOADS, points=points, tolerance=1e-6).points
+
+
+def _on_layer(terms: int) -> float:
+    endless.curve(Profile(1.5, 2, float("inf"), random_phases(1)), LOADS[1:], terms)
+    return endless.POINTS_PER_WAVE * 2 ** (terms - 1)
+
+
+def _exact(terms: int) -> float:
+    return float(patches.curve(Profile(1.7, 2, terms, random_phases(1)), LOADS).patch_count.max())
+
+
+if __name__ == "__main__":
+    main()
