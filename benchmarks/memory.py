@@ -35,7 +35,7 @@ def main() -> None:
         used, contacts = _measured(_exact, terms)
         print(
             f"patches, {2 ** (terms - 1)} waves, {contacts:g} contacts: {used / 1e6:.2g} MB; "
-            f"the law has {laws.patches_bytes(contacts) / 1e6:.2g} MB"
+            f"the law has {laws.patches_bytes(2 ** (terms - 1), contacts) / 1e6:.2g} MB"
         )
 
 

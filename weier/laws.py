@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from weier.profile import Profile
 
@@ -45,14 +45,15 @@ TAIL_CROWDED = 0.16
 
 SECONDS_START = {"westergaard": 1e-6, "demelio": 5e-5, "layer": 0.06, "bem": 3e-4, "patches": 5e-4, "endless": 0.15}
 SECONDS_LOAD = {"westergaard": 1e-6, "demelio": 2e-6, "layer": 3e-4, "bem": 2e-5, "patches": 3e-4, "endless": 4e-3}
-SECONDS_NODE = {"bem": 3e-7, "endless": 1.2e-5}  # of each load; a start takes
-START_LOADS = 3  # as long as so many loads
+# Of each load and node: by boundary elements for a pair of FFTs, of which there are more for more contacts.
+SECONDS_NODE = {"bem": 8e-9, "endless": 1.2e-5}
+PAIRS, PAIRS_CONTACT = 20, 15  # and this times the square root of their number
+START_LOADS = 3  # as long as so many of the heaviest loads
 SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.5e-5, 8e-5, 2.0  # of patches, each load
 
-BYTES_NODE = {
-    "bem": 180,
-    "endless": 3000,
-}  # the grids, their eigenvalues, the solver's arrays; GMRES keeps 80 directions
+# The grids, their eigenvalues and the solver's arrays; the directions of GMRES.
+BYTES_NODE = {"bem": 180, "endless": 900}
+BYTES_WAVE = 1e5  # of patches: every crest, and the coarse grid to start from
 NODES_CONTACT = 20  # of a contact, whose matrix is dense;
 DENSE_COPIES = 7  # the matrix, its factors and what they are made from
 
@@ -121,16 +122,26 @@ def unflattened(xi: Array, D: float) -> Array:
     return np.asarray(np.maximum(xi, 1.0) ** -min((2 - D) / (D - 1), 1.0))
 
 
-def grid_seconds(method: str, points: int) -> tuple[float, float]:
-    """Seconds to start on so many nodes, and for each load."""
-    load = SECONDS_LOAD[method] + SECONDS_NODE[method] * points
-    return SECONDS_START[method] + START_LOADS * load, load
+def bem_seconds(points: float, contacts: Array) -> tuple[float, Array]:
+    """Seconds of boundary elements to start on so many nodes, and for each load with so many contacts."""
+    load = SECONDS_LOAD["bem"] + SECONDS_NODE["bem"] * points * fft_pairs(contacts)
+    return SECONDS_START["bem"] + START_LOADS * float(load[-1]), load
 
 
-def patches_seconds(waves: int, contacts: ArrayLike) -> Array:
+def fft_pairs(contacts: Array) -> Array:
+    """Pairs of FFTs that boundary elements take for a load and its resistance."""
+    return np.asarray(PAIRS + PAIRS_CONTACT * np.sqrt(contacts))
+
+
+def endless_seconds(points: int) -> tuple[float, float]:
+    """Seconds of the endless series to start on so many nodes, and for each load."""
+    load = SECONDS_LOAD["endless"] + SECONDS_NODE["endless"] * points
+    return SECONDS_START["endless"] + START_LOADS * load, load
+
+
+def patches_seconds(waves: int, contacts: Array) -> Array:
     """Seconds of contact patches for each load, at so many of the finest waves in a period and contacts."""
-    many = np.asarray(contacts, float) ** CONTACT_POWER
-    return SECONDS_LOAD["patches"] + SECONDS_WAVE * waves + SECONDS_CONTACT * many
+    return np.asarray(SECONDS_LOAD["patches"] + SECONDS_WAVE * waves + SECONDS_CONTACT * contacts**CONTACT_POWER)
 
 
 def grid_bytes(method: str, points: int) -> float:
@@ -138,6 +149,6 @@ def grid_bytes(method: str, points: int) -> float:
     return float(BYTES_NODE[method] * points)
 
 
-def patches_bytes(contacts: float) -> float:
-    """Memory of contact patches: a few dense matrices."""
-    return float(DENSE_COPIES * 8 * (NODES_CONTACT * contacts) ** 2)
+def patches_bytes(waves: int, contacts: float) -> float:
+    """Memory of contact patches: a few dense matrices, and what there is for each of the finest waves."""
+    return float(DENSE_COPIES * 8 * (NODES_CONTACT * contacts) ** 2 + BYTES_WAVE * waves)

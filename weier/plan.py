@@ -28,6 +28,7 @@ MOST_CONTACTS = 256  # a dense matrix of more takes seconds a load
 MOST_FORESEEN = 64  # contacts, where there may be more waves than that: the foresight is off by a factor of 4 at most
 MOST_SAMPLES = 2**17  # where first contact is looked for
 SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude
+UNSEEN = 0.1  # contacts for each of the finest waves, where these are too many to look at
 SERIES = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
 TABLE = 100  # loads on which the bounds on the resistance are foreseen
 
@@ -155,10 +156,10 @@ def plan(
     """
     loads = checked_loads(mean_pressure)
     _check(tolerance, quantity)
-    ways = list(_ways(profile, loads, tolerance, quantity))
-    if not all(np.any([way.error <= tolerance for way in ways], axis=0)):
+    found = list(ways(profile, loads, tolerance, quantity))
+    if not np.all(np.any([way.error <= tolerance for way in found], axis=0)):
         raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity))
-    return Plan(profile, quantity, tolerance, cheapest(ways, tolerance))
+    return Plan(profile, quantity, tolerance, cheapest(found, tolerance))
 
 
 def cheapest(ways: Sequence[Part], tolerance: float) -> tuple[Part, ...]:
@@ -184,7 +185,7 @@ def cheapest(ways: Sequence[Part], tolerance: float) -> tuple[Part, ...]:
     return tuple(ways[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
 
 
-def _ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Iterator[Part]:
+def ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Iterator[Part]:
     """All ways that might do, each at its cheapest setting; their error is infinite where they say nothing."""
     lengths = list(_lengths(profile))
     yield from _flattened(profile, lengths, loads, tolerance, quantity)
@@ -286,7 +287,7 @@ def _resolved_in_part(profile: Profile, lengths: Sequence[int], loads: Array, to
         error = laws.endless_error(loads, kept)
         mesh = np.full(loads.size, laws.bem_compliance_error(kept, points))
         if np.any(error + mesh <= tolerance):
-            start, load = laws.grid_seconds("endless", points)
+            start, load = laws.endless_seconds(points)
             none, why = np.zeros(loads.size), f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all"
             memory, settings = laws.grid_bytes("endless", points), {"points": points}
             yield Part(loads, "endless", terms, settings, none, mesh, error, start, none + load, memory, why)
@@ -313,21 +314,21 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
         yield _closed_form("westergaard", loads, 1, why, truncation=truncation)
         return
     none, waves = np.zeros(loads.size), kept.wavenumber[-1]
+    count = contacts(kept, loads) if _seen(kept) else none + waves * UNSEEN
     points = laws.bem_points(kept, error, quantity)
     if points <= MOST_POINTS:
         law = laws.bem_compliance_error if quantity == "compliance" else laws.bem_resistance_error
         why = f"{points / waves:.0f} points for each of {waves} waves are the fewest that do"
-        (start, load), memory = laws.grid_seconds("bem", points), laws.grid_bytes("bem", points)
+        (start, load), memory = laws.bem_seconds(points, count), laws.grid_bytes("bem", points)
         settings, miss = {"points": points}, none + law(kept, points)
-        yield Part(loads, "bem", kept.terms, settings, truncation, miss, none, start, none + load, memory, why)
+        yield Part(loads, "bem", kept.terms, settings, truncation, miss, none, start, load, memory, why)
     able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
     if able and _seen(kept):
-        count = contacts(kept, loads)
         most = MOST_CONTACTS if waves <= MOST_CONTACTS else MOST_FORESEEN
         miss = np.where(count <= most, laws.patches_error(able[0], quantity), np.inf)
         start, each = laws.SECONDS_START["patches"], laws.patches_seconds(waves, count)
         why = "exact edges of as few contacts cost less than a grid so fine"
-        memory, limit = laws.patches_bytes(min(most, count.max())), {"tolerance": able[0]}
+        memory, limit = laws.patches_bytes(waves, min(most, count.max())), {"tolerance": able[0]}
         yield Part(loads, "patches", kept.terms, limit, truncation, miss, none, start, each, memory, why)
 
 

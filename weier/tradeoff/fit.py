@@ -108,9 +108,12 @@ def _shares(data: xr.Dataset, name: str) -> list[float]:
 
 
 def _grid_seconds(grids: Sequence[Run], data: xr.Dataset) -> list[Constant]:
-    """start + (loads + 3) (load + node points): the seconds of a start are shipped as they are."""
+    """Sum of load + node points pairs over the loads, and three times the last; a start takes what is shipped."""
     loads = data.sizes["mean_pressure"] + laws.START_LOADS
-    columns = [[loads, loads * run.points] for run in grids]
+    columns = []
+    for run in grids:
+        pairs = laws.fft_pairs(run.contacts)
+        columns.append([loads, run.points * (pairs.sum() + laws.START_LOADS * pairs[-1])])
     load, node = _fitted(columns, [run.seconds - laws.SECONDS_START["bem"] for run in grids])
     return [
         Constant("SECONDS_LOAD bem", laws.SECONDS_LOAD["bem"], load, False),
