@@ -70,7 +70,7 @@ rule solve:
     params:
         digest=lambda w: scene(w.scene).digest(w.batch),
     shell:
-        "NUMBA_NUM_THREADS={threads} python -m weier batch"
+        "python -m weier batch --threads {threads}"
         " config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output} 2>&1 | tee {log}"
 
 

@@ -152,10 +152,11 @@ def compile() -> None:
 @click.argument("name")
 @output("data")
 @output("cost")
-def batch(scene_file: Path, name: str, data: Path, cost: Path) -> None:
+@click.option("--threads", type=click.IntRange(1), default=1, show_default=True, help="Cases at a time.")
+def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> None:
     """Solve one batch of a scene."""
     loaded = scene.load(scene_file)
-    curves, seconds = batches.solve_batch(loaded, loaded.batch_named(name))
+    curves, seconds = batches.solve_batch(loaded, loaded.batch_named(name), threads)
     dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
     dataset.write(curves, data, loaded.title, "solved", loaded.text)
 

@@ -1,26 +1,39 @@
-"""Many cases in one process: a scene's batch, solved into one dataset."""
+"""Many cases in one process: a scene's batch, solved into one dataset, on as many threads as it is given."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable
-from time import perf_counter
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from weier import dataset
 from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.limits import resolvable
 from weier.scene import Case, Scene
-from weier.solve import NotApplicableError, all_settings, solve
+from weier.solve import NotApplicableError, all_settings, answer
 from weier.variables import PLANNED
 
+Arrays = Mapping[str, NDArray[Any]]
 
-def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dataset]:
+
+def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[xr.Dataset, xr.Dataset]:
     """Solve cases of a scene, one line of progress each.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose loads and layout they share.
+    cases : iterable of Case
+        The rows of the result, in their order.
+    threads : int
+        Cases at a time: the kernels leave the interpreter to each other. The data do not depend on it.
 
     Returns
     -------
@@ -34,14 +47,21 @@ def solve_batch(scene: Scene, cases: Iterable[Case]) -> tuple[xr.Dataset, xr.Dat
     methods, terms, edges = scene.layout_of(cases)  # not the scene's: other cases may change
     data = dataset.blank(len(cases), methods, scene.loads, terms, edges)
     cost = dataset.blank_cost(len(cases), methods, terms)
-    for number, case in enumerate(cases):
-        start = perf_counter()
+    curves, costs = ({str(name): each.values for name, each in part.variables.items()} for part in (data, cost))
+
+    def solve_case(number: int) -> None:
+        case = cases[number]
         describe_case(data, number, case)
         for method in case.methods:
-            _solve_into(data, cost, (number, methods.index(method)), case, method)
-        _copy_case(data, cost, number)
-        seconds = perf_counter() - start
+            _solve_into(curves, costs, (number, methods.index(method)), case, method)
+        for name in costs.keys() & curves.keys() - data.sizes.keys():
+            costs[name][number] = curves[name][number]
+        seconds = np.nansum(costs["seconds"][number])
         print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s", file=sys.stderr)
+
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in pool.map(solve_case, range(len(cases))):  # raises what a case raised
+            pass
     return data, cost
 
 
@@ -58,11 +78,6 @@ def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
         data[name].values[number] = value
 
 
-def _copy_case(data: xr.Dataset, cost: xr.Dataset, number: int) -> None:
-    for name in cost.variables.keys() & data.variables.keys() - data.sizes.keys():
-        cost[name].values[number] = data[name].values[number]
-
-
 def _fitting(text: str) -> str:
     width = dataset.VARIABLES["settings"].dtype.removeprefix("U")
     if len(text) > int(width):
@@ -70,24 +85,23 @@ def _fitting(text: str) -> str:
     return text
 
 
-def _solve_into(data: xr.Dataset, cost: xr.Dataset, place: tuple[int, int], case: Case, method: str) -> None:
-    settings = all_settings(method, case.settings.get(method, {}))
-    data["settings"].values[place] = _fitting(json.dumps(settings, sort_keys=True))
+def _solve_into(curves: Arrays, costs: Arrays, place: tuple[int, int], case: Case, method: str) -> None:
+    """One curve, or why there is none, into its row of each array."""
+    given = case.settings.get(method, {})
+    curves["settings"][place] = _fitting(json.dumps(all_settings(method, given), sort_keys=True))
     try:
-        curve = solve(case.profile, data["mean_pressure"].values, method, **case.settings.get(method, {}))
+        found, seconds = answer(case.profile, curves["mean_pressure"], method, given)
     except NotApplicableError:
-        data["status"].values[place] = Status.not_applicable
+        curves["status"][place] = Status.not_applicable
         return
     except ConvergenceError as error:
         print(f"{case.profile.describe()}, {method}: {error}", file=sys.stderr)
-        data["status"].values[place] = Status.not_converged
+        curves["status"][place] = Status.not_converged
         return
-    for name in curve.data_vars:
-        if name != "contact_edge":
-            whose = number if name in PLANNED else place
-            data[str(name)].values[whose] = curve[name].values
-    if "contact_edge" in data and "contact_edge" in curve:
-        data["contact_edge"].values[place[0], :, : curve.sizes["edge"]] = curve["contact_edge"].values
-    data["points"].values[place] = curve.attrs.get("points", np.nan)
-    data["status"].values[place] = Status.solved
-    cost["seconds"].values[place] = curve.attrs["seconds"]
+    for name, values in found._asdict().items():
+        if name == "contact_edge" and name in curves:
+            curves[name][place[0], :, : values.shape[1]] = values
+        elif name in curves:
+            curves[name][place[0] if name in PLANNED else place] = values
+    curves["status"][place] = Status.solved
+    costs["seconds"][place] = seconds

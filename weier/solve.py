@@ -82,11 +82,19 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
 
     """
     loads = checked_loads(mean_pressure)
-    chosen = checked_method(method, settings)
+    found, seconds = answer(profile, loads, method, settings)
+    return dataset.curve(loads, found._asdict(), {"method": method, **settings, "seconds": seconds})
+
+
+def answer(profile: Profile, loads: Array, method: str, settings: Mapping[str, Any]) -> tuple[Any, float]:
+    """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds it took.
+
+    For `loads` that are checked; raises what `solve` raises.
+    """
+    run = checked_method(method, settings).run
     start = perf_counter()
-    answer = chosen.run(profile, loads, **settings)
-    seconds = perf_counter() - start
-    return dataset.curve(loads, answer._asdict(), {"method": method, **settings, "seconds": seconds})
+    found = run(profile, loads, **settings)
+    return found, perf_counter() - start
 
 
 class Method(NamedTuple):
