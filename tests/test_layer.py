@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 
 from weier import ConvergenceError, archard, layer, westergaard
 from weier.layer.stack import ACCURACY, POINTS, TOLERANCE, _recursion
-from weier.layer.wave import Layer, midpoints, trace, violation
+from weier.layer.wave import Layer, cosines, midpoints, trace, violation
 from weier.profile import leading_amplitude, tail_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]
@@ -137,6 +137,44 @@ def test_compliance_of_light_loads_is_a_power(m):
     assert answer.resistance * xi / answer.compliance == pytest.approx(2 / (m + 1), rel=0.03)
 
 
+@pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1 + 1e-9, 5, 3), (2 - 1e-9, 2, 30), (1.5, 1 + 1e-6, 5)])
+def test_lightest_loads_follow_the_same_power(D, gamma, m):
+    # ln h bends only through the logarithm in Westergaard's h: less and less over equal factors of the load.
+    xi = np.geomspace(1e-305, 1e-155, 16)
+    answer = layer.curve(xi, D, gamma, m)
+    slope = np.diff(np.log(answer.compliance)) / np.log(1e10)
+    power = answer.resistance * xi / answer.compliance
+    assert np.all((slope > power[1:]) & (slope < power[:-1]))
+    assert np.ptp(power) < 3e-3
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1.5, 2), (1.25, 5), (1 + 1e-9, 5)])
+def test_endless_series_under_heavy_loads(D, gamma):
+    loads = np.array([1e-3, 1.0, 1e3, 1e300])
+    together = layer.curve(loads, D, gamma, math.inf)
+    assert together.compliance[-1] == pytest.approx(tail_amplitude(0, D, gamma), rel=1e-14)
+    # Finite series of nearly that amplitude, and the endless one without the heavy loads.
+    np.testing.assert_allclose(together.compliance, layer.compliance(loads, D, gamma, 200), rtol=ACCURACY)
+    np.testing.assert_allclose(
+        together.compliance[:2], layer.compliance(loads[:2], D, gamma, math.inf), rtol=ACCURACY
+    )
+
+
+def test_waves_that_no_number_of_levels_reaches_are_refused(monkeypatch):
+    monkeypatch.setattr(layer.stack, "MOST_LEVELS", 60)
+    with pytest.raises(ConvergenceError, match="the heaviest load presses more than 60 waves flat"):
+        layer.curve([1e-3, 1e300], 1.5, 2, math.inf)
+
+
+@pytest.mark.parametrize("load", [1e-5, 0.3, 30.0])
+@pytest.mark.parametrize("m", [3, math.inf])
+def test_one_load_whose_layer_is_pressed_much_less(load, m):
+    # gamma = 1e6: all that the finer waves carry lies far below the load.
+    alone = layer.compliance([load], 1.5, 1e6, m)
+    assert alone == pytest.approx(layer.compliance([1e-9, load], 1.5, 1e6, m)[1:], rel=ACCURACY)
+    assert alone <= archard.compliance(load, 1.5, 1e6, m) * (1 + 1e-5)
+
+
 @pytest.mark.parametrize(("D", "gamma", "m"), CASES)
 def test_full_contact_is_exact(D, gamma, m):
     full = full_contact(D, gamma, m)
@@ -199,11 +237,11 @@ def test_certificate_sees_a_wrong_state():
     log_load = math.log(0.1)
     solved = trace(np.array([log_load]), law, level.mesh, TOLERANCE)
     h = solved.compliance[0]
-    assert violation(solved.state[0], log_load, law, h) < 1e-12
+    assert violation(solved.state[0], log_load, law, h, cosines(POINTS)) < 1e-12
     for component in (0, POINTS // 2, POINTS):
         wrong = solved.state[0].copy()
         wrong[component] += 0.1
-        assert violation(wrong, log_load, law, h) > 1e-6
+        assert violation(wrong, log_load, law, h, cosines(POINTS)) > 1e-6
 
 
 def test_close_to_the_numerical_solution():
@@ -227,6 +265,7 @@ def test_close_to_the_numerical_solution():
         (([0.1], 1.5, 5, 2.5), "m must be"),
         (([0.1, 0.0], 1.5, 5, 3), "mean_pressure must be"),
         (([], 1.5, 5, 3), "mean_pressure must be"),
+        (([1e-306], 1.5, 5, 3), "mean_pressure must be finite and at least 1e-305"),
         (([0.1], 1.5, 5, 3, 2), "points must be"),
     ],
 )

@@ -28,8 +28,10 @@ POINTS = 24
 ACCURACY = 1e-5
 TOLERANCE = 1e-10
 MOST_LEVELS = 1000  # a series that has not converged by then is refused
+LIGHTEST = 1e-305  # load that leaves doubles to such a table
 MARGIN = 5.0  # tables begin at e^-5 of the lightest load: what presses less moves h by less than 1e-6
 MOST_HALVINGS = 40  # of the rows of a table; 10 do
+LOG_UNSEEN = math.log(1e-25)  # of h, relative to itself: far below the rounding of doubles
 ROUNDING = 1e-13  # of the freshly applied operator
 
 
@@ -64,7 +66,7 @@ def curve(
     Parameters
     ----------
     mean_pressure : array_like
-        Positive mean pressures of any shape and order, in p_0*.
+        Mean pressures of any shape and order, at least 1e-305, in p_0*.
     D : float
         Fractal dimension, 1 < D < 2.
     gamma : float
@@ -89,7 +91,7 @@ def curve(
         If a parameter lies outside its range.
     ConvergenceError
         If a wave misses the tolerance, or a long series still changes after 1000 levels: each new one changes the
-        compliance gamma^(D-2) times as much as the one before.
+        compliance gamma^(D-2) times as much as the one before, and loads gamma^(D-1) times as heavy need one more.
 
     Notes
     -----
@@ -162,16 +164,18 @@ class Recursion:
         finer, levels, change = self.finest(endless if math.isinf(m) else 1.0), 1, math.inf
         while levels < min(m - 1, MOST_LEVELS):
             coarser = self.coarser(finer)
-            change = self.remainder(coarser, finer)
+            change, covered = self.remainder(coarser, finer), self.covered(coarser, finer, levels)
             finer, levels = coarser, levels + 1
-            if change <= self.accuracy:
+            if change <= self.accuracy and covered:
                 return finer, levels
         if levels < m - 1:
-            raise ConvergenceError(
+            cause = (
                 f"the layer model still changes by {change:.1e} of itself after {levels} levels, above the accuracy "
-                f"{self.accuracy:.1e}: choose a larger gamma, a smaller m or a larger accuracy",
-                change,
+                f"{self.accuracy:.1e}: choose a larger gamma, a smaller m or a larger accuracy"
+                if change > self.accuracy
+                else f"the heaviest load presses more than {levels} waves flat: choose lighter loads or a smaller m"
             )
+            raise ConvergenceError(cause, change)
         return finer, levels
 
     def finest(self, amplitude: float) -> Stack:
@@ -212,11 +216,14 @@ class Recursion:
                 answer.residual[:partial] = violation * edge_depth(traced)
         return answer
 
+    def covered(self, coarser: Stack, finer: Stack, levels: int) -> bool:
+        """Whether tables end at the same load, or waves beyond these levels yield too little to be seen."""
+        same = coarser.law.log_pressure[-1] == finer.law.log_pressure[-1]
+        return bool(same or levels * self.log_height_ratio < LOG_UNSEEN)
+
     def remainder(self, coarser: Stack, finer: Stack) -> float:
-        """What all further levels may still change W by, relative to itself, once the tables cover the same loads."""
+        """What all further levels may still change W by, relative to itself."""
         log_load = coarser.law.log_pressure
-        if log_load[-1] != finer.law.log_pressure[-1]:
-            return math.inf
         change = np.abs(coarser.law.log_compression - compressions(finer.law, log_load))
         return float(np.max(change[log_load >= self.lightest])) / math.expm1(-self.log_height_ratio)
 
@@ -234,19 +241,18 @@ class Recursion:
         """Rows e-folds apart, and between them as many as the cubics need to meet the next midpoints."""
         top = min(self.top, log_full)
         y = np.linspace(self.bottom, top, math.ceil(top - self.bottom) + 1)
-        W, slope = law(y)
+        rows = np.array([y, *law(y)])
         middle, half = (y[1:] + y[:-1]) / 2, (y[1] - y[0]) / 2
         for _ in range(MOST_HALVINGS):
-            table = _monotone(y, W, slope)
-            rows = (middle, *law(middle))
-            wrong = np.abs(np.log(rows[1]) - compressions(table, middle)) > self.accuracy
-            place = np.searchsorted(y, middle)
-            y, W, slope = (np.insert(old, place, new) for old, new in zip((y, W, slope), rows, strict=True))
+            table, between = _monotone(*rows), np.array([middle, *law(middle)])
+            wrong = np.abs(np.log(between[1]) - compressions(table, middle)) > self.accuracy
+            rows = np.concatenate([rows, between], axis=1)
+            rows = rows[:, np.argsort(rows[0])]
             if not np.any(wrong):
                 break
             half /= 2
             middle = (middle[wrong, None] + np.array([-half, half])).ravel()
-        return _monotone(y, W, slope)
+        return _monotone(*rows)
 
     def _check(self, log_load: Array, residual: Array, limit: Array | float) -> None:
         missed = np.flatnonzero(~(residual <= limit))
@@ -267,16 +273,10 @@ def _recursion(log_load: Array, D: float, gamma: float, mesh: Mesh, accuracy: fl
     load = math.exp(log_load[-1])
     second = (2 * math.sqrt(load) if load < 1 else 1 + load) / ratio
     last = 1 / math.expm1((D - 1) * log_ratio) if ratio < 2 else 4 / ratio**2  # zeta_n tends there
-    lightest = min(float(log_load[0]), 0.0)  # the troughs carry light loads in any case
+    top = math.log(max(second, last))
+    lightest = min(float(log_load[0]), 0.0, top)  # the troughs carry light loads in any case
     return Recursion(
-        (D - 1) * log_ratio,
-        (D - 2) * log_ratio,
-        lightest,
-        lightest - MARGIN,
-        math.log(max(second, last)),
-        mesh,
-        accuracy,
-        tolerance,
+        (D - 1) * log_ratio, (D - 2) * log_ratio, lightest, lightest - MARGIN, top, mesh, accuracy, tolerance
     )
 
 
@@ -284,16 +284,17 @@ def _monotone(log_load: Array, W: Array, slope: Array) -> Layer:
     """A table whose cubics are monotone: no slope above three times that of a neighbouring chord."""
     log_W = np.log(W)
     chord = np.diff(log_W) / np.diff(log_load)
-    steepest = 3 * np.minimum(np.append(chord, chord[-1]), np.append(chord[0], chord))
+    beside = np.concatenate([chord[:1], chord, chord[-1:]])
+    steepest = 3 * np.minimum(beside[1:], beside[:-1])
     return Layer(log_load, log_W, np.clip(slope * np.exp(log_load) / W, 0, np.maximum(steepest, 0)))
 
 
 def _checked_loads(mean_pressure: ArrayLike) -> Array:
     loads = np.asarray(mean_pressure, float)
-    wrong = ~((loads > 0) & np.isfinite(loads))
+    wrong = ~((loads >= LIGHTEST) & np.isfinite(loads))
     if loads.size == 0 or np.any(wrong):
         found = loads[wrong].flat[0] if loads.size else "none"
-        raise ValueError(f"mean_pressure must be positive and finite, in p_0*, got {found}")
+        raise ValueError(f"mean_pressure must be finite and at least {LIGHTEST:g} p_0*, got {found}")
     return loads
 
 

@@ -181,15 +181,16 @@ def solve(matrix: Array, right: Array) -> Array:
             for j in range(k, n):
                 matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
             right[k], right[pivot] = right[pivot], right[k]
+        pivotal = matrix[k, k + 1 :]
         for i in range(k + 1, n):
-            factor = matrix[i, k] / matrix[k, k]
-            for j in range(k + 1, n):
-                matrix[i, j] -= factor * matrix[k, j]
+            factor, row = matrix[i, k] / matrix[k, k], matrix[i, k + 1 :]
+            for j in range(row.size):  # from 0, so that no index may be negative: this vectorises
+                row[j] -= factor * pivotal[j]
             right[i] -= factor * right[k]
     for k in range(n - 1, -1, -1):
-        for j in range(k + 1, n):
-            right[k] -= matrix[k, j] * right[j]
         right[k] /= matrix[k, k]
+        for i in range(k):
+            right[i] -= matrix[i, k] * right[k]
     return right
 
 
@@ -250,7 +251,7 @@ def first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
     for _ in range(GUESSES):
         crowding = max(0.0, math.log(math.pi / (2 * math.sqrt(sine_squared))))
         w, _ = compression(layer, log_load + crowding)
-        sine_squared = math.sqrt(sine_squared * min(1.0, load + w / 2))
+        sine_squared = math.sqrt(sine_squared) * math.sqrt(min(1.0, load + w / 2))  # their product may underflow
     state = np.append(np.log(2 * mesh.rise), math.log(sine_squared))  # Westergaard's q
     if sine_squared > 0.9:
         state[:points], state[points] = 0.0, w
@@ -316,7 +317,17 @@ def trace(log_load: Array, layer: Layer, mesh: Mesh, tolerance: float) -> Trace:
 
 
 @kernel
-def violation(state: Array, log_load: float, layer: Layer, h: float) -> float:
+def cosines(points: int) -> Array:
+    """cos(k phi) at the midpoints, shape (k, midpoints)."""
+    table = np.empty((points, points))
+    for k in range(points):
+        for j in range(points):
+            table[k, j] = math.cos(k * (j + 0.5) * (math.pi / points))
+    return table
+
+
+@kernel
+def violation(state: Array, log_load: float, layer: Layer, h: float, cosine: Array) -> float:
     """Largest breach of a contact condition, on a freshly applied operator; relative as in `error`.
 
     The conditions: u + w = h - 2 sin^2(pi x) in contact and at its edge, no less beyond it, and the mean pressure.
@@ -324,19 +335,21 @@ def violation(state: Array, log_load: float, layer: Layer, h: float) -> float:
     points = state.size - 1
     edge, load = state[points], math.exp(log_load)
     log_sine, trough = min(edge, 0.0), max(edge, 0.0)
-    sine_squared, phi = math.exp(log_sine), (np.arange(points) + 0.5) * (math.pi / points)
-    excess, k = np.expm1(state[:points]), np.arange(points)
-    series = np.zeros(points)
+    sine_squared, excess = math.exp(log_sine), np.expm1(state[:points])
+    series, displacement = np.zeros(points), np.full(points, -load * log_sine)
     for order in range(1, points):
+        wave = cosine[order]
         for j in range(points):
-            series[order] += 2 * load / (points * order) * math.cos(order * phi[j]) * excess[j]
+            series[order] += 2 * load / (points * order) * wave[j] * excess[j]
+        for j in range(points):
+            displacement[j] += series[order] * wave[j]
     worst = 0.0
     for j in range(points):
-        rise = math.sin(phi[j] / 2) ** 2
+        rise = math.sin((j + 0.5) * (math.pi / (2 * points))) ** 2
         factor, _ = log_pressure_factor(edge, rise)
         w, _ = compression(layer, log_load + state[j] + factor)
-        u = (series * np.cos(k * phi[j])).sum() - load * log_sine
-        worst = max(worst, abs(u + w + 2 * sine_squared * (1 - rise) - h))
+        worst = max(worst, abs(displacement[j] + w + 2 * sine_squared * (1 - rise) - h))
+    k = np.arange(points)
     farthest = 2 * math.acosh(math.exp(-log_sine / 2))  # phi = i eta outside: sin(pi x) = sin(pi a) cosh(eta/2)
     for i in range(POINTS_OUTSIDE + 1):
         eta = farthest * i / POINTS_OUTSIDE
@@ -349,9 +362,9 @@ def violation(state: Array, log_load: float, layer: Layer, h: float) -> float:
 @kernel
 def violations(traced: Trace, log_load: Array, layer: Layer) -> Array:
     """`violation` of every load, shape (loads,)."""
-    worst = np.zeros(log_load.size)
+    worst, cosine = np.zeros(log_load.size), cosines(traced.state.shape[1] - 1)
     for i in range(log_load.size):
-        worst[i] = violation(traced.state[i], log_load[i], layer, traced.compliance[i])
+        worst[i] = violation(traced.state[i], log_load[i], layer, traced.compliance[i], cosine)
     return worst
 
 
