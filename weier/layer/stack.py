@@ -247,7 +247,7 @@ class Recursion:
             table, between = _monotone(*rows), np.array([middle, *law(middle)])
             wrong = np.abs(np.log(between[1]) - compressions(table, middle)) > self.accuracy
             rows = np.concatenate([rows, between], axis=1)
-            rows = rows[:, np.argsort(rows[0])]
+            rows = np.take(rows, np.argsort(rows[0]), axis=1)
             if not np.any(wrong):
                 break
             half /= 2

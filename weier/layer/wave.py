@@ -129,6 +129,16 @@ def log_pressure_factor(edge: float, rise: float) -> tuple[float, float]:
 
 
 @kernel
+def excesses(state: Array) -> tuple[Array, float]:
+    """By how much 2 pi q exceeds xi at the nodes, in xi, shape (M,), and the mean, which ought to be 0."""
+    excess, mean = np.empty(state.size - 1), 0.0
+    for j in range(excess.size):
+        excess[j] = math.expm1(state[j])
+        mean += excess[j] / excess.size
+    return excess, mean
+
+
+@kernel
 def balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance:
     """Equations: u + w + 2 sin^2(pi x) at every node as at the edge, and the mean pressure as given."""
     points = mesh.rise.size
@@ -136,8 +146,7 @@ def balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance:
     sine_squared, trough = math.exp(min(edge, 0.0)), max(edge, 0.0)
     residual, drift, trust = np.zeros(points + 1), np.zeros(points + 1), np.zeros(points + 1)
     jacobian = np.zeros((points + 1, points + 1))
-    excess = np.expm1(state[:points])
-    mean = excess.mean()
+    excess, mean = excesses(state)
     for i in range(points):
         factor, slope = log_pressure_factor(edge, mesh.rise[i])
         w, stiffness = compression(layer, log_load + state[i] + factor)
@@ -252,16 +261,20 @@ def first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
         crowding = max(0.0, math.log(math.pi / (2 * math.sqrt(sine_squared))))
         w, _ = compression(layer, log_load + crowding)
         sine_squared = math.sqrt(sine_squared) * math.sqrt(min(1.0, load + w / 2))  # their product may underflow
-    state = np.append(np.log(2 * mesh.rise), math.log(sine_squared))  # Westergaard's q
+    state = np.zeros(points + 1)
     if sine_squared > 0.9:
-        state[:points], state[points] = 0.0, w
-    elif w > 2 * load:
-        log_p, total = log_load + crowding, 0.0
-        for j in range(points - 1, -1, -1):
+        state[points] = w
+        return state
+    state[points] = math.log(sine_squared)
+    log_p, total = log_load + crowding, 0.0
+    for j in range(points - 1, -1, -1):
+        state[j] = math.log(2 * mesh.rise[j])  # Westergaard's q
+        if w > 2 * load:
             log_p = log_pressure_of(layer, math.log(w * mesh.rise[j]), log_p)
             state[j] = log_p - log_load - log_pressure_factor(state[points], mesh.rise[j])[0]
-            total += math.exp(state[j])
-        state[:points] -= math.log(total / points)
+        total += math.exp(state[j])
+    for j in range(points):
+        state[j] -= math.log(total / points)
     return state
 
 
@@ -335,7 +348,7 @@ def violation(state: Array, log_load: float, layer: Layer, h: float, cosine: Arr
     points = state.size - 1
     edge, load = state[points], math.exp(log_load)
     log_sine, trough = min(edge, 0.0), max(edge, 0.0)
-    sine_squared, excess = math.exp(log_sine), np.expm1(state[:points])
+    sine_squared, (excess, mean) = math.exp(log_sine), excesses(state)
     series, displacement = np.zeros(points), np.full(points, -load * log_sine)
     for order in range(1, points):
         wave = cosine[order]
@@ -349,14 +362,16 @@ def violation(state: Array, log_load: float, layer: Layer, h: float, cosine: Arr
         factor, _ = log_pressure_factor(edge, rise)
         w, _ = compression(layer, log_load + state[j] + factor)
         worst = max(worst, abs(displacement[j] + w + 2 * sine_squared * (1 - rise) - h))
-    k = np.arange(points)
     farthest = 2 * math.acosh(math.exp(-log_sine / 2))  # phi = i eta outside: sin(pi x) = sin(pi a) cosh(eta/2)
     for i in range(POINTS_OUTSIDE + 1):
         eta = farthest * i / POINTS_OUTSIDE
-        u = (series * np.exp(-eta * k)).sum() - load * (log_sine + eta)
+        u, decay = 0.0, math.exp(-eta)
+        for order in range(points - 1, -1, -1):
+            u = u * decay + series[order]
+        u -= load * (log_sine + eta)
         gap = u + trough + 2 * sine_squared * math.cosh(eta / 2) ** 2 - h
         worst = max(worst, -gap if i > 0 else abs(gap))
-    return worst / (2 * sine_squared + trough) + abs(excess.mean())
+    return worst / (2 * sine_squared + trough) + abs(mean)
 
 
 @kernel
