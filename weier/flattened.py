@@ -157,10 +157,10 @@ def _find_runs(p: Array, step: Array, m: Array, fixed: Array) -> tuple[Indices, 
 
 @kernel
 def _flat_waves(p: float, step: float, m: float, fixed: float) -> tuple[float, float, float]:
-    """Number of flat waves, and between which loads it is the same; step is ln gamma^(D-1)."""
+    """Number of flat waves, above which load and up to which it is the same; step is ln gamma^(D-1)."""
     if not p > 1:
         return 0.0, 0.0, 1.0
-    if fixed >= 1:
+    if fixed >= 1:  # xi never falls to 1
         return m, 1.0, math.inf
     waves = (math.log(p - fixed) - math.log(1 - fixed)) / step
     number = np.ceil(waves)
