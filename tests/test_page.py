@@ -128,7 +128,7 @@ def test_a_plan_stands_against_what_it_took_and_missed(planned):
     assert [row[3] for row in table] == ["0.5", "1.5", "0", "2"]
     assert [row[7] for row in table] == ["3.0e-05", "7.0e-05", "unknown", "7.0e-05"]
     for row, each, took in zip(table, made, (0.5, 1.5), strict=False):
-        assert row[2] == f"{each.seconds:.2g}"
+        assert row[2] == f"{each.seconds:.3g}"
         assert row[4] == f"{took / each.seconds:.2g}"
         assert row[5:7] == ["1.0e-04", f"{each.error:.1e}"]
 

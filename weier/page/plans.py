@@ -82,7 +82,7 @@ def _row(way: str, found: Sequence[Outcome]) -> list[object]:
     planned, took, *errors = np.array([each[1:] for each in found]).T
     sums = np.nansum(planned), np.nansum(took)
     ratio = f"{sums[1] / sums[0]:.2g}" if all(sums) else ""
-    return [way, len(found), *(f"{each:.2g}" for each in sums), ratio, *map(_largest, errors)]
+    return [way, len(found), *(f"{each:.3g}" for each in sums), ratio, *map(_largest, errors)]
 
 
 def _largest(errors: np.ndarray) -> str:
