@@ -1,6 +1,7 @@
 # The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
 rule docs:
     input:
+        scene="config/scenes/paper.yaml",
         source=sorted(str(path) for path in Path("weier").rglob("*.py")),
         pages=[
             path
