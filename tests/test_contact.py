@@ -88,9 +88,9 @@ def test_nothing_is_read_before_it_is_asked_for(path):
         assert one["compliance"].values.shape == (5, 40)
 
 
-MANY = 10_000
 PART = 500
 MEMORY = 60  # MB, for 166 MB of curves: a part of it, block by block, and the caches of the files
+MEMORY_KEYS = 3e-4  # MB a case: the places of all keys
 
 GATHER = """
 import resource, sys
@@ -104,29 +104,50 @@ study.gather(files, [f"{key:06}" for key in range(count)], folder / "many.nc", "
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
 
+LOOK = """
+import resource, sys
+import weier
+weier.open(sys.argv[2]).sel(D=0, method="bem")["compliance"].values
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+found = weier.open(sys.argv[1]).sel(D=[7, 9998], method="bem")["compliance"].values
+assert found.shape[0] == 2, found.shape
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
+"""
+
+
+def peak(program, *arguments):
+    """What a program prints: MB that it took more than for a small part of the same."""
+    command = [sys.executable, "-c", program, *map(str, arguments)]
+    return float(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+@pytest.fixture(scope="module", params=[10_000, pytest.param(100_000, marks=pytest.mark.slow)])
+def count(request):
+    return request.param
+
 
 @pytest.fixture(scope="module")
-def many(tmp_path_factory):
+def many(count, tmp_path_factory):
     folder = tmp_path_factory.mktemp("many")
     data = dataset.blank(PART, ["archard", "demelio", "layer", "bem"], LOADS, 3)
     random = np.random.default_rng(1)
     for values in data.data_vars.values():
         if values.dtype.kind == "f":
             values.values[:] = random.random(values.shape).round(2)
-    for start in range(0, MANY, PART):
+    for start in range(0, count, PART):
         data["key"].values[:] = [f"{key:06}" for key in range(start, start + PART)]
         data["D"].values[:] = np.arange(start, start + PART)
         dataset.write(data, folder / f"part{start:06}.nc", "part")
     return folder
 
 
-def test_many_cases_are_gathered_in_little_memory(many):
-    command = [sys.executable, "-c", GATHER, str(many), str(MANY)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert float(done.stdout) < MEMORY
-    with xr.open_dataset(many / "many.nc") as data, xr.open_dataset(many / "part009500.nc") as part:
-        assert data.sizes["case"] == MANY
-        assert data["D"].values.tolist() == list(range(MANY))
+def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
+    assert peak(GATHER, many, count) < MEMORY + MEMORY_KEYS * count
+    assert peak(LOOK, many / "many.nc", many / "part000000.nc") < MEMORY + MEMORY_KEYS * count
+    last = many / f"part{count - PART:06}.nc"
+    with xr.open_dataset(many / "many.nc") as data, xr.open_dataset(last) as part:
+        assert data.sizes["case"] == count
+        assert data["D"].values.tolist() == list(range(count))
         for name in ("compliance", "status", "settings"):
             assert data[name][-PART:].equals(part[name].drop_vars(())), name
         raw = sum(

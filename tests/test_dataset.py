@@ -69,6 +69,45 @@ def test_gather_refuses_what_is_not_there(files, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_gather_refuses_nothing(tmp_path):
+    with pytest.raises(ValueError, match="there must be files to gather from, got none"):
+        study.gather([], ["nobody"], tmp_path / "a.nc", "test")
+
+
+def test_gather_names_the_file_of_another_scene(files, tmp_path):
+    stranger = tmp_path / "stranger.nc"
+    dataset.write(dataset.read(files[0]).assign_coords(key=("case", ["a", "b"])), stranger, "another")
+    with pytest.raises(ValueError, match=f"none of the files.*delete {stranger} and make it again"):
+        study.gather([stranger, files[1]], study.keys_of(files), tmp_path / "a.nc", "test")
+
+
+MIXED = """
+title: mixed
+loads: [0.01, 0.1, 1.0]
+methods: [demelio]
+contact_edges: true
+studies:
+  short: {product: {D: 1.25, gamma: 5, m: 1}, methods: [archard, patches]}
+  long: {product: {D: 1.25, gamma: 5, m: 2}}
+"""
+
+
+def test_batches_of_other_methods_and_terms_come_together(tmp_path):
+    (tmp_path / "mixed.yaml").write_text(MIXED)
+    mixed = scene.load(tmp_path / "mixed.yaml")
+    parts = [batch.solve_batch(mixed, cases)[0] for cases in mixed.batches.values()]
+    assert [(part.method.values.tolist(), part.sizes["term"], part.sizes["edge"]) for part in parts] == [
+        (["archard", "patches"], 1, 2), (["demelio"], 2, 10)
+    ]  # fmt: skip
+    for name, part in zip(("short", "long"), parts, strict=True):
+        dataset.write(part, tmp_path / f"{name}.nc", name)
+    keys = [key for part in parts for key in part.key.values.tolist()]
+    study.gather([tmp_path / "short.nc", tmp_path / "long.nc"], keys, tmp_path / "both.nc", "both")
+    both = dataset.read(tmp_path / "both.nc")
+    every = [case for cases in mixed.batches.values() for case in cases]
+    xr.testing.assert_equal(both.drop_attrs(), batch.solve_batch(mixed, every)[0].drop_attrs())
+
+
 def test_bounds_stand_around_the_exact_methods_only(waves):
     # Not sel(method=...): that keyword of xarray means another thing.
     bem = waves.sel({"method": "bem"}).isel(case=[0, 1])

@@ -59,6 +59,15 @@ def test_an_unknown_batch_is_refused(scene_file, tmp_path):
     assert "no batch 'two-0'" in done.stderr
 
 
+@pytest.mark.parametrize("arguments", [("gather", "two", "a.nc", "."), ("figure", "two", "a.png")])
+def test_an_unknown_study_or_figure_is_refused(scene_file, arguments):
+    command, *others = arguments
+    done = weier(command, scene_file, *others)
+    assert done.returncode == 1
+    assert "has no" in done.stderr
+    assert "'two'" in done.stderr
+
+
 def test_help_names_every_command():
     done = weier("--help")
     assert "..." not in done.stdout.partition("Commands:")[2]  # a line says it all

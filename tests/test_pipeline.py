@@ -96,7 +96,8 @@ def test_a_changed_kernel_runs_all_that_depends_on_it(finished):
 
 def test_a_study_more_solves_only_its_own_cases(finished):
     path = finished / "config/scenes/test.yaml"
-    path.write_text(SCENE.replace("figures:", "  rough: {product: {D: 1.5, gamma: 5, m: 1}}\nfigures:"))
+    rough = "  rough: {product: {D: 1.5, gamma: 5, m: 3}, methods: [archard]}"  # longer, and by another method
+    path.write_text(SCENE.replace("figures:", f"{rough}\nfigures:"))
     assert planned(finished)["solve"] == 1
     path.write_text(SCENE)
 

@@ -94,13 +94,24 @@ def test_batches_are_no_larger_than_asked(tmp_path):
     assert [len(cases) for cases in loaded.batches.values()] == [3, 3, 1]
 
 
-def test_the_definition_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
-    def definition(**changes):
-        return scene.load(write(tmp_path, **changes)).definition("one-0")
+def test_the_digest_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
+    def digest(**changes):
+        return scene.load(write(tmp_path, **changes)).digest("one-0")
 
-    assert definition() == definition(title="another", figures={"f": {"draw": "compliance", "studies": ["one"]}})
-    assert definition() != definition(loads=[0.1, 2.0])
-    assert definition() != definition(methods=["archard"])
+    assert digest() == digest(title="another", figures={"f": {"draw": "compliance", "studies": ["one"]}})
+    assert digest() != digest(loads=[0.1, 2.0])
+    assert digest() != digest(methods=["archard"])
+    assert digest() != digest(contact_edges=True)
+    longer = {"product": {"D": 1.5, "gamma": 5, "m": 9}, "methods": ["archard", "layer"]}
+    assert digest() == digest(studies={"two": longer} | MINIMAL["studies"])
+
+
+def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
+    loaded = scene.load(write(tmp_path))
+    with pytest.raises(scene.SceneError, match="scene scene has no study 'two', only one"):
+        loaded.study_named("two")
+    with pytest.raises(scene.SceneError, match="scene scene has no figure 'two', only none"):
+        loaded.figure_named("two")
 
 
 @pytest.mark.parametrize(

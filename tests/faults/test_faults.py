@@ -90,7 +90,7 @@ def paused(checkout, at, tmp_path):
             COMMAND, cwd=checkout, env=environment(checkout, **more), stdout=said, stderr=said, start_new_session=True
         )
     try:
-        wait(lambda: here.exists() and here.read_text())
+        wait(lambda: process.poll() is not None or (here.exists() and here.read_text()))
         yield process, int(here.read_text())
     finally:
         here.unlink(missing_ok=True)
@@ -127,7 +127,7 @@ def test_kill_of_a_worker(checkout, undisturbed, tmp_path):
 @pytest.mark.slow
 def test_kill_of_a_job(checkout, undisturbed, tmp_path):
     """The shell dies, its worker does not know and finishes."""
-    forget(checkout, *PRODUCTS, "batches/one-0.nc")
+    forget(checkout, *PRODUCTS, "batches/one-0.nc", "studies/one.nc")
     with paused(checkout, "batches/one-0.nc", tmp_path) as (snakemake, worker):
         os.kill(parent(worker), signal.SIGKILL)
         assert snakemake.wait(PATIENCE) != 0
