@@ -119,6 +119,12 @@ def test_parametric_curve_is_the_printed_one(x):
     assert computed[1] == pytest.approx(float(stiffness), rel=1e-12)
 
 
+def test_no_root_is_too_large_for_the_curve():
+    epsilon, stiffness = stiffness_curve([1e8, 1e100, 1e200, 1e300])
+    np.testing.assert_allclose(epsilon, 1, rtol=1e-15)
+    np.testing.assert_allclose(stiffness, 2 / 3 * 0.5 ** (1 / 3), rtol=1e-15)
+
+
 @pytest.mark.parametrize("epsilon", [-0.1, 1.0, np.nan, [0.5, 2.0]])
 @pytest.mark.parametrize("function", [tangent_roots, stiffness_bounds, lambda e: force_coefficients(e, 1, 1)])
 def test_roughness_outside_its_range_is_refused(function, epsilon):

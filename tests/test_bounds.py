@@ -159,3 +159,14 @@ def test_missing_loads_stay_missing_and_spoil_no_other():
         assert np.isnan(bound).all()
     for bound in compliance_bounds(holed, 0.1):
         np.testing.assert_array_equal(np.isnan(bound), ~present)
+
+
+@pytest.mark.parametrize("G", [0.0, 1e-300, 1e10, 1e300])
+def test_loads_of_any_size_are_bounded_in_silence(G):
+    """A bound beyond the largest float is inf; warnings are errors here."""
+    p = np.array([1e-300, 1e-20, np.nextafter(1, 0), 1.0, np.nextafter(1, 2), 1e300])
+    lower, upper = resistance_bounds(p, westergaard.compliance(p), G, first_contact=0.0)
+    slack = np.finfo(float).eps / np.diff(p).min(initial=1, where=p[1:] > 0.5)  # of chords an ulp long
+    assert np.all(lower <= westergaard.resistance(p) + slack)
+    assert np.all(westergaard.resistance(p) <= upper + slack)
+    assert not np.isnan(lower + upper).any()

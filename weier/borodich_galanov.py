@@ -77,11 +77,10 @@ def stiffness_curve(x: ArrayLike) -> tuple[Array, Array]:
     With (B.18), 1 - epsilon = (1 + epsilon) lambda^2.
     """
     x = np.asarray(x, float)
-    y = 1 / x**2  # (B.19) divided by x^6: a large x cannot overflow
+    y = (1 / x) ** 2  # (B.19) divided by x^6: a large x cannot overflow
     ratio = (3 - y) ** 2 * y / 4  # lambda^2
     epsilon = ((x - 1) / x * ((x + 1) / x)) ** 2 * (4 - y) / (4 + (3 - y) ** 2 * y)
-    common = (2 / (1 + ratio)) ** (-1 / 3) / np.sqrt(ratio)
-    return epsilon, common / x
+    return epsilon, ((1 + ratio) / 2) ** (1 / 3) * 2 / (3 - y)  # x lambda = (3 - y)/2
 
 
 def _checked(epsilon: ArrayLike) -> Array:

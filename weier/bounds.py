@@ -92,8 +92,9 @@ def resistance_bounds(
         other_h = np.concatenate([start, h], axis=-1)
     run = p[..., :, None] - other_p[..., None, :]
     rise = h[..., :, None] - other_h[..., None, :] + 2 * G
-    steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
-    flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+    with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
+        steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+        flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
     missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
     lower = np.maximum(np.fmax.reduce(flattest, axis=-1), 0)
     upper = np.fmin.reduce(steepest, axis=-1)

@@ -71,8 +71,7 @@ def inside(profile: Profile, p: Array, h: Array, R: Array, noise: Noise, mesh: f
     one = westergaard.compliance(p)
     low, high = compliance_bounds(one, band)
     within = (low <= h - total + 1) & (h - total + 1 <= high)
-    with np.errstate(over="ignore"):  # a wide band over a narrow step bounds nothing
-        low, high = resistance_bounds(p, one, band, first_contact=0.0)
+    low, high = resistance_bounds(p, one, band, first_contact=0.0)
     if not math.isinf(noise.slope):
         within &= (low * (1 - noise.slope) <= R) & (R * (1 - noise.slope) <= high)
     return bool(np.all(within))
