@@ -18,9 +18,11 @@ from weier.tradeoff.contenders import Contender
 Array = NDArray[np.float64]
 
 SHALLOW = 10  # terms, of which the layer has a curve in a second; each load of a deeper stack takes some
+MOST_WAVES = 300  # of the finest term in a period, for dense matrices
 PAPER_POINTS = 12  # for each of the finest waves, of the dense solver
 LEAST_POINTS, MOST_POINTS = 3, 2**20
 NEAR = (1e-12, 1e-8, 1e-4)  # relative distances of loads from an event
+THINNED = 3  # of the births and merges, one in so many
 
 SWEEP = 10.0 ** np.array(
     [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), -3, -2.5, -2, -1.5, -1, -0.5, 0, 0.5, 1, 2, 6, 12,
@@ -94,12 +96,12 @@ def around(loads: ArrayLike) -> Array:
 
 
 def _eventful(phases: list[float], apart: float = 0.0) -> tuple[Case, Array]:
-    """Three waves, and the loads around all births and merges of their contacts.
+    """Three waves, and the loads around births and merges of their contacts.
 
     Those that come in pairs are looked up where the symmetry is broken: the last phase is this much `apart`.
     """
     case, beside = (_case(1.5, "3", 3, [*phases[:2], phases[2] + change]) for change in (0.0, apart))
-    return case, around(patches.events(beside.profile, 1e-3, 100.0).mean_pressure)
+    return case, around(patches.events(beside.profile, 1e-3, 100.0).mean_pressure[::THINNED])
 
 
 def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> Case:
@@ -111,12 +113,17 @@ def _extreme(name: str, case: Case, loads: Array) -> Extreme:
     names = ["westergaard"] if case.profile.m == 1 else []
     names += ["archard", "demelio"]
     names += ["layer"] if case.profile.m <= SHALLOW else []
-    names += ["bem", "patches"] if math.isfinite(case.profile.m) else []
+    names += ["bem", "planned"] if math.isfinite(case.profile.m) else []
     found = [Contender(method, method, {}) for method in names]
-    if math.isfinite(case.profile.m):
-        found.append(Contender("planned", "planned", {}))
-        found.insert(-2, Contender("bem direct", "bem", {"solver": "direct", **_paper_points(case.profile)}))
+    if math.isfinite(case.profile.m) and (few_waves(case.profile) or not resolvable(case.profile)):
+        direct = {"solver": "direct", **_paper_points(case.profile)}
+        found += [Contender("bem direct", "bem", direct), Contender("patches", "patches", {})]
     return Extreme(name, case, loads, tuple(found))
+
+
+def few_waves(profile: Profile) -> bool:
+    """Whether a dense matrix of all contacts of a finite series is one of seconds."""
+    return resolvable(profile) and profile.wavenumber[-1] <= MOST_WAVES
 
 
 def _slow(name: str, case: Case, load: float) -> Extreme:

@@ -27,11 +27,12 @@ NOTE = (
     "the first wave in closed form sets, with the law of the mesh error for boundary elements; in all of it what "
     "rounding, iteration or an asked tolerance leaves is allowed. *Digits* are the fewest correct ones over the "
     "loads, relative to the number itself, 16 for no error; *error* is the largest of h, in g\\_0. They are "
-    "counted against the sum of the recursion in 50 digits (mpmath), against a layer of twice the points, "
-    "or for boundary elements and contact patches against closed forms at first touch and full contact and, "
-    "between, contact patches at a tolerance of 1e-12 of the same profile begun elsewhere. Few digits of h at "
-    "light loads are what a mesh gives, whose contact is one node at least; `bem direct` has the paper's 12 "
-    "points for each of the finest waves."
+    "counted against the sum of the recursion in 50 digits (mpmath), against a layer of twice the points, or for "
+    "boundary elements and contact patches against closed forms at first touch and full contact and, between, "
+    "contact patches at a tolerance of 1e-12 of the same profile begun elsewhere. Within an ulp of full contact, "
+    "or of p\\_n\\* by Demelio, the resistance is as ill-conditioned as its digits show: half a unit in the last "
+    "place of p changes it as much. Few digits of h at light loads are what a mesh gives, whose contact is one "
+    "node at least; `bem direct` has the paper's 12 points for each of the finest waves."
 )
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.extremes import exact
+from weier.extremes.cases import SHALLOW, few_waves
 from weier.extremes.examine import examine
-from weier.limits import resolvable
 from weier.patches.guess import Surface, surface
 from weier.profile import Profile
 from weier.tradeoff.contenders import Contender
@@ -23,7 +23,6 @@ LIGHT = 1e-20  # p_0*: below, a contact is so small that its relative error as a
 TIGHTEST = 1e-12  # tolerance of the contact patches on the moved profile
 MOVE = 0.3  # lambda_0, by which the profile is moved for it
 LAYER: dict[str, Any] = {"points": 48, "accuracy": 1e-6}  # twice the points: errors fall as N^-2.4 at least
-MOST_WAVES = 300  # in a period, that contact patches are asked for
 
 
 class Truth(NamedTuple):
@@ -43,9 +42,11 @@ def truth(method: str, profile: Profile, loads: Array) -> Truth:
         return _collected([exact.archard(p, *series) for p in loads], "mpmath")
     if method == "demelio":
         return _collected([exact.demelio(p, *series) for p in loads], "mpmath")
+    if method == "layer" and profile.m > SHALLOW:
+        return _unknown(loads)  # minutes a load
     if method == "layer":
         return _collected(_solved(Contender("layer", "layer", LAYER), profile, loads), "finer layer")
-    if math.isinf(profile.m) or not resolvable(profile) or profile.wavenumber[-1] > MOST_WAVES:
+    if math.isinf(profile.m) or not few_waves(profile):
         return _unknown(loads)
     return _contact(profile, tuple(loads.tolist()))
 
