@@ -29,13 +29,13 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
 
 @pytest.fixture(scope="module")
 def convergence():
-    return endless.convergence(PROFILE, LOADS, 6).isel(case=0)
+    return endless.convergence([PROFILE], LOADS, 6).isel(case=0)
 
 
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
     h = convergence["compliance"].values
     low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
-    mesh = 4.5 / 32**2  # of the boundary elements of estimate and bounds, in g_0
+    mesh = 4.5 / 32**2  # of the estimate's grid, in g_0
     assert np.all((low - mesh <= h) & (h <= high + mesh))
     # The last estimate lies within the bounds of every shorter series: they are about the same endless one.
     assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
@@ -52,6 +52,20 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
     h, low, high = (convergence[name].values[3] for name in ("compliance", "compliance_lower", "compliance_upper"))
     estimate, middle = np.abs(h - truth).mean(), np.abs((low + high) / 2 - truth).mean()
     assert estimate < middle / 2
+
+
+def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
+    """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
+    monkeypatch.setattr(endless, "MOST_POINTS", 300)
+    monkeypatch.setattr(endless, "MOST_BOUND_POINTS", 2000)
+    data = endless.convergence([Profile(1.25, 5, math.inf, random_phases(1))], LOADS[::2], 5)
+    found = data.isel(case=0)
+    assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
+    assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
+    low, high = (found[f"compliance_{side}"].values[:4] for side in ("lower", "upper"))
+    assert np.all(low.max(axis=0) <= high.min(axis=0))
+    assert np.all(high <= float(found["total_amplitude"]))
+    figures.draw("endless", [data], "", tmp_path / "endless.png")
 
 
 def test_resistance_is_the_slope_of_the_estimate():

@@ -245,13 +245,13 @@ def tradeoff_command(scene_file: Path, path: Path, table: Path) -> None:
 @output("path")
 @click.option("--terms", default=8, show_default=True, help="Waves to resolve, from 1 up to this.")
 def endless_command(scene_file: Path, path: Path, terms: int) -> None:
-    """An endless series by the number of terms resolved.
+    """Endless series by the number of terms resolved.
 
-    Best estimates and bounds of the first case of a scene.
+    Best estimates and bounds of the cases of a scene.
     """
     loaded = scene.load(scene_file)
-    (case, *_) = next(iter(loaded.studies.values()))
-    found = endless.convergence(case.profile, loaded.loads, terms)
+    profiles = [case.profile for study in loaded.studies.values() for case in study]
+    found = endless.convergence(profiles, loaded.loads, terms)
     dataset.write(found, path, loaded.title, "solved", loaded.text)
 
 

@@ -7,12 +7,15 @@ layer model's law of the endless series (4.3), the fixed point of one level. At 
 
 and one number s at a node says both: s = w(p) + c p in contact, the negative gap outside, so that w, p and their
 slopes are continuous in s and Newton's method needs no set of active nodes. For k = 1 this is the layer model itself;
-the more terms are resolved, the less is left to it. Beside it stand the bounds theorem's rigorous limits.
+the more terms are resolved, the less is left to it. Beside it stand the bounds theorem's rigorous limits, which a
+plain grid finds for more terms than the layer can be laid under.
 """
 
 from __future__ import annotations
 
 import math
+import sys
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from weier import bem, dataset, layer
+from weier import bem, dataset, laws, layer
 from weier.bem.curve import checked_points
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
@@ -37,6 +40,8 @@ NEWTON_STEPS = 60
 STEP_ACCURACY, RATE_ACCURACY = 1e-6, 1e-9  # relative residuals of the linear equations of a step, of dh/dp;
 DIRECTIONS, RESTARTS = 80, 10  # some tens of directions reach them
 TOLERANCE = 1e-9  # of the residual, in g_0
+BOUND_SHARE = 0.02  # of the tail's amplitude, that boundary elements may be off when they find the bounds
+MOST_BOUND_POINTS = 2**20
 ROWS = 400  # of the law's table, over
 LIGHTEST, HEAVIEST = 1e-9, 1e3  # its loads, in p_k* : beyond, power laws
 
@@ -46,8 +51,8 @@ class Curve(NamedTuple):
 
     compliance : best estimate of h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp of it, in g_0/p_0*
-    compliance_lower, compliance_upper : rigorous bounds on h, from the resolved terms alone; their error by boundary
-        elements is not in them
+    compliance_lower, compliance_upper : rigorous bounds on h, from the resolved terms alone, and as much wider as
+        boundary elements may be off
     residual : largest violation of the equations, in g_0
     """
 
@@ -106,19 +111,51 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     """
     loads = checked_loads(mean_pressure)
     kept, points = _checked(profile, terms, points)
-    tail = kept.tail_amplitude
     law = _law(kept, float(influence_coefficients(points, kept.period)[0]))
     h, R, residual = _solve_loads(kept, loads, points, law)
-    coarse = bem.curve(kept, loads, resistance=False).compliance
-    return Curve(h, R, coarse, coarse + 2 * tail, residual)
+    return Curve(h, R, *bounds(profile, loads, terms), residual)
 
 
-def convergence(profile: Profile, mean_pressure: ArrayLike, most_terms: int) -> xr.Dataset:
-    """The estimate and its bounds with 1, 2, ... resolved terms.
+def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Array, Array]:
+    """Rigorous bounds on the compliance of the endless series, from its first terms by boundary elements.
 
     Parameters
     ----------
     profile : Profile
+        With m = inf.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, in p_0*.
+    terms : int
+        Waves to resolve.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (loads,)
+        In g_0. The upper is not above full contact, h = sum g_n.
+
+    Raises
+    ------
+    ValueError
+        If the terms take more than 2^20 points.
+    ConvergenceError
+        If boundary elements miss their tolerance.
+    """
+    kept = truncated(profile, terms)
+    tail = kept.tail_amplitude
+    points, miss = laws.bem_points(kept, BOUND_SHARE * tail, "compliance"), BOUND_SHARE * tail
+    if points > MOST_BOUND_POINTS:
+        raise ValueError(f"terms must be fewer, got {terms}: {points} points are more than {MOST_BOUND_POINTS}")
+    h = bem.curve(kept, checked_loads(mean_pressure), points=points, tolerance=miss / 10, resistance=False).compliance
+    off = laws.bem_compliance_error(kept, points) + laws.RESIDUAL * miss / 10
+    return h - off, np.minimum(h + 2 * tail + off, profile.total_amplitude)
+
+
+def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_terms: int) -> xr.Dataset:
+    """The estimate and its bounds with 1, 2, ... resolved terms.
+
+    Parameters
+    ----------
+    profiles : sequence of Profile
         With m = inf.
     mean_pressure : array_like, shape (loads,)
         Increasing, in p_0*.
@@ -128,20 +165,43 @@ def convergence(profile: Profile, mean_pressure: ArrayLike, most_terms: int) -> 
     Returns
     -------
     Dataset
-        As that of a scene, with "1 resolved", "2 resolved" ... for methods.
+        As that of a scene, with "1 resolved", "2 resolved" ... for methods. Where only the bounds are within reach
+        there is no estimate, and where neither is, the status says so.
 
     """
-    loads, counts = checked_loads(mean_pressure), range(1, most_terms + 1)
-    data = dataset.blank(1, [f"{count} resolved" for count in counts], loads, most_terms)
-    data["D"].values[0], data["gamma"].values[0], data["m"].values[0] = profile.D, float(profile.gamma), profile.m
-    data["phase"].values[0] = truncated(profile, most_terms).phase
-    data["total_amplitude"].values[0], data["tail_amplitude"].values[0] = profile.total_amplitude, 0.0
-    for row, count in enumerate(counts):
-        for name, values in curve(profile, loads, count)._asdict().items():
-            data[name].values[0, row] = values
-        data["points"].values[0, row] = POINTS_PER_WAVE * truncated(profile, count).wavenumber[-1]
-        data["status"].values[0, row] = dataset.Status.solved
+    loads = checked_loads(mean_pressure)
+    names = [f"{count} resolved" for count in range(1, most_terms + 1)]
+    data = dataset.blank(len(profiles), names, loads, most_terms)
+    for case, profile in enumerate(profiles):
+        values = {"D": profile.D, "gamma": float(profile.gamma), "m": profile.m, "tail_amplitude": 0.0}
+        for name, value in {**values, "total_amplitude": profile.total_amplitude}.items():
+            data[name].values[case] = value
+        data["phase"].values[case] = truncated(profile, most_terms).phase
+        for row in range(most_terms):
+            _resolve_into(data, (case, row), profile, loads)
     return data
+
+
+def _resolve_into(data: xr.Dataset, place: tuple[int, int], profile: Profile, loads: Array) -> None:
+    """The estimate with its bounds, or the bounds alone where there are too many points for it."""
+    terms = place[1] + 1
+    points = POINTS_PER_WAVE * truncated(profile, terms).wavenumber[-1]
+    try:
+        if points <= MOST_POINTS:
+            found = curve(profile, loads, terms)._asdict()
+            data["points"].values[place] = points
+        else:
+            found = dict(zip(("compliance_lower", "compliance_upper"), bounds(profile, loads, terms), strict=True))
+    except ConvergenceError as error:
+        print(f"{profile.describe()}, {terms} resolved: {error}", file=sys.stderr)
+        data["status"].values[place] = dataset.Status.not_converged
+        return
+    except ValueError:
+        data["status"].values[place] = dataset.Status.not_applicable
+        return
+    for name, values in found.items():
+        data[name].values[place] = values
+    data["status"].values[place] = dataset.Status.solved
 
 
 def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:

@@ -145,10 +145,8 @@ def _solved(profile: Profile, part: Part) -> Solved:
 
 def _on_layer(profile: Profile, part: Part) -> Solved:
     """The estimate, with the least of what its law and its certificate say."""
-    terms = int(part.terms)
-    found, kept = endless.curve(profile, part.mean_pressure, terms, **part.settings), truncated(profile, terms)
-    mesh = laws.bem_compliance_error(kept, bem.checked_points(kept))
-    beside = np.maximum(found.compliance_upper - found.compliance, found.compliance - found.compliance_lower) + mesh
+    found = endless.curve(profile, part.mean_pressure, int(part.terms), **part.settings)
+    beside = np.maximum(found.compliance_upper - found.compliance, found.compliance - found.compliance_lower)
     unknown = np.full(beside.size, np.inf)
     return Solved(found.compliance, found.resistance, np.minimum(part.error, beside), unknown)
 

@@ -9,13 +9,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from weier import curves
 from weier.figures import style
 
 SHOWN = (1, 2, 4)  # resolved terms, beside the most there are
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Estimates within the bounds of the last, and how both close in as terms are resolved.
+    """Two panels a case: estimates within the best bounds, and how both close in as terms are resolved.
 
     Raises
     ------
@@ -23,22 +24,28 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         If fewer than two numbers of terms were resolved.
 
     """
-    (case,) = (study.isel(case=0) for study in studies)
-    if case.sizes["method"] < 2:
-        raise ValueError(f"there are no estimates to compare, only {case.sizes['method']}: resolve more terms")
-    figure, axes = style.column(2)
-    _curves(axes[0], case)
-    _convergence(axes[1], case)
-    style.name_panel(axes[0], 0, 2, style.describe(case, "D", "gamma", "m"))
-    style.name_panel(axes[1], 1, 2, "largest over the loads")
+    cases = [case for case in curves.cases(studies) if _estimated(case).size > 1]
+    if not cases:
+        raise ValueError("there are no estimates to compare in these data: resolve more terms")
+    figure, axes = style.column(2 * len(cases))
+    for number, case in enumerate(cases):
+        _curves(axes[2 * number], case)
+        _convergence(axes[2 * number + 1], case)
+        style.name_panel(axes[2 * number], 2 * number, len(axes), style.describe(case, "D", "gamma", "m"))
+        style.name_panel(axes[2 * number + 1], 2 * number + 1, len(axes), "largest over the loads")
     style.set_title(figure, title)
     return figure
 
 
+def _estimated(case: xr.Dataset) -> np.ndarray:
+    """Rows that have an estimate."""
+    return np.flatnonzero(np.isfinite(case["compliance"].values).all(axis=1))
+
+
 def _curves(axes: Axes, case: xr.Dataset) -> None:
-    loads, h, most = case["mean_pressure"].values, case["compliance"].values, case.sizes["method"]
+    loads, h, most = case["mean_pressure"].values, case["compliance"].values, int(_estimated(case)[-1]) + 1
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
-    axes.fill_between(loads, low.max(axis=0), high.min(axis=0), label="bounds", **style.BOUND)
+    axes.fill_between(loads, np.fmax.reduce(low), np.fmin.reduce(high), label="bounds", **style.BOUND)
     counts = [*(count for count in SHOWN if count < most), most]
     for look, count in zip(style.family(len(counts)), counts, strict=True):
         axes.plot(loads, h[count - 1], label=f"{count} resolved", **look)
@@ -47,12 +54,19 @@ def _curves(axes: Axes, case: xr.Dataset) -> None:
 
 
 def _convergence(axes: Axes, case: xr.Dataset) -> None:
-    h, counts = case["compliance"].values, np.arange(1, case.sizes["method"] + 1)
-    width = (case["compliance_upper"].values - case["compliance_lower"].values).max(axis=1) / 2
-    off = np.abs(h[:-1] - h[-1]).max(axis=1)
-    axes.plot(counts, width, label=r"rigorous: half of the bounds, $G_k$", color=style.BLACK, marker="s")
-    label = f"estimate: distance from {counts[-1]} resolved"
-    axes.plot(counts[:-1], off, label=label, color=style.GREEN, marker="o", linestyle=style.DASHES[1])
-    room = off.min() / 10  # below the curves, for the legend
+    """Half the width of the bounds, and how far the estimates are from the last, or from bounds that go further."""
+    h, estimated = case["compliance"].values, _estimated(case)
+    low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
+    bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
+    width = (high - low)[bounded].max(axis=1) / 2
+    axes.plot(bounded + 1, width, label="rigorous: half of the bounds", color=style.BLACK, marker="s")
+    if bounded[-1] > estimated[-1]:
+        shown, best, what = estimated, (low + high)[bounded[-1]] / 2, f"the middle of the bounds by {bounded[-1] + 1}"
+    else:
+        shown, best, what = estimated[:-1], h[estimated[-1]], f"{estimated[-1] + 1} resolved"
+    off = np.abs(h[shown] - best).max(axis=1)
+    label = f"estimate: distance from {what}"
+    axes.plot(shown + 1, off, label=label, color=style.GREEN, marker="o", linestyle=style.DASHES[1])
+    room = min(off.min(), width.min()) / 10  # below the curves, for the legend
     axes.set(yscale="log", ylim=(room, None), xlabel="resolved terms $k$", ylabel=r"error of $h/g_0$")
     axes.legend(loc="lower left")

@@ -82,7 +82,7 @@ def verify_endless(count: int, seed: int = 0) -> Iterator[Verified]:
         D, gamma = random.uniform(1.05, 1.7), str(random.choice(GAMMAS))
         profile = Profile(D, gamma, math.inf, random_phases(int(random.integers(2**31))))
         known = truncated(profile, _longest(profile).terms - 1).tail_amplitude
-        tolerance = 10 ** random.uniform(np.log10(known), np.log10(MOST_TOLERANCE))
+        tolerance = known * (MOST_TOLERANCE / known) ** random.random()
         if known < MOST_TOLERANCE:
             done += 1
             yield _against_more_terms(profile, tolerance)
