@@ -89,8 +89,8 @@ def test_nothing_is_read_before_it_is_asked_for(path):
 
 
 PART = 500
-MEMORY = 60  # MB, for 166 MB of curves: a part of it, block by block, and the caches of the files
-MEMORY_KEYS = 3e-4  # MB a case: the places of all keys
+MEMORY = 70  # MB, for 166 or 1660 MB of curves: a part of it, block by block, and the caches of the files
+MEMORY_KEYS = 3e-4  # MB a case: where each key belongs
 
 GATHER = """
 import resource, sys
