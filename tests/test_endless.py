@@ -85,6 +85,21 @@ def test_what_is_not_endless_or_too_long_is_refused():
         endless.curve(Profile(1.5, 5, math.inf), LOADS, 7)
 
 
+@pytest.mark.parametrize("load", [1e-300, 0.9e-6, 1.1e3, 1e300])
+def test_loads_that_the_equations_do_not_carry_are_refused(load):
+    with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\] p_0\*.*got .*: take method layer"):
+        endless.curve(PROFILE, [load], 1)
+
+
+def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
+    """Within the error of the mesh, 9e-4 of a wave, twice as much where a node is all of the contact."""
+    profile = Profile(1.25, 5, math.inf)
+    found, exact = endless.curve(profile, list(endless.LOADS), 1), layer.curve(endless.LOADS, 1.25, 5, math.inf)
+    assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
+    assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
+    assert np.all(found.resistance >= 0)
+
+
 def test_the_figure(convergence, tmp_path):
     figures.draw("endless", [convergence.expand_dims("case")], "", tmp_path / "endless.png")
     assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}

@@ -44,6 +44,7 @@ BOUND_SHARE = 0.1  # of the tail's amplitude, that boundary elements may be off 
 MOST_BOUND_POINTS = 2**20
 ROWS = 400  # of the law's table, over
 LIGHTEST, HEAVIEST = 1e-9, 1e3  # its loads, in p_k* : beyond, power laws
+LOADS = 1e-6, 1e3  # p_0*: lighter ones drown in the tolerance, heavier ones leave the table
 
 
 class Curve(NamedTuple):
@@ -101,7 +102,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     Raises
     ------
     ValueError
-        If the series ends, or takes more than 2^14 points.
+        If the series ends, or takes more than 2^14 points, or a load lies outside [1e-6, 1e3].
     ConvergenceError
         If Newton's method stops short of 1e-9 g_0.
 
@@ -109,7 +110,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     -----
     The bounds are [h_k, h_k + 2 G_k] with G_k the amplitude of the tail (27).
     """
-    loads = checked_loads(mean_pressure)
+    loads = _checked_loads(mean_pressure)
     kept, points = _checked(profile, terms, points)
     law = _law(kept, float(influence_coefficients(points, kept.period)[0]))
     h, R, residual = _solve_loads(kept, loads, points, law)
@@ -214,6 +215,17 @@ def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile,
     return kept, points
 
 
+def _checked_loads(mean_pressure: ArrayLike) -> Array:
+    loads = checked_loads(mean_pressure)
+    outside = (loads < LOADS[0]) | (loads > LOADS[1])
+    if outside.any():
+        raise ValueError(
+            f"mean_pressure must lie in [{LOADS[0]:g}, {LOADS[1]:g}] p_0* where terms are resolved on the layer, got "
+            f"{loads[outside][0]:g}: take method layer"
+        )
+    return loads
+
+
 def _law(kept: Profile, stiffness: float) -> Law:
     """The tail's layer, in the units of the first wave."""
     D, gamma, n = kept.D, float(kept.gamma), kept.terms
@@ -243,7 +255,8 @@ def _solve_loads(kept: Profile, loads: Array, points: int, law: Law) -> tuple[Ar
         h[i] = kept.total_amplitude - state[-1]
         # By how much the flat sinks is the equations' answer to a unit of load.
         unit = np.append(np.zeros(points), 1.0)
-        R[i] = -_answer(_at(state[:-1], law), sinking, unit, RATE_ACCURACY)[-1]
+        rate = _answer(_at(state[:-1], law), sinking, unit, RATE_ACCURACY)[-1]
+        R[i] = max(-rate, 0.0)  # close to full contact the rate is below its own accuracy, of either sign
     return h, R, miss
 
 
