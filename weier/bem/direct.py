@@ -14,7 +14,7 @@ ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding node
 
 
 @kernel
-def contact_system(influence: Array, nodes: NDArray[np.int64]) -> Array:
+def _system(influence: Array, nodes: NDArray[np.int64]) -> Array:
     """The matrix of influence on the nodes in contact, bordered by the height of the flat and the load."""
     n, points = nodes.size, influence.size
     matrix = np.zeros((n + 1, n + 1))
@@ -84,7 +84,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
             right[:n, 0] = height[nodes]
             right[n, 0] = loads[load]
             right[n, 1] = 1.0
-            solution = np.linalg.solve(contact_system(influence, nodes), right)
+            solution = np.linalg.solve(_system(influence, nodes), right)
             pressure[:] = 0.0
             pressure[nodes] = solution[:n, 0]
             gap = solution[n, 0] - height + _displacement(influence, pressure, nodes)

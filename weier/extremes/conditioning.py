@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.linalg import circulant
 
-from weier.bem.direct import contact_system
 from weier.halfplane import eigenvalues, influence_coefficients
 
 Array = NDArray[np.float64]
@@ -22,8 +22,13 @@ def operator(points: int) -> float:
 
 
 def system(points: int, contact: int) -> float:
-    """Condition number of the paper's dense equations, with so many neighbouring nodes in contact."""
-    return float(np.linalg.cond(contact_system(influence_coefficients(points), np.arange(contact))))
+    """Condition number of the paper's dense equations, with so many neighbouring nodes in contact.
+
+    The influence of the nodes on each other, bordered by the height of the flat and the load.
+    """
+    influence = circulant(influence_coefficients(points))[:contact, :contact]
+    flat, load = np.ones((contact, 1)), np.full((1, contact), 1 / points)
+    return float(np.linalg.cond(np.block([[influence, flat], [load, np.zeros((1, 1))]])))
 
 
 def conditioning() -> xr.Dataset:
