@@ -1,0 +1,63 @@
+"""What single precision would gain boundary elements, and where it would stop: `python -m benchmarks.float32`."""
+
+from __future__ import annotations
+
+from time import process_time
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from weier import Profile
+from weier.bem import fft
+from weier.bem.curve import full_contact, nested_grids
+from weier.halfplane import eigenvalues
+
+PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+POINTS = [2**power for power in range(9, 18)]
+PER_WAVE = (64, 512, 4096)
+LOADS = (1e-3, 0.1, 1.0)
+WORK = 2**22  # nodes that make a time long enough
+
+
+def main() -> None:
+    """Print the time of a pair of FFTs in both precisions, and the residual that single precision sees."""
+    for points in POINTS:
+        double, single = (_pair_seconds(points, kind) for kind in (np.float64, np.float32))
+        print(f"{points} nodes: {1e6 * double:.0f} us, {1e6 * single:.0f} us, {double / single:.2f} times as fast")
+    for per_wave in PER_WAVE:
+        points = per_wave * PROFILE.wavenumber[-1]
+        seen = ", ".join(f"{residual:.0e} g_0 at {load:g} p_0*" for load, residual in _residuals(points))
+        print(f"{points} nodes: an exact solution has the residual {seen}")
+
+
+def _pair_seconds(points: int, kind: Any) -> float:
+    x, sinking = np.random.default_rng(0).normal(size=points).astype(kind), eigenvalues(points, 1).astype(kind)
+    least, repeat = np.inf, max(20, WORK // points)
+    for _ in range(5):
+        start = process_time()
+        for _ in range(repeat):
+            _product(sinking, x)
+        least = min(least, (process_time() - start) / repeat)
+    return least
+
+
+def _product(sinking: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
+    return np.asarray(scipy.fft.irfft(scipy.fft.rfft(x) * sinking, x.size))
+
+
+def _residuals(points: int) -> list[tuple[float, float]]:
+    """By load: half the range of z - A p in contact, of a solution to 1e-10 g_0, in single precision."""
+    grids, state = nested_grids(PROFILE, points, 1e-10), fft.make_state(points)
+    sinking, z = eigenvalues(points, 1).astype(np.float32), PROFILE.sampled_height(points).astype(np.float32)
+    found = []
+    for load in LOADS:
+        fft.descend(load, grids, full_contact(grids, load), state)
+        deformed = z - _product(sinking, state.pressure.astype(np.float32))
+        found.append((load, float(np.ptp(deformed[state.contact]) / 2)))
+    return found
+
+
+if __name__ == "__main__":
+    main()
