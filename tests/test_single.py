@@ -42,6 +42,15 @@ def test_json_is_what_solve_gives(run):
     assert found["units"]["resistance"] == "g_0/p_0*"
 
 
+def test_json_tells_what_a_plan_took_of_the_plan_alone(run):
+    _, out, _ = run("solve", *PROFILE, "--loads", "0.1,20", "--method", "demelio", "--method", "planned")
+    methods = json.loads(out)["methods"]
+    assert methods["planned"]["planned_method"] == ["bem", "full contact"]
+    assert methods["planned"]["planned_terms"] == [2.0, 2.0]
+    assert methods["planned"]["planned_points"][1] is None
+    assert "planned_terms" not in methods["demelio"]
+
+
 def test_json_has_no_nan_and_no_infinity(run):
     code, out, _ = run("solve", "-D", "1.25", "--gamma", "5/2", "-m", "inf", "--method", "demelio", "--loads", "0.1")
     assert code == 0

@@ -19,8 +19,10 @@ from weier.errors import ConvergenceError
 from weier.files import replacing
 from weier.limits import MOST_LOADS
 from weier.loads import checked_loads
+from weier.scene import PLANNED as PLANNED_METHOD
 from weier.scene import Case, Scene
 from weier.solve import check_settings
+from weier.variables import PLANNED
 
 Array = NDArray[np.float64]
 
@@ -145,7 +147,7 @@ def as_json(data: xr.Dataset) -> str:
     """The curves of one case as JSON: what each method has, null where a number is missing or without bound."""
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
-    curves = {method: _curves(case.sel({"method": method})) for method in case["method"].values.tolist()}
+    curves = {method: _curves(_of(case, method)) for method in case["method"].values.tolist()}
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
     units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
@@ -153,15 +155,24 @@ def as_json(data: xr.Dataset) -> str:
     return json.dumps(found | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
 
 
+def _of(case: xr.Dataset, method: str) -> xr.Dataset:
+    """What belongs to a method."""
+    run = case.sel({"method": method})
+    return run if method == PLANNED_METHOD else run.drop_vars(PLANNED, errors="ignore")
+
+
 def _curves(run: xr.Dataset) -> dict[str, Any]:
     """What a method has, but what belongs to the profile."""
     own = [name for name, values in run.items() if values.dtype.kind == "f" and name not in PROFILE]
+    own += [name for name in run.data_vars if name == "planned_method"]
     numbers = {str(name): _plain(run[name].values) for name in own if run[name].notnull().any()}
     return numbers | {"settings": json.loads(str(run["settings"].values))}
 
 
 def _plain(values: Array) -> Any:
-    """Numbers as JSON has them: it knows neither nan nor inf."""
+    """Numbers as JSON has them: it knows neither nan nor inf. Words as they are."""
+    if values.dtype.kind == "U":
+        return values.tolist()
     if values.ndim == 0:
         return float(values) if np.isfinite(values) else "inf" if np.isposinf(values) else None
     return [_plain(value) for value in values]
