@@ -74,6 +74,7 @@ rule solve:
         " config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output} 2>&1 | tee {log}"
 
 
+# From the folder of batches: the names of some thousands fit no command.
 rule gather:
     input:
         source=sources("weier.study", "weier.dataset"),
@@ -90,7 +91,7 @@ rule gather:
         text=lambda w: scene(w.scene).text,
     shell:
         "python -m weier gather config/scenes/{wildcards.scene}.yaml"
-        " {wildcards.study} {output} results/{wildcards.scene}/batches 2>&1 | tee {log}"  # names of 40 000 batches fit no command
+        " {wildcards.study} {output} results/{wildcards.scene}/batches 2>&1 | tee {log}"
 
 
 rule bounds:
