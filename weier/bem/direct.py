@@ -4,54 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import circulant
 
 from weier.bem.contact import Answer, count_patches, no_answer
-from weier.jit import kernel
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
 
 
-@kernel
-def _system(influence: Array, nodes: NDArray[np.int64]) -> Array:
-    """The matrix of influence on the nodes in contact, bordered by the height of the flat and the load."""
-    n, points = nodes.size, influence.size
-    matrix = np.zeros((n + 1, n + 1))
-    for i in range(n):
-        for j in range(n):
-            matrix[i, j] = influence[(nodes[i] - nodes[j]) % points]
-        matrix[i, n] = 1.0
-        matrix[n, i] = 1.0 / points
-    return matrix
-
-
-@kernel
-def _displacement(influence: Array, pressure: Array, nodes: NDArray[np.int64]) -> Array:
-    """The dense product, over the nodes that carry pressure."""
-    points = influence.size
-    u = np.zeros(points)
-    for j in nodes:
-        for i in range(points):
-            u[i] += influence[(i - j) % points] * pressure[j]
-    return u
-
-
-@kernel
-def _update(contact: NDArray[np.bool_], pressure: Array, gap: Array, tolerance: float, stiffness: float) -> bool:
-    """Release nodes in tension, add nodes in penetration; whether anything changed."""
-    changed = False
-    for i in range(contact.size):
-        if contact[i] and pressure[i] < -tolerance * stiffness:
-            contact[i] = False
-            changed = True
-        elif not contact[i] and gap[i] < -tolerance:
-            contact[i] = True
-            changed = True
-    return changed
-
-
-@kernel
 def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> Answer:
     """Solve every load from the heaviest down, each from the contact of the one before.
 
@@ -72,32 +34,33 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
         Arrays over the loads, in their order; work counts dense solutions.
 
     """
-    answer = no_answer(loads.size)
-    contact = pressure > 0
+    answer, matrix, contact = no_answer(loads.size), circulant(influence), pressure > 0
     for load in range(loads.size - 1, -1, -1):
-        changed = True
-        rounds = 0
-        while changed and rounds < ROUNDS:
-            nodes = np.flatnonzero(contact)
-            n = nodes.size
-            right = np.zeros((n + 1, 2))
-            right[:n, 0] = height[nodes]
-            right[n, 0] = loads[load]
-            right[n, 1] = 1.0
-            solution = np.linalg.solve(_system(influence, nodes), right)
-            pressure[:] = 0.0
-            pressure[nodes] = solution[:n, 0]
-            gap = solution[n, 0] - height + _displacement(influence, pressure, nodes)
-            changed = _update(contact, pressure, gap, tolerance, 1 / influence[0])
-            rounds += 1
+        for answer.work[load] in range(1, ROUNDS + 1):
+            flat, resistance, pressure[:] = _on_contact(matrix, contact, height, loads[load])
+            gap = flat - height + matrix @ pressure
+            stretched = contact & (pressure < -tolerance / influence[0])
+            pierced = ~contact & (gap < -tolerance)
+            nodes, contact = contact, contact & ~stretched | pierced
+            if np.array_equal(contact, nodes):
+                break
         pressure[:] = np.maximum(pressure, 0.0)
-        gap = solution[n, 0] - height + _displacement(influence, pressure, nodes)
-        answer.flat[load] = solution[n, 0]
-        answer.resistance[load] = -solution[n, 1]
-        answer.contact_nodes[load] = n
-        answer.patches[load] = count_patches(contact)
+        gap = flat - height + matrix @ pressure
+        answer.flat[load], answer.resistance[load] = flat, resistance
+        answer.contact_nodes[load], answer.patches[load] = nodes.sum(), count_patches(contact)
         answer.residual[load] = max(
             np.abs(gap[nodes]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
         )
-        answer.work[load] = rounds
     return answer
+
+
+def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array]:
+    """Height of the flat, the rate at which it sinks, and pressure, were all nodes in contact held there."""
+    nodes = np.flatnonzero(contact)
+    n, points = nodes.size, contact.size
+    system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))
+    system[:n, :n], system[n, :n], system[n, n] = matrix[np.ix_(nodes, nodes)], 1 / points, 0.0
+    right[:n, 0], right[n] = height[nodes], (load, 1.0)
+    solution, pressure = np.linalg.solve(system, right), np.zeros(points)
+    pressure[nodes] = solution[:n, 0]
+    return solution[n, 0], -solution[n, 1], pressure
