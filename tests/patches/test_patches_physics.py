@@ -7,9 +7,9 @@ import pytest
 
 from weier import ConvergenceError, Profile, patches
 from weier.patches import settle
-from weier.patches.collocation import CONVERGED
 from weier.patches.guess import arrange, carried_over, surface
 from weier.patches.march import first
+from weier.patches.newton import CONVERGED
 
 THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 LOADS = np.geomspace(1e-3, 2, 40)
@@ -37,8 +37,9 @@ def random_case(seed: int) -> tuple[Profile, float]:
     return profile, float(np.exp(rng.uniform(np.log(1e-8), np.log(surface(profile).full_load))))
 
 
-def test_random_cases_are_complementary():
-    for seed in range(40):
+@pytest.mark.parametrize("seeds", [range(40), pytest.param(range(40, 340), marks=pytest.mark.slow)], ids=len)
+def test_random_cases_are_complementary(seeds):
+    for seed in seeds:
         profile, load = random_case(seed)
         solution = assert_complementary(profile, load)
         period = profile.period
@@ -190,6 +191,41 @@ def test_events_of_symmetric_profiles_come_in_pairs():
     assert found.x[1] + found.x[2] == pytest.approx(1)
     merge = patches.events(Profile(1.25, 2, 2, (0.0, np.pi)), 1e-3, 1.0)
     np.testing.assert_array_equal(merge.birth, [False])
+
+
+@pytest.mark.parametrize("phase", [0.0, np.pi])
+def test_events_of_one_load_are_found_together(phase):
+    """z is even: whatever happens beside the axis happens on both sides at once."""
+    found = patches.events(Profile(1.5, 3, 3, (0.0, phase, phase)), 0.1, 1.45)
+    beside = np.minimum(np.abs(found.x % 0.5), 0.5 - found.x % 0.5) > 1e-6
+    load, x = found.mean_pressure[beside], found.x[beside]
+    assert load.size >= 4
+    np.testing.assert_allclose(load[::2], load[1::2], rtol=1e-9)
+    np.testing.assert_allclose(x[::2] + x[1::2], 1, atol=1e-6)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8])
+def test_loads_on_an_event_are_solved(shift):
+    found = patches.events(THREE_WAVES, 0.15, 0.35)
+    assert found.mean_pressure.size >= 4
+    for load, birth in zip(found.mean_pressure, found.birth, strict=True):
+        below, at, above = patches.curve(THREE_WAVES, load * np.array([1 - 1e-4, 1 + shift, 1 + 1e-4])).resistance
+        assert below > at > above
+        # At a birth dh/dp falls like 1/ln of the distance; at a merger it bends.
+        assert below - above < (0.3 if birth else 1e-3) * at
+
+
+@pytest.mark.parametrize("loads", [[1e-300, 1e-200], [1e-300, 1e300]])
+def test_loads_of_any_size(loads):
+    curve = patches.curve(THREE_WAVES, loads)
+    assert np.all(np.isfinite(curve.compliance))
+    with pytest.raises(ValueError, match="must be at least 1e-300"):
+        patches.curve(THREE_WAVES, [1e-308, *loads])
+
+
+def test_a_far_load_of_a_symmetric_profile_takes_few_steps():
+    """Contacts born in pairs once overlapped, and asked for thousands of nodes."""
+    assert patches.curve(Profile(1.5, 3, 4), np.geomspace(1e-3, 10, 8)).work.max() < 30
 
 
 def test_contacts_only_grow():

@@ -75,24 +75,28 @@ def series(a: Array, t: float) -> float:
 
 
 @kernel
-def integrals(a: Array, t: float) -> tuple[float, float]:
-    """The Cauchy integral and the logarithmic potential at t, any real t."""
+def integrals(a: Array, t: float) -> tuple[float, float, float]:
+    """The Cauchy integral, its derivative and the logarithmic potential at t, any real t; no derivative at +-1."""
     if abs(t) <= 1:
-        rho, first, ratio, stretch = 0.0, t, 2 * t, 1.0
+        rho, first, ratio, stretch, steep = 0.0, t, 2 * t, 1.0, 1.0
     else:
-        rho = t + np.copysign(np.sqrt((t - 1) * (t + 1)), t)
-        first, ratio, stretch = 1 / rho, 1 / rho, 0.0
-    cauchy = 0.0
-    potential = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
+        root = np.copysign(np.sqrt((t - 1) * (t + 1)), t)
+        rho = t + root
+        first, ratio, stretch, steep = 1 / rho, 1 / rho, 0.0, -1 / (rho * root)
+    along, slope = 0.0, 0.0
+    about = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
     before, here = 1.0, first  # T_k, T_(k+1)
+    flat = 0.0  # U_(k-1), and steep is U_k: T_(k+1)' = (k+1) U_k
     for k in range(a.size):
-        cauchy += a[k] * here
+        along += a[k] * here
+        slope += a[k] * (k + 1) * steep
         after = ratio * here - stretch * before
         if k > 0:
-            potential -= 0.5 * a[k] * before / k
-        potential += 0.5 * a[k] * after / (k + 2)
+            about -= 0.5 * a[k] * before / k
+        about += 0.5 * a[k] * after / (k + 2)
         before, here = here, after
-    return np.pi * cauchy, np.pi * potential
+        flat, steep = steep, ratio * steep - stretch * flat
+    return np.pi * along, np.pi * slope, np.pi * about
 
 
 @kernel
@@ -103,7 +107,7 @@ def central_logarithm(count: int) -> Array:
     unit = np.zeros(count)
     for k in range(count):
         unit[k] = 1.0
-        potential = integrals(unit, 0.0)[1]
+        potential = integrals(unit, 0.0)[2]
         unit[k] = 0.0
         for q in range(count):
             row[q] += potential * 2 / (count + 1) * sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)]

@@ -1,4 +1,4 @@
-"""The equations of a set of segments with free ends, their Jacobian, and Newton's method.
+"""The equations of a set of segments with free ends, and their Jacobian.
 
 One kernel serves two problems, for both are int rho(s) cot(pi (x-s)/L) ds = f(x) on segments whose ends are
 sought, with rho = sqrt(1-t^2) phi(t):
@@ -16,140 +16,28 @@ approach: indentation (primal) or -d (dual), so that its derivative in p is the 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weier.jit import kernel
-from weier.patches.chebyshev import central_logarithm, collocation_point, nodes, weights
+from weier.patches.chebyshev import collocation_point
+from weier.patches.segments import Segments
 from weier.patches.waves import Waves, excess
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-CONVERGED, STALLED, TOPOLOGY = 0, 1, 2
-MOST_STEPS = 25
-SMALLEST_SHRINKAGE = -0.6  # of ln(half-width) in one step
-LARGEST_GROWTH = 1.2
-LARGEST_CLOSING = 0.7  # of the space between two segments in one step
-MOST_CRAMPED = 2  # steps that would join or remove segments, before that is done
-CLOSED = 0.1  # of a space at the start: still closing, it will not stay open
-ROUNDING_STEP = 1e-7  # steps below this that no longer shrink have met rounding
 
 
-class Segments(NamedTuple):
-    """Segments [c-r, c+r], each `centre` counted from a summit, with the nodes of all of them in a row.
-
-    `sine` and `cosine` are those of pi r s/L at the nodes s: with them sin(pi (x-s)/L) needs no call, and loses
-    no digit either, for the two angles that it combines are counted from the segment's own centre.
-    """
-
-    summit: Indices
-    origin: Array
-    centre: Array
-    half_width: Array
-    first: Indices
-    node: Array
-    weight: Array
-    central: Array
-    sine: Array
-    cosine: Array
-
-
-class Iterate(NamedTuple):
-    """Newton's result: `status`, steps taken, size of the last step, and the state."""
-
-    status: int
-    steps: int
-    size: float
-    centre: Array
-    half_width: Array
-    phi: Array
-    approach: float
-    sensitivity: Array
-    closing: NDArray[np.bool_]
-    vanishing: NDArray[np.bool_]
-
-
-@kernel
-def segments(
-    summit: Indices, origin: Array, centre: Array, half_width: Array, count: Indices, period: float
-) -> Segments:
-    """Segments with `count` nodes each."""
-    first = np.zeros(count.size + 1, np.int64)
-    for j in range(count.size):
-        first[j + 1] = first[j] + count[j]
-    node, weight, central = np.empty(first[-1]), np.empty(first[-1]), np.empty(first[-1])
-    for j in range(count.size):
-        if j == 0 or count[j] != count[j - 1]:
-            s, w, c = nodes(count[j]), weights(count[j]), central_logarithm(count[j])
-        for q in range(count[j]):
-            node[first[j] + q], weight[first[j] + q], central[first[j] + q] = s[q], w[q], c[q]
-    sine, cosine = _turns(half_width, first, node, period)
-    return Segments(summit, origin, centre, half_width, first, node, weight, central, sine, cosine)
-
-
-@kernel
-def _turns(half_width: Array, first: Indices, node: Array, period: float) -> tuple[Array, Array]:
-    sine, cosine = np.empty(node.size), np.empty(node.size)
-    for j in range(half_width.size):
-        for q in range(first[j], first[j + 1]):
-            angle = np.pi / period * half_width[j] * node[q]
-            sine[q], cosine[q] = np.sin(angle), np.cos(angle)
-    return sine, cosine
-
-
-@kernel
-def moved(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
-    """The same segments elsewhere."""
-    sine, cosine = _turns(half_width, segments.first, segments.node, period)
-    return Segments(
-        segments.summit,
-        segments.origin,
-        centre,
-        half_width,
-        segments.first,
-        segments.node,
-        segments.weight,
-        segments.central,
-        sine,
-        cosine,
-    )
-
-
-@kernel
-def spaces(segments: Segments, period: float) -> Array:
-    """Distance from each segment's right end to the next one's left end, round the period."""
-    n = segments.centre.size
-    space = np.empty(n)
-    for j in range(n):
-        k = (j + 1) % n
-        apart = segments.origin[k] - segments.origin[j] + (period if k <= j else 0.0)
-        left = segments.centre[k] - segments.half_width[k]
-        space[j] = apart + (left - (segments.centre[j] + segments.half_width[j]))
-    return space
-
-
-@kernel
 def assemble(
     segments: Segments, phi: Array, approach: float, waves: Waves, load: float, dual: bool
 ) -> tuple[Array, Array]:
     """The Jacobian and, as columns, the residual and its derivative in the mean pressure."""
-    n, size = segments.centre.size, phi.size + 2 * segments.centre.size + 1
+    size = phi.size + 2 * segments.centre.size + 1
     jacobian, right = np.zeros((size, size)), np.zeros((size, 2))
-    for i in range(n):
-        count = segments.first[i + 1] - segments.first[i]
-        for a in range(count + 1):
-            row, t = segments.first[i] + i + a, collocation_point(a, count)
-            _collocate(jacobian, right, segments, phi, waves, load, dual, i, t, row)
-    for i in range(n):
-        row = phi.size + n + i
-        if dual:
-            _close(jacobian, right, segments, phi, i, row)
-        else:
-            _match_height(jacobian, right, segments, phi, approach, waves, i, row)
+    _on_segments(jacobian, right, segments, phi, approach, waves, load, dual)
     if dual:
+        _close(jacobian, right, segments, phi)
         _measure_gap(jacobian, right, segments, phi, approach, waves.period)
     else:
         _balance_load(jacobian, right, segments, phi, load * waves.period, waves.period)
@@ -157,67 +45,104 @@ def assemble(
 
 
 @kernel
-def _collocate(
+def _on_segments(
     jacobian: Array,
     right: Array,
     segments: Segments,
     phi: Array,
+    approach: float,
     waves: Waves,
     load: float,
     dual: bool,
-    i: int,
-    t: float,
-    row: int,
 ) -> None:
-    # int rho cot ds - f = 0 at the point t of segment i.
-    n, N = segments.centre.size, phi.size
-    factor = np.pi / waves.period
-    y = segments.centre[i] + segments.half_width[i] * t
-    value, slope, curvature = excess(waves, segments.summit[i], y)
-    if dual:
-        force = 2 * np.pi * waves.period * (load - waves.top - value)
-        stretch = -2 * np.pi * waves.period * slope
-        right[row, 1] = 2 * np.pi * waves.period
-    else:
-        force = slope / (2 * factor)
-        stretch = curvature / (2 * factor)
-    total = force
-    for j in range(n):
-        r = segments.half_width[j]
-        apart = segments.origin[i] - segments.origin[j] + (y - segments.centre[j])
-        along, about = 0.0, 0.0
-        if i == j:
-            apart = r * t
-        sine, cosine = np.sin(factor * apart), np.cos(factor * apart)
-        if i == j:
-            for q in range(segments.first[j], segments.first[j + 1]):
-                d = factor * r * (t - segments.node[q])
-                cot = _cotangent(sine, cosine, segments.sine[q], segments.cosine[q])
-                share = r * segments.weight[q]
-                jacobian[row, q] = share * cot
-                total += share * phi[q] * cot
-                about += share * phi[q] * (cot - d * (1 + cot * cot))
-        else:
-            for q in range(segments.first[j], segments.first[j + 1]):
-                cot = _cotangent(sine, cosine, segments.sine[q], segments.cosine[q])
-                share = r * segments.weight[q]
-                jacobian[row, q] = share * cot
-                push = share * phi[q] * cot
-                pull = share * phi[q] * factor * (1 + cot * cot)
-                total += push
-                along += pull
-                about += push + r * segments.node[q] * pull
-            stretch -= along
-        jacobian[row, N + j] += along * r
-        jacobian[row, N + n + j] += about
-    jacobian[row, N + i] += stretch * segments.half_width[i]
-    jacobian[row, N + n + i] += stretch * segments.half_width[i] * t
-    right[row, 0] = total
+    # The integral equation and, of contacts, the heights: all rows that cost as much as the matrix has elements.
+    n = segments.centre.size
+    for i in range(n):
+        points = _points(segments, i, waves.period)
+        _force(jacobian, right, segments, waves, load, dual, points, i)
+        for j in range(n):
+            _collocate(jacobian, right, segments, phi, waves.period, points, i, j)
+        if not dual:
+            _match_height(jacobian, right, segments, phi, approach, waves, i, phi.size + n + i)
 
 
 @kernel
-def _cotangent(sine: float, cosine: float, other_sine: float, other_cosine: float) -> float:
-    return (cosine * other_cosine + sine * other_sine) / (sine * other_cosine - cosine * other_sine)
+def _points(segments: Segments, i: int, period: float) -> Array:
+    # Collocation points t of segment i, and sine and cosine of pi r t/L, as columns.
+    count = segments.first[i + 1] - segments.first[i]
+    point = np.empty((count + 1, 3))
+    for a in range(count + 1):
+        point[a, 0] = collocation_point(a, count)
+        angle = np.pi / period * segments.half_width[i] * point[a, 0]
+        point[a, 1], point[a, 2] = np.sin(angle), np.cos(angle)
+    return point
+
+
+@kernel
+def _force(
+    jacobian: Array,
+    right: Array,
+    segments: Segments,
+    waves: Waves,
+    load: float,
+    dual: bool,
+    points: Array,
+    i: int,
+) -> None:
+    # -f at the collocation points t of segment i, and its derivatives in place and width.
+    n, r = segments.centre.size, segments.half_width[i]
+    N = jacobian.shape[0] - 2 * n - 1
+    for a in range(points.shape[0]):
+        row, t = segments.first[i] + i + a, points[a, 0]
+        value, slope, curvature = excess(waves, segments.summit[i], segments.centre[i] + r * t)
+        if dual:
+            right[row, 0] = 2 * np.pi * waves.period * (load - waves.top - value)
+            right[row, 1] = 2 * np.pi * waves.period
+            stretch = -2 * np.pi * waves.period * slope
+        else:
+            right[row, 0] = slope * waves.period / (2 * np.pi)
+            stretch = curvature * waves.period / (2 * np.pi)
+        jacobian[row, N + i] = stretch * r
+        jacobian[row, N + n + i] = stretch * r * t
+
+
+@kernel
+def _turn(segments: Segments, i: int, j: int, factor: float) -> tuple[float, float]:
+    # Sine and cosine of the angle from the centre of segment j to that of segment i.
+    angle = factor * (segments.origin[i] - segments.origin[j] + (segments.centre[i] - segments.centre[j]))
+    return np.sin(angle), np.cos(angle)
+
+
+@kernel
+def _collocate(
+    jacobian: Array, right: Array, segments: Segments, phi: Array, period: float, points: Array, i: int, j: int
+) -> None:
+    # int rho cot ds over segment j at the collocation points t of segment i.
+    n, N, factor = segments.centre.size, phi.size, np.pi / period
+    own, r = segments.half_width[i], segments.half_width[j]
+    here = slice(segments.first[j], segments.first[j + 1])  # numba knows no index into these to be negative
+    node, share = segments.node[here], r * segments.weight[here]
+    force, turn_sine, turn_cosine = share * phi[here], segments.sine[here], segments.cosine[here]
+    s, c = _turn(segments, i, j, factor)
+    for a in range(points.shape[0]):
+        row, t, u, v = segments.first[i] + i + a, points[a, 0], points[a, 1], points[a, 2]
+        sine, cosine, cot = s * v + c * u, c * v - s * u, jacobian[row, here]
+        for q in range(cot.size):  # by itself: four at a time
+            cot[q] = (cosine * turn_cosine[q] + sine * turn_sine[q]) / (sine * turn_cosine[q] - cosine * turn_sine[q])
+        total, along, about = 0.0, 0.0, 0.0
+        for q in range(cot.size):
+            push, pull = force[q] * cot[q], force[q] * factor * (1 + cot[q] * cot[q])
+            cot[q] *= share[q]
+            total += push
+            along += pull
+            about += push + r * node[q] * pull
+        if i == j:
+            about, along = about - r * t * along, 0.0
+        right[row, 0] += total
+        jacobian[row, N + i] -= along * own
+        jacobian[row, N + n + i] -= along * own * t
+        jacobian[row, N + j] += along * r
+        jacobian[row, N + n + j] += about
 
 
 @kernel
@@ -232,34 +157,32 @@ def _match_height(
     row: int,
 ) -> None:
     # The gap is 0 at the centre of patch i; divided by r_i, so that all rows are of one size.
-    n, N = segments.centre.size, phi.size
-    factor = np.pi / waves.period
+    n, N, factor = segments.centre.size, phi.size, np.pi / waves.period
     value, slope, _ = excess(waves, segments.summit[i], segments.centre[i])
     scale = 1 / segments.half_width[i]
     total = (approach + value) * scale
     tilt = slope
     for j in range(n):
         r = segments.half_width[j]
-        apart = segments.origin[i] - segments.origin[j] + (segments.centre[i] - segments.centre[j])
+        s, c = _turn(segments, i, j, factor)
         along, about = 0.0, 0.0
         for q in range(segments.first[j], segments.first[j + 1]):
-            s = segments.node[q]
+            share, x = r * segments.weight[q], r * segments.node[q]
             if i == j:
-                d = factor * r * s
-                small = abs(d) < 1e-8
-                log = np.log(2 * factor) if small else np.log(abs(2 * np.sin(d) / (r * s)))
-                potential = r * (segments.weight[q] * (np.log(r) + log) + segments.central[q])
+                small = factor * abs(x) < 1e-8
+                log = np.log(2 * factor) if small else np.log(abs(2 * segments.sine[q] / x))
+                potential = share * (np.log(r) + log) + r * segments.central[q]
                 pull = 0.0
-                turn = 1.0 if small else d / np.tan(d)
+                turn = 1.0 if small else factor * x * segments.cosine[q] / segments.sine[q]
             else:
-                d = factor * (apart - r * s)
-                potential = r * segments.weight[q] * np.log(abs(2 * np.sin(d)))
-                pull = factor / np.tan(d)
-                turn = -r * s * pull
+                sine = s * segments.cosine[q] - c * segments.sine[q]
+                potential = share * np.log(abs(2 * sine))
+                pull = factor * (c * segments.cosine[q] + s * segments.sine[q]) / sine
+                turn = -x * pull
             jacobian[row, q] = 2 * potential * scale
             total += 2 * potential * phi[q] * scale
-            along -= 2 * r * segments.weight[q] * phi[q] * pull
-            about += 2 * (potential + r * segments.weight[q] * turn) * phi[q]
+            along -= 2 * share * phi[q] * pull
+            about += 2 * (potential + share * turn) * phi[q]
         tilt -= along
         jacobian[row, N + j] += along * r * scale
         jacobian[row, N + n + j] += about * scale
@@ -268,143 +191,37 @@ def _match_height(
     right[row, 0] = total
 
 
-@kernel
 def _balance_load(jacobian: Array, right: Array, segments: Segments, phi: Array, force: float, period: float) -> None:
     n, N = segments.centre.size, phi.size
-    widest = 0.0
-    for r in segments.half_width:
-        widest = max(widest, r)
-    scale = 1 / widest
-    total = 0.0
-    for j in range(n):
-        share = 0.0
-        for q in range(segments.first[j], segments.first[j + 1]):
-            weight = segments.half_width[j] * segments.weight[q] * scale
-            jacobian[N + 2 * n, q] = weight
-            share += weight * phi[q]
-        jacobian[N + 2 * n, N + n + j] = share
-        total += share
-    right[N + 2 * n, 0] = total - force * scale
-    right[N + 2 * n, 1] = -period * scale
+    scale = 1 / segments.half_width.max()
+    weight = scale * _each(segments, segments.half_width) * segments.weight
+    share = _sums(segments, weight * phi)
+    jacobian[-1, :N], jacobian[-1, N + n : N + 2 * n] = weight, share
+    right[-1] = share.sum() - scale * force, -scale * period
 
 
-@kernel
-def _close(jacobian: Array, right: Array, segments: Segments, phi: Array, i: int, row: int) -> None:
-    # The gap that opens at one end of gap i has closed at the other.
-    for q in range(segments.first[i], segments.first[i + 1]):
-        jacobian[row, q] = segments.weight[q]
-        right[row, 0] += segments.weight[q] * phi[q]
+def _close(jacobian: Array, right: Array, segments: Segments, phi: Array) -> None:
+    # The gap that opens at one end of each segment has closed at the other.
+    n, N = segments.centre.size, phi.size
+    jacobian[N + n + _each(segments, np.arange(n)), np.arange(N)] = segments.weight
+    right[N + n : N + 2 * n, 0] = _sums(segments, segments.weight * phi)
 
 
-@kernel
 def _measure_gap(
     jacobian: Array, right: Array, segments: Segments, phi: Array, approach: float, period: float
 ) -> None:
     n, N = segments.centre.size, phi.size
-    total = -approach
-    for j in range(n):
-        share = 0.0
-        for q in range(segments.first[j], segments.first[j + 1]):
-            weight = segments.half_width[j] ** 2 * segments.weight[q] * segments.node[q] / period
-            jacobian[N + 2 * n, q] = weight
-            share += weight * phi[q]
-        jacobian[N + 2 * n, N + n + j] = 2 * share
-        total += share
-    jacobian[N + 2 * n, N + 2 * n] = -1.0
-    right[N + 2 * n, 0] = total
+    weight = _each(segments, segments.half_width**2) * segments.weight * segments.node / period
+    share = _sums(segments, weight * phi)
+    jacobian[-1, :N], jacobian[-1, N + n : N + 2 * n], jacobian[-1, -1] = weight, 2 * share, -1.0
+    right[-1, 0] = share.sum() - approach
 
 
-@kernel
-def newton(
-    segments: Segments, phi: Array, approach: float, waves: Waves, load: float, dual: bool, tolerance: float
-) -> Iterate:
-    """Solve for phi, centres, half-widths and approach.
-
-    The status is TOPOLOGY where a segment insists on vanishing or two on meeting: `vanishing` and `closing`
-    (by the segment on the left) name them.
-    """
-    here = moved(segments, segments.centre.copy(), segments.half_width.copy(), waves.period)
-    phi = phi.copy()
-    start = spaces(here, waves.period)
-    closing, vanishing = np.zeros(start.size, np.bool_), np.zeros(start.size, np.bool_)
-    size, cramped, status, steps = np.inf, 0, STALLED, 0
-    change = np.zeros((phi.size + 2 * start.size + 1, 2))
-    while status == STALLED and steps < MOST_STEPS:
-        jacobian, right = assemble(here, phi, approach, waves, load, dual)
-        change[:] = np.linalg.solve(jacobian, right)
-        steps += 1
-        before, size = size, _size(here, phi, change)
-        if not size < np.inf:
-            break
-        damping = _damping(here, change, waves.period, start, closing, vanishing)
-        here = _stepped(here, phi, change, damping, waves.period)
-        approach -= damping * change[-1, 0]
-        if damping < 1:
-            cramped += 1 if np.any(closing) or np.any(vanishing) else 0
-            if cramped == MOST_CRAMPED:
-                status = TOPOLOGY
-        elif size < tolerance or (size < ROUNDING_STEP and size > 0.3 * before):
-            status = CONVERGED
-    sensitivity = np.empty(change.shape[0])
-    for i in range(sensitivity.size):
-        sensitivity[i] = -change[i, 1]
-    return Iterate(status, steps, size, here.centre, here.half_width, phi, approach, sensitivity, closing, vanishing)
+def _each(segments: Segments, value: NDArray[Any]) -> NDArray[Any]:
+    """A value of each segment at all of its nodes."""
+    return np.repeat(value, np.diff(segments.first))
 
 
-@kernel
-def _stepped(segments: Segments, phi: Array, change: Array, damping: float, period: float) -> Segments:
-    # phi changes in place; the unknowns of place and width are in units of the half-width.
-    n, N = segments.centre.size, phi.size
-    centre, half_width = np.empty(n), np.empty(n)
-    for q in range(N):
-        phi[q] -= damping * change[q, 0]
-    for j in range(n):
-        r = segments.half_width[j]
-        centre[j] = segments.centre[j] - damping * change[N + j, 0] * r
-        half_width[j] = r * (1 - damping * change[N + n + j, 0])
-    return moved(segments, centre, half_width, period)
-
-
-@kernel
-def _damping(
-    segments: Segments,
-    change: Array,
-    period: float,
-    start: Array,
-    closing: NDArray[np.bool_],
-    vanishing: NDArray[np.bool_],
-) -> float:
-    # The share of a step that keeps all segments apart and of their order of width; flags what it works against.
-    n = start.size
-    N = change.shape[0] - 2 * n - 1
-    damping = 1.0
-    space = spaces(segments, period)
-    for j in range(n):
-        k, r = (j + 1) % n, segments.half_width
-        growth = -change[N + n + j, 0]
-        loss = r[j] * (growth - change[N + j, 0]) - r[k] * (change[N + n + k, 0] - change[N + k, 0])
-        closing[j] = loss > LARGEST_CLOSING * space[j] and (loss > space[j] or space[j] < CLOSED * start[j])
-        vanishing[j] = growth < -1
-        if loss > LARGEST_CLOSING * space[j]:
-            damping = min(damping, LARGEST_CLOSING * space[j] / loss)
-        if growth < SMALLEST_SHRINKAGE:
-            damping = min(damping, SMALLEST_SHRINKAGE / growth)
-        if growth > LARGEST_GROWTH:
-            damping = min(damping, LARGEST_GROWTH / growth)
-    return damping
-
-
-@kernel
-def _size(segments: Segments, phi: Array, change: Array) -> float:
-    # The largest relative change of any segment's density, place or width; not a number if any is none.
-    n, N, size = segments.centre.size, phi.size, 0.0
-    for j in range(n):
-        largest, most = 0.0, 0.0
-        for q in range(segments.first[j], segments.first[j + 1]):
-            largest = max(largest, abs(phi[q]))
-            most = max(most, abs(change[q, 0]))
-        size = max(size, most / largest, abs(change[N + j, 0]), abs(change[N + n + j, 0]))
-    for i in range(change.shape[0]):
-        if not np.isfinite(change[i, 0]):
-            return np.nan
-    return size
+def _sums(segments: Segments, value: Array) -> Array:
+    """Sums over the nodes of each segment."""
+    return np.add.reduceat(value, segments.first[:-1])

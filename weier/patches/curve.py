@@ -11,13 +11,13 @@ from weier.loads import checked_loads
 from weier.patches.fields import State
 from weier.patches.guess import Surface, surface
 from weier.patches.march import solutions
-from weier.patches.settle import residual
 from weier.patches.solution import Solution, solution
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-10
+LEAST_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
 
 
 class Curve(NamedTuple):
@@ -63,7 +63,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, or the tolerance is not within reach.
+        If the loads are not increasing from 1e-300 or above, or the tolerance is not within reach.
     ConvergenceError
         If a load cannot be solved, or its solution fails a check.
 
@@ -73,7 +73,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     gap where that takes fewer nodes. The error falls exponentially with the nodes.
 
     """
-    loads = checked_loads(mean_pressure)
+    loads = loads_within_reach(mean_pressure)
     check_tolerance(tolerance)
     seen = surface(profile)
     rows, contacts = np.empty((loads.size, 7)), []
@@ -107,10 +107,9 @@ def _measures(seen: Surface, state: State | None) -> tuple[float, float, float, 
         return total, top, 0.0, 1.0, 0, 0.0
     share = float(2 * state.segments.half_width.sum() / seen.heights.period)
     count, resistance = state.segments.centre.size, float(state.sensitivity[-1])
-    miss = residual(seen, state)
     if state.dual:
-        return total + state.approach, top + state.approach, resistance, 1 - share, count, miss
-    return total - top + state.approach, state.approach, resistance, share, count, miss
+        return total + state.approach, top + state.approach, resistance, 1 - share, count, state.residual
+    return total - top + state.approach, state.approach, resistance, share, count, state.residual
 
 
 def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
@@ -133,7 +132,7 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
     Raises
     ------
     ValueError
-        If the load is not positive, or the tolerance is not within reach.
+        If the load is below 1e-300, or the tolerance is not within reach.
     ConvergenceError
         If the load cannot be solved.
 
@@ -143,7 +142,7 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
 
 def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
     """The same for several loads, increasing, each started from the one before."""
-    loads = checked_loads(mean_pressure)
+    loads = loads_within_reach(mean_pressure)
     check_tolerance(tolerance)
     seen = surface(profile)
     found = solutions(profile, seen, loads, tolerance)
@@ -168,3 +167,17 @@ def check_tolerance(tolerance: float) -> None:
     """
     if not 1e-13 <= tolerance <= 1e-6:
         raise ValueError(f"tolerance must lie in [1e-13, 1e-6], got {tolerance}")
+
+
+def loads_within_reach(mean_pressure: ArrayLike) -> Array:
+    """The loads, if they rise and are no lighter than numbers allow.
+
+    Raises
+    ------
+    ValueError
+        If they do not increase from `LEAST_LOAD` or above.
+    """
+    loads = checked_loads(mean_pressure)
+    if loads[0] < LEAST_LOAD:
+        raise ValueError(f"mean_pressure must be at least {LEAST_LOAD:g} p_0* for contact patches, got {loads[0]:g}")
+    return loads

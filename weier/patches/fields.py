@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from weier.jit import kernel
 from weier.patches.chebyshev import coefficients, integrals, partial_integral, series
-from weier.patches.collocation import Segments
-from weier.patches.waves import Waves, excess
+from weier.patches.segments import Segments
+from weier.patches.waves import Waves, excess, nearest_summit, offset
 
 Array = NDArray[np.float64]
 
-FAR = 6.0  # half-widths from the centre, beyond which the quadrature is exact: rho^(-2K) < 1e-16 for K >= 8
 SMALL_ANGLE = 1e-3
 
 
@@ -22,7 +21,8 @@ class State(NamedTuple):
     """A solution under one mean pressure: contacts with their pressure, or (dual) gaps with their slope.
 
     `coefficient` holds those of phi in U_k, segment by segment; `sensitivity` the derivatives of all
-    unknowns in the mean pressure, in the order of the collocation equations.
+    unknowns in the mean pressure, in the order of the collocation equations; `residual` the largest violation of a
+    contact condition, in g_0, once it has been looked at.
     """
 
     dual: bool
@@ -32,6 +32,7 @@ class State(NamedTuple):
     phi: Array
     coefficient: Array
     sensitivity: Array
+    residual: float
 
 
 @kernel
@@ -53,63 +54,85 @@ def local(segments: Segments, j: int, period: float, origin: float, y: float) ->
 
 
 @kernel
-def transforms(state: State, period: float, origin: float, y: float) -> tuple[float, float]:
-    """int rho cot(pi (x-s)/L) ds and int rho ln|2 sin(pi (x-s)/L)| ds at x = origin + y, any x."""
-    cauchy, potential = 0.0, 0.0
-    segments = state.segments
-    factor = np.pi / period
+def cauchy(state: State, period: float, origin: float, y: float) -> tuple[float, float]:
+    """int rho cot(pi (x-s)/L) ds at x = origin + y, any x, and its derivative in x."""
+    segments, factor = state.segments, np.pi / period
+    value, slope = 0.0, 0.0
     for j in range(segments.centre.size):
-        t = local(segments, j, period, origin, y)
-        if abs(t) > FAR:
-            r = segments.half_width[j]
-            c, s = np.cos(factor * r * t), np.sin(factor * r * t)
+        r, t = segments.half_width[j], local(segments, j, period, origin, y)
+        if abs(t) > segments.reach[j]:
+            s, c = np.sin(factor * r * t), np.cos(factor * r * t)
             for q in range(segments.first[j], segments.first[j + 1]):
-                sine = s * segments.cosine[q] - c * segments.sine[q]
+                sine, cosine = segments.sine[q], segments.cosine[q]
+                cot = (c * cosine + s * sine) / (s * cosine - c * sine)
                 share = r * segments.weight[q] * state.phi[q]
-                cauchy += share * (c * segments.cosine[q] + s * segments.sine[q]) / sine
-                potential += share * np.log(abs(2 * sine))
+                value += share * cot
+                slope -= share * factor * (1 + cot * cot)
         else:
             near = _near(state, j, t, period)
-            cauchy += near[0]
-            potential += near[1]
-    return cauchy, potential
+            value += near[0]
+            slope += near[1]
+    return value, slope
 
 
 @kernel
-def _near(state: State, j: int, t: float, period: float) -> tuple[float, float]:
-    # The segment and its two neighbouring images in closed form, what is left of the kernels by quadrature.
+def potential(state: State, period: float, origin: float, y: float) -> float:
+    """int rho ln|2 sin(pi (x-s)/L)| ds at x = origin + y, any x."""
+    segments, total = state.segments, 0.0
+    for j in range(segments.centre.size):
+        r, t = segments.half_width[j], local(segments, j, period, origin, y)
+        if abs(t) > segments.reach[j]:
+            s, c = np.sin(np.pi / period * r * t), np.cos(np.pi / period * r * t)
+            for q in range(segments.first[j], segments.first[j + 1]):
+                sine = s * segments.cosine[q] - c * segments.sine[q]
+                total += r * segments.weight[q] * state.phi[q] * np.log(abs(2 * sine))
+        else:
+            total += _near(state, j, t, period)[2]
+    return total
+
+
+@kernel
+def _near(state: State, j: int, t: float, period: float) -> tuple[float, float, float]:
+    # The segment, and its images on both sides if they are near too, in closed form; the rest by quadrature.
     segments = state.segments
     r = segments.half_width[j]
     here = slice(segments.first[j], segments.first[j + 1])
     a = state.coefficient[here]
-    cauchy, potential = 0.0, 0.0
-    for image in range(-1, 2):
-        c, v = integrals(a, t - image * period / r)
-        cauchy += c * period / np.pi
+    value, slope, potential = 0.0, 0.0, 0.0
+    images = 0 if period / r - abs(t) > segments.reach[j] else 1
+    for image in range(-images, images + 1):
+        c, d, v = integrals(a, t - image * period / r)
+        value += c * period / np.pi
+        slope += d * period / (np.pi * r)
         potential += r * (v + np.log(r) * 0.5 * np.pi * a[0])
     for q in range(segments.first[j], segments.first[j + 1]):
         share = r * segments.weight[q] * state.phi[q]
-        c, v = _remainders(r * (t - segments.node[q]), period)
-        cauchy += share * c
+        c, d, v = _remainders(r * (t - segments.node[q]), period, images)
+        value += share * c
+        slope += share * d
         potential += share * v
-    return cauchy, potential
+    return value, slope, potential
 
 
 @kernel
-def _remainders(d: float, period: float) -> tuple[float, float]:
-    # cot(pi d/L) and ln|2 sin(pi d/L)| less the three poles at d = -L, 0, L; |d| < 1.5 L.
+def _remainders(d: float, period: float, images: int) -> tuple[float, float, float]:
+    # cot(pi d/L), its derivative and ln|2 sin(pi d/L)|, less the poles at d = 0 and, if asked for, -L and L.
     factor = np.pi / period
-    turn = np.rint(d / period)
+    turn = min(max(np.rint(d / period), -images), images)
     angle = factor * (d - turn * period)
     if abs(angle) < SMALL_ANGLE:
-        cauchy, potential = -angle / 3, np.log(2 * factor) - angle * angle / 6
+        value, slope, potential = -angle / 3, -factor / 3, np.log(2 * factor) - angle * angle / 6
     else:
-        cauchy, potential = 1 / np.tan(angle) - 1 / angle, np.log(2 * factor * abs(np.sin(angle) / angle))
-    for image in range(-1, 2):
+        sine = np.sin(angle)
+        value, slope = np.cos(angle) / sine - 1 / angle, factor * (1 / (angle * angle) - 1 / (sine * sine))
+        potential = np.log(2 * factor * abs(sine / angle))
+    for image in range(-images, images + 1):
         if image != turn:
-            cauchy -= 1 / (factor * (d - image * period))
-            potential -= np.log(abs(d - image * period))
-    return cauchy, potential
+            apart = d - image * period
+            value -= 1 / (factor * apart)
+            slope += 1 / (factor * apart * apart)
+            potential -= np.log(abs(apart))
+    return value, slope, potential
 
 
 @kernel
@@ -137,17 +160,42 @@ def opening(state: State, period: float, origin: float, y: float) -> float:
 @kernel
 def clearance(state: State, waves: Waves, summit: int, y: float) -> float:
     """Outside the segments: the gap (primal), the pressure (dual). On them it is what must vanish."""
-    cauchy, potential = transforms(state, waves.period, waves.place[summit], y)
-    value = excess(waves, summit, y)[0]
+    value, place = excess(waves, summit, y)[0], waves.place[summit]
     if state.dual:
-        return state.load - waves.top - value + cauchy / (2 * np.pi * waves.period)
-    return -2 * potential - state.approach - value
+        push = cauchy(state, waves.period, place, y)[0] / (2 * np.pi * waves.period)
+        return state.load - waves.top - value + push
+    return -2 * potential(state, waves.period, place, y) - state.approach - value
+
+
+@kernel
+def clearance_slope(state: State, waves: Waves, summit: int, y: float) -> float:
+    """Its derivative."""
+    value, slope = cauchy(state, waves.period, waves.place[summit], y)
+    change = slope / (2 * np.pi * waves.period) if state.dual else -2 * np.pi / waves.period * value
+    return change - excess(waves, summit, y)[1]
 
 
 @kernel
 def other_density(state: State, waves: Waves, summit: int, y: float) -> float:
     """The density of the other problem: slope of the gap (primal), pressure (dual)."""
-    if state.dual:
-        return clearance(state, waves, summit, y)
-    cauchy, _ = transforms(state, waves.period, waves.place[summit], y)
-    return -2 * np.pi / waves.period * cauchy - excess(waves, summit, y)[1]
+    return clearance(state, waves, summit, y) if state.dual else clearance_slope(state, waves, summit, y)
+
+
+@kernel
+def clearances(state: State, waves: Waves, x: Array) -> Array:
+    """`clearance` at places x."""
+    value = np.empty(x.size)
+    for i in range(x.size):
+        summit = nearest_summit(waves, x[i])
+        value[i] = clearance(state, waves, summit, offset(waves, summit, x[i]))
+    return value
+
+
+@kernel
+def clearance_slopes(state: State, waves: Waves, x: Array) -> Array:
+    """`clearance_slope` at places x."""
+    value = np.empty(x.size)
+    for i in range(x.size):
+        summit = nearest_summit(waves, x[i])
+        value[i] = clearance_slope(state, waves, summit, offset(waves, summit, x[i]))
+    return value

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.chebyshev import nodes
-from weier.patches.collocation import Segments, segments, spaces
 from weier.patches.fields import State, density, expand, other_density
-from weier.patches.waves import Waves, excess, nearest_summit, offset, waves
+from weier.patches.segments import Segments, segments, spaces
+from weier.patches.waves import Waves, excess, nearest_summit, nearest_summits, offset, waves
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -20,10 +20,15 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 FEWEST_NODES = 8
-MOST_NODES = 600
+MOST_NODES = 1000
 WAVE_SHARE = 0.8  # nodes = 8 + 0.8 k r + 9/ln(rho): what the tails of converged solutions asked for
 SPACE_SHARE = 9.0
+NEAREST, FARTHEST = (
+    0.01,
+    1e6,
+)  # of a half-width: what a guess believes of a space; a solution asks for more nodes by its tails
 TAIL = 0.1  # to aim at, over the tolerance
+ROUNDING, MOST_ROUNDING = 1e-14, 1e-3  # of a tail; a density falls with the width squared and rounding does not
 SWITCH = 0.7  # change to the other problem when it needs fewer nodes than this share
 
 
@@ -70,6 +75,8 @@ def arrange(
     waves: Waves, summit: Indices, centre: Array, half_width: Array, count: Indices | None = None
 ) -> tuple[Segments, Indices]:
     """Segments in order round the period, and the permutation that put them so."""
+    if not np.all(half_width > 0):
+        raise ConvergenceError("a segment would have no width")
     origin = waves.place[summit]
     origin = origin - waves.period * np.floor((origin + centre) / waves.period)
     order = np.argsort(origin + centre, kind="stable")
@@ -83,7 +90,7 @@ def _expected_nodes(placed: tuple[Indices, Array, Array, Array], waves: Waves) -
     half_width = placed[-1]
     bare = segments(*placed, np.full(half_width.size, 2), waves.period)
     space = spaces(bare, waves.period)
-    near = np.maximum(np.minimum(space, np.roll(space, 1)) / half_width, 1e-9)
+    near = np.clip(np.minimum(space, np.roll(space, 1)) / half_width, NEAREST, FARTHEST)
     ln_rho = np.log1p(near + np.sqrt(near * (near + 2)))
     count = FEWEST_NODES + WAVE_SHARE * waves.frequency[-1] * half_width + SPACE_SHARE / ln_rho
     return np.minimum(np.ceil(count), MOST_NODES).astype(np.int64)
@@ -97,18 +104,10 @@ def adjusted_nodes(count: Indices, tail: Array, aim: float, where: Flags) -> Ind
     return np.clip(new, FEWEST_NODES, MOST_NODES).astype(np.int64)
 
 
-@kernel
 def tails(state: State) -> Array:
-    """Size of the last Chebyshev coefficients over the largest, shape (segments,)."""
-    first = state.segments.first
-    tail = np.empty(first.size - 1)
-    for j in range(tail.size):
-        largest = 0.0
-        for k in range(first[j], first[j + 1]):
-            largest = max(largest, abs(state.coefficient[k]))
-        last = state.coefficient[first[j + 1] - 2 : first[j + 1]]
-        tail[j] = max(abs(last[0]), abs(last[1])) / largest
-    return tail
+    """Size of the last two Chebyshev coefficients over the largest, shape (segments,)."""
+    first, size = state.segments.first, np.abs(state.coefficient)
+    return np.maximum(size[first[1:] - 1], size[first[1:] - 2]) / np.maximum.reduceat(size, first[:-1])
 
 
 def refined(surface: Surface, state: State, tolerance: float) -> Guess | None:
@@ -119,17 +118,18 @@ def refined(surface: Surface, state: State, tolerance: float) -> Guess | None:
     ConvergenceError
         If a segment has the most nodes already.
     """
-    tail = tails(state)
-    if np.all(tail <= tolerance):
+    old, count, tail = state.segments, np.diff(state.segments.first), tails(state)
+    rounding = np.minimum(ROUNDING * (old.half_width.max() / old.half_width) ** 2, MOST_ROUNDING)
+    rough = tail > np.maximum(tolerance, rounding)
+    if not np.any(rough):
         return None
-    old, count = state.segments, np.diff(state.segments.first)
-    if np.any(count[tail > tolerance] >= MOST_NODES):
+    if np.any(count[rough] >= MOST_NODES):
         raise ConvergenceError(
             f"a space between two contacts or two gaps is too narrow for {MOST_NODES} nodes under the mean "
             f"pressure {state.load:.6g} p_0*",
             float(tail.max()),
         )
-    count = adjusted_nodes(count, tail, TAIL * tolerance, tail > tolerance)
+    count = adjusted_nodes(count, tail, TAIL * tolerance, rough)
     return carried_over(surface, state, old.summit, old.centre, old.half_width, count)[0]
 
 
@@ -207,7 +207,7 @@ def cheaper(surface: Surface, guess: Guess, load: float) -> Guess:
 def as_state(guess: Guess, load: float) -> State:
     """A guess in the shape of a solution, with no sensitivity, to take values from."""
     coefficient = expand(guess.segments, guess.phi)
-    return State(guess.dual, load, guess.approach, guess.segments, guess.phi, coefficient, np.zeros(0))
+    return State(guess.dual, load, guess.approach, guess.segments, guess.phi, coefficient, np.zeros(0), np.nan)
 
 
 def _complement(surface: Surface, old: Segments, dual: bool) -> Segments:
@@ -215,6 +215,4 @@ def _complement(surface: Surface, old: Segments, dual: bool) -> Segments:
     to = surface.of(dual)
     space = spaces(old, to.period)
     middle = old.origin + (old.centre + old.half_width) + 0.5 * space
-    summit = np.array([nearest_summit(to, x) for x in middle])
-    centre = np.array([offset(to, j, x) for j, x in zip(summit, middle, strict=True)])
-    return arrange(to, summit, centre, 0.5 * space)[0]
+    return arrange(to, *nearest_summits(to, middle), 0.5 * space)[0]

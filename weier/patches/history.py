@@ -11,16 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
-from weier.loads import checked_loads
-from weier.patches.collocation import CONVERGED, spaces
-from weier.patches.curve import TOLERANCE, check_tolerance
+from weier.patches.curve import TOLERANCE, check_tolerance, loads_within_reach
 from weier.patches.fields import State, clearance, density, opening
 from weier.patches.guess import Surface, surface
 from weier.patches.march import first, following, predicted
+from weier.patches.newton import CONVERGED
+from weier.patches.segments import spaces
 from weier.patches.settle import newton_from
 from weier.patches.solution import solution
 from weier.patches.waves import Waves, nearest_summit, offset
@@ -29,12 +29,11 @@ from weier.profile import Profile
 Array = NDArray[np.float64]
 
 STEPS_PER_DECADE = 16
-NARROW = 0.02  # of ln(p): within it a lone event is looked for by secants
+NARROW = 0.02  # of ln(p): within it events of one load are looked for by secants
 NARROWEST = 1e-9  # of ln(p): events closer than this are of one load
 ACCURACY = 1e-13  # of the load
 SAMPLES = 32  # between which the least gap or pressure is refined
-SEARCH_STEPS = 40
-GOLDEN = 0.6180339887498949
+PLACE = 1e-8  # of a minimum between two samples, over their distance
 JUMP = 0.3  # of ln(half-width), from prediction to solution: something happened in between
 
 
@@ -86,7 +85,7 @@ def events(profile: Profile, low: float, high: float, tolerance: float = TOLERAN
         If a load on the way cannot be solved.
 
     """
-    checked_loads([low, high])
+    loads_within_reach([low, high])
     check_tolerance(tolerance)
     seen = surface(profile)
     reach = min(high, seen.full_load * (1 - NARROWEST))
@@ -136,12 +135,17 @@ class _Search(NamedTuple):
             return []
         if width < NARROWEST:
             return [(high.load, event) for event in happened]
-        if len(happened) == 1 and width < NARROW:
+        if width < NARROW:
             try:
-                return [self._located(low, high, happened[0])]
+                found = [self._located(low, high, event) for event in happened]
             except (ConvergenceError, ValueError):
-                pass  # other events are too near for the contacts of one side to be followed to the other
-        middle, _ = following(self.profile, self.seen, low, float(np.sqrt(low.load * high.load)), self.tolerance)
+                found = []  # other events are too near for the contacts of one side to be followed to the other
+            loads = [load for load, _ in found]
+            if found and max(loads) <= (1 + NARROWEST) * min(loads):  # one, or several of one load by symmetry
+                return found
+        middle, _ = following(
+            self.profile, self.seen, low, float(np.sqrt(low.load) * np.sqrt(high.load)), self.tolerance
+        )
         return self.between(low, middle) + self.between(middle, high)
 
     def _jumps(self, low: State, high: State) -> bool:
@@ -191,24 +195,18 @@ def _differences(seen: Surface, low: State, high: State) -> list[_Event]:
     return found
 
 
-@kernel
 def _least(state: State, waves: Waves, of_gap: bool, left: float, right: float) -> tuple[float, float]:
     """Place and value of the least gap or pressure in [left, right], not cut off at 0."""
-    step = (right - left) / (SAMPLES + 1)
-    best, least = left + step, np.inf
-    for i in range(1, SAMPLES + 1):
-        value = _signed(state, waves, of_gap, left + i * step)
-        if value < least:
-            best, least = left + i * step, value
-    a, b = best - step, best + step
-    for _ in range(SEARCH_STEPS):
-        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        if _signed(state, waves, of_gap, c) < _signed(state, waves, of_gap, d):
-            b = d
-        else:
-            a = c
-    middle = 0.5 * (a + b)
-    return middle, _signed(state, waves, of_gap, middle)
+    x = np.linspace(left, right, SAMPLES + 2)[1:-1]
+    low = int(np.argmin([_signed(state, waves, of_gap, place) for place in x]))
+    step = x[1] - x[0]
+    found = minimize_scalar(
+        lambda place: _signed(state, waves, of_gap, place),
+        bounds=(x[low] - step, x[low] + step),
+        method="bounded",
+        options={"xatol": PLACE * step},
+    )
+    return float(found.x), float(found.fun)
 
 
 @kernel

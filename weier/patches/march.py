@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.errors import ConvergenceError
-from weier.patches.collocation import CLOSED, Segments, moved, segments, spaces
 from weier.patches.fields import State
 from weier.patches.guess import (
     TAIL,
@@ -20,6 +19,7 @@ from weier.patches.guess import (
     resampled,
     tails,
 )
+from weier.patches.segments import Segments, moved, segments, spaces
 from weier.patches.settle import TooLargeError, settle
 from weier.patches.start import CELLS_PER_WAVE, coarse_start
 from weier.patches.topology import without_cramped
@@ -33,6 +33,7 @@ FAR_STEP = 2.0  # in load, from which on boundary elements are tried before the 
 NEARLY_FULL = 1 - 1e-5  # of the load of full contact: a gap shrinks by more than a tangent foresees
 LIGHTER = 4.0  # factor to lighter loads, until a single contact is enough
 MOST_LIGHTER = 30
+CLOSED = 0.5  # of a space, to which the tangent takes it: its square falls like the load, so that it will be gone
 NARROWEST = 0.01  # of a half-width squared, kept by the predictor
 
 
@@ -101,7 +102,7 @@ def following(
         except ConvergenceError:
             if depth == DEEPEST:
                 raise
-    between = float(np.sqrt(state.load * load))
+    between = float(np.sqrt(state.load) * np.sqrt(load))
     middle, steps = following(profile, surface, state, between, tolerance, depth + 1)
     end, more = following(profile, surface, middle, load, tolerance, depth + 1)
     return end, steps + more
@@ -111,7 +112,8 @@ def _ways(profile: Profile, surface: Surface, state: State, load: float, depth: 
     """What to start from, in this order: the tangent, boundary elements, or the last gaps before full contact."""
     if load > NEARLY_FULL * surface.full_load:
         return "gaps", "tangent"
-    if depth == 0 and load > FAR_STEP * state.load and _narrowest(state.segments, profile) > 1:
+    ratio = load / state.load
+    if depth == 0 and ratio > FAR_STEP and _narrowest(state.segments, profile) * np.sqrt(ratio) > 1:
         return "coarse", "tangent"
     return ("tangent", "coarse") if depth % COARSE_EVERY == 0 else ("tangent",)
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
-from weier.patches.collocation import CONVERGED, TOPOLOGY, Iterate, moved, newton
 from weier.patches.fields import State, clearance, expand
 from weier.patches.guess import Guess, Surface, cheaper, refined
+from weier.patches.newton import CONVERGED, TOPOLOGY, Iterate, newton
 from weier.patches.topology import corrected, without_cramped
 from weier.patches.waves import Waves
 
@@ -63,8 +63,7 @@ def settle(surface: Surface, guess: Guess, load: float, tolerance: float) -> tup
         else:
             finer = refined(surface, state, tolerance)
             if finer is None:
-                _certify(surface, state, tolerance)
-                return state, steps
+                return _certified(surface, state, tolerance), steps
             guess, checked = finer, True
     raise ConvergenceError(f"the contacts under the mean pressure {load:.6g} p_0* did not settle", size)
 
@@ -82,9 +81,8 @@ def newton_from(surface: Surface, guess: Guess, load: float, tolerance: float) -
         found = newton(guess.segments, guess.phi, guess.approach, waves, load, guess.dual, tolerance)
     except np.linalg.LinAlgError:
         raise ConvergenceError(f"singular equations under the mean pressure {load:.6g} p_0*") from None
-    placed = moved(guess.segments, found.centre, found.half_width, waves.period)
-    coefficient = expand(placed, found.phi)
-    return State(guess.dual, load, found.approach, placed, found.phi, coefficient, found.sensitivity), found
+    solution = found.approach, found.segments, found.phi, expand(found.segments, found.phi), found.sensitivity
+    return State(guess.dual, load, *solution, np.nan), found
 
 
 def residual(surface: Surface, state: State) -> float:
@@ -115,10 +113,10 @@ def _violation(state: State, waves: Waves) -> Array:
     return worst
 
 
-def _certify(surface: Surface, state: State, tolerance: float) -> None:
+def _certified(surface: Surface, state: State, tolerance: float) -> State:
     # Signs were checked by `corrected`; what remains are the equations themselves and the load.
-    period = surface.heights.period
-    reached = residual(surface, state) / (state.load * period if state.dual else state.approach)
+    period, miss = surface.heights.period, residual(surface, state)
+    reached = miss / (state.load * period if state.dual else state.approach)
     if not state.dual:
         carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first[:-1]])
         reached = max(reached, abs(float(carried) / (state.load * period) - 1))
@@ -127,3 +125,4 @@ def _certify(surface: Surface, state: State, tolerance: float) -> None:
             f"the contacts under the mean pressure {state.load:.6g} p_0* miss their conditions by {reached:.1e}",
             reached,
         )
+    return state._replace(residual=miss)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier.jit import kernel
-from weier.patches.collocation import spaces
 from weier.patches.fields import State, clearance, density, opening
 from weier.patches.guess import Surface
+from weier.patches.segments import spaces
 from weier.patches.waves import Waves, excess, nearest_summit, offset
 
 Array = NDArray[np.float64]

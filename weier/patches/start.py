@@ -9,7 +9,7 @@ from weier.bem import fft
 from weier.bem.grids import full_contact, nested_grids
 from weier.errors import ConvergenceError
 from weier.patches.guess import Guess, Surface, arrange
-from weier.patches.waves import nearest_summit, offset
+from weier.patches.waves import nearest_summits
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -29,11 +29,8 @@ def coarse_start(profile: Profile, surface: Surface, load: float) -> Guess:
     if starts.size == 0:
         raise ConvergenceError(f"boundary elements see no gap under the mean pressure {load:.6g} p_0*")
     ends = np.where(ends[0] < starts[0], np.append(ends[1:], ends[0] + p.size), ends)
-    middle = 0.5 * (starts + ends) * h
-    summit = np.array([nearest_summit(waves, x) for x in middle])
-    centre = np.array([offset(waves, j, x) for j, x in zip(summit, middle, strict=True)])
-    half_width = 0.5 * h * (ends - starts + 1.0)
-    new, _ = arrange(waves, summit, centre, half_width.astype(float))
+    middle = np.asarray(0.5 * h * (starts + ends), float)
+    new, _ = arrange(waves, *nearest_summits(waves, middle), np.asarray(0.5 * h * (ends - starts + 1), float))
     phi = np.empty(new.node.size)
     for j in range(new.centre.size):
         here = slice(new.first[j], new.first[j + 1])

@@ -6,24 +6,28 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.chebyshev import partial_integral, series
-from weier.patches.collocation import Segments, spaces
-from weier.patches.fields import State, clearance
+from weier.patches.fields import State, clearance_slopes, clearances
 from weier.patches.guess import Guess, Surface, carried_over, hertz
-from weier.patches.waves import Waves, nearest_summit, offset
+from weier.patches.segments import Segments, spaces
+from weier.patches.waves import Waves, nearest_summits
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 FEWEST_PROBES = 12  # in the space between two segments, gathered at its ends as the cosine
-PROBES_PER_WAVE = 8
+PROBES_PER_WAVE = 5
+PLACE = 1e-9  # of a minimum between two probes, over their distance
+TENSION = (
+    1e-9  # of the pressure, left where two contacts have nearly merged: it shifts dh/dp by less, h by its square
+)
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN = 0.6180339887498949
-CURVATURE_STEP = 1 / 64  # of the finest wave
 SIGN_POINTS = 2  # per node, to look for a change of sign within a segment
 CONTACT_WIDTH = 0.5  # of a new contact over the overlap that it replaces
 GAP_WIDTH = np.sqrt(2.0)  # of a new gap over the stretch of tension: exact for a small one
@@ -40,101 +44,46 @@ class Births(NamedTuple):
     curvature: Array
 
 
-@kernel
 def violations_outside(state: State, waves: Waves, tolerance: float) -> Births:
     """Minima of the clearance below -tolerance."""
-    room = 64 + 2 * waves.place.size
-    births = Births(np.zeros(room, np.int64), np.zeros(room), np.zeros(room), np.zeros(room))
-    found = 0
-    segments = state.segments
-    space = spaces(segments, waves.period)
-    for j in range(space.size):
-        left = segments.origin[j] + (segments.centre[j] + segments.half_width[j])
-        x = _probes(waves, left, space[j])
-        v = np.empty(x.size)
-        for i in range(x.size):
-            summit = nearest_summit(waves, x[i])
-            v[i] = clearance(state, waves, summit, offset(waves, summit, x[i]))
-        for i in range(x.size):
-            before, after = (v[i - 1] if i > 0 else 0.0), (v[i + 1] if i + 1 < x.size else 0.0)
-            if v[i] > before or v[i] > after or v[i] > 0.5 * (max(before, after) - v[i]):
-                continue  # no minimum, or one that no parabola takes below 0
-            low = (x[i - 1] if i > 0 else left) - x[i]
-            high = (x[i + 1] if i + 1 < x.size else left + space[j]) - x[i]
-            summit = nearest_summit(waves, x[i])
-            y = offset(waves, summit, x[i])
-            where, least = _least_clearance(state, waves, summit, y, v[i], low, high)
-            if least < -tolerance and found < room:
-                moved = x[i] - left + (where - y)
-                _note(births, found, state, waves, summit, where, least, min(moved, space[j] - moved))
-                found += 1
-    return Births(births.summit[:found], births.y[:found], births.half_width[:found], births.curvature[:found])
-
-
-@kernel
-def _probes(waves: Waves, left: float, space: float) -> Array:
-    # Gathered at both ends, everywhere finer than the finest wave, and every summit in between; in order.
-    finest = 2 * np.pi / waves.frequency[-1]
-    count = FEWEST_PROBES + int(np.ceil(0.5 * np.pi * PROBES_PER_WAVE * space / finest))
-    x = np.empty(count + waves.place.size)
-    for i in range(count):
-        x[i] = left + space * 0.5 * (1 - np.cos((i + 0.5) * (np.pi / count)))
-    for place in waves.place:
-        top = place + waves.period * np.ceil((left - place) / waves.period)
-        if left < top < left + space:
-            i = count
-            while i > 0 and x[i - 1] > top:
-                x[i] = x[i - 1]
-                i -= 1
-            x[i] = top
-            count += 1
-    return x[:count]
-
-
-@kernel
-def _least_clearance(
-    state: State, waves: Waves, summit: int, y: float, value: float, low: float, high: float
-) -> tuple[float, float]:
-    # Golden section between y + low and y + high; y itself is kept if nothing is lower.
-    a, b = y + low, y + high
-    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_c, at_d = clearance(state, waves, summit, c), clearance(state, waves, summit, d)
-    for _ in range(SEARCH_STEPS):
-        if at_c < at_d:
-            b, d, at_d = d, c, at_c
-            c = b - GOLDEN * (b - a)
-            at_c = clearance(state, waves, summit, c)
-        else:
-            a, c, at_c = c, d, at_d
-            d = a + GOLDEN * (b - a)
-            at_d = clearance(state, waves, summit, d)
-    if at_c < min(at_d, value):
-        return c, at_c
-    if at_d < value:
-        return d, at_d
-    return y, value
-
-
-@kernel
-def _note(
-    births: Births,
-    number: int,
-    state: State,
-    waves: Waves,
-    summit: int,
-    y: float,
-    value: float,
-    reach: float,
-) -> None:
-    # A segment as wide as its depth and curvature ask for, within reach of the neighbours.
-    h = min(CURVATURE_STEP * 2 * np.pi / waves.frequency[-1], 0.5 * reach)
-    sides = clearance(state, waves, summit, y - h) + clearance(state, waves, summit, y + h)
-    curvature = max((sides - 2 * value) / (h * h), -value / (reach * reach))
+    space, segments = spaces(state.segments, waves.period), state.segments
+    edge = segments.origin + (segments.centre + segments.half_width)
+    x, where = _probes(waves, edge, space)
+    slope = clearance_slopes(state, waves, x)
+    i = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (where[:-1] == where[1:]))
+    width, rise = x[i + 1] - x[i], slope[i + 1] - slope[i]
+    near = x[i] - slope[i] / rise * width
+    most = np.abs(clearance_slopes(state, waves, near)) * width  # that the minimum lies below a place near it
+    suspect = i[clearances(state, waves, near) - most < -tolerance]
+    place = np.array([_lowest(state, waves, x[j], x[j + 1]) for j in suspect])
+    value = clearances(state, waves, place)
+    wrong = value < -tolerance
+    place, value, j = place[wrong], value[wrong], suspect[wrong]
+    left, right = edge[where[j]], edge[where[j]] + space[where[j]]
+    between = 0.5 * (place[1:] + place[:-1])  # two in one space share it
+    reach = np.minimum(
+        place - np.maximum(left, np.append(-np.inf, between)), np.minimum(right, np.append(between, np.inf)) - place
+    )
+    curvature = np.maximum((slope[j + 1] - slope[j]) / (x[j + 1] - x[j]), -value / reach**2)
     widening = GAP_WIDTH if state.dual else CONTACT_WIDTH
-    births.summit[number] = summit
-    births.y[number] = y
-    births.half_width[number] = min(widening * np.sqrt(-2 * value / curvature), 0.4 * reach)
-    births.curvature[number] = curvature
+    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), 0.4 * reach)
+    return Births(*nearest_summits(waves, place), half_width, curvature)
+
+
+def _lowest(state: State, waves: Waves, low: float, high: float) -> float:
+    def slope(x: float) -> float:
+        return float(clearance_slopes(state, waves, np.array([x]))[0])
+
+    return float(brentq(slope, low, high, xtol=PLACE * (high - low)))
+
+
+def _probes(waves: Waves, left: Array, space: Array) -> tuple[Array, Indices]:
+    # Gathered at both ends of each space, everywhere finer than the finest wave; and the space each is in.
+    finest = 2 * np.pi / waves.frequency[-1]
+    count = FEWEST_PROBES + np.ceil(0.5 * np.pi * PROBES_PER_WAVE * space / finest).astype(np.int64)
+    where = np.repeat(np.arange(space.size), count)
+    turn = (np.arange(where.size) - np.repeat(np.cumsum(count) - count, count) + 0.5) * (np.pi / count[where])
+    return left[where] + space[where] * 0.5 * (1 - np.cos(turn)), where
 
 
 @kernel
@@ -218,8 +167,12 @@ def _crossing(dual: bool, a: Array, below: float, above: float) -> float:
 def corrected(surface: Surface, state: State, tolerance: float) -> Guess | None:
     """A guess with segments added, cut or dropped where a sign is wrong; None if all are right."""
     waves = surface.of(state.dual)
-    births = violations_outside(state, waves, tolerance * (state.load if state.dual else abs(state.approach)))
-    cuts = violations_inside(state, tolerance)
+    tension = max(tolerance, TENSION)
+    if state.dual:
+        births, cuts = violations_outside(state, waves, tension * state.load), violations_inside(state, tolerance)
+    else:
+        births = violations_outside(state, waves, tolerance * abs(state.approach))
+        cuts = violations_inside(state, tension)
     if births.y.size == 0 and cuts[0].size == 0:
         return None
     summit, centre, half_width = _cut(state.segments, *cuts)

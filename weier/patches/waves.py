@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from weier.jit import kernel
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 SAMPLES_PER_WAVE = 16
 NEWTON_STEPS = 8
@@ -98,3 +99,13 @@ def offset(waves: Waves, summit: int, x: float) -> float:
     """Distance from a summit to the nearest image of x."""
     y = x - waves.place[summit]
     return y - waves.period * np.rint(y / waves.period)
+
+
+@kernel
+def nearest_summits(waves: Waves, x: Array) -> tuple[Indices, Array]:
+    """The nearest summit and the offset from it, of places x."""
+    summit, y = np.empty(x.size, np.int64), np.empty(x.size)
+    for i in range(x.size):
+        summit[i] = nearest_summit(waves, x[i])
+        y[i] = offset(waves, summit[i], x[i])
+    return summit, y
