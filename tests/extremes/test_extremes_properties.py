@@ -14,8 +14,6 @@ from weier.tradeoff import Contender
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)
 MOST_WAVES = 30  # in a period, of what is solved on a mesh or contact by contact
-# Lighter loads end in an error; the table of the extremes says how.
-LIGHTEST = {"layer": -200, "bem": -150, "planned": -150}
 
 ULP = np.finfo(float).eps
 dimensions = st.sampled_from([1 + 1e-9, 1.25, 1.5, 2 - 1e-9]) | st.floats(1 + 1e-9, 2 - 1e-9)
@@ -29,9 +27,9 @@ angles = st.sampled_from([0.0, math.pi, -math.pi, math.pi / 2, math.pi + 1e-15])
 at_one = st.sampled_from([1 - ULP / 2, 1.0, 1 + ULP])
 
 
-def loads(lightest):
+def loads():
     """Up to eight loads, light and heavy, some of them a rounding apart."""
-    each = st.floats(lightest, 300).map(lambda exponent: 10.0**exponent) | st.floats(1e-6, 30) | at_one
+    each = st.floats(-300, 300).map(lambda exponent: 10.0**exponent) | st.floats(1e-6, 30) | at_one
     return st.lists(each, min_size=2, max_size=8, unique=True).map(lambda found: np.array(sorted(found)))
 
 
@@ -67,7 +65,7 @@ def check(method, profile, mean_pressure, **options):
 
 def throw(method, profiles, how_many):
     @how_many
-    @given(profiles, loads(LIGHTEST.get(method, -300)))
+    @given(profiles, loads())
     def run(profile, mean_pressure):
         found = check(method, profile, mean_pressure)
         if method in ("archard", "demelio", "westergaard"):
@@ -103,7 +101,7 @@ def test_a_thousand(method):
 @pytest.mark.parametrize("gamma", ["1000001/1000000", "1000000"])
 @pytest.mark.parametrize("m", [3, 1000])
 def test_what_no_computer_holds_is_refused_in_a_sentence(method, gamma, m):
-    found = check(method, Profile(1.5, gamma, m), np.array([0.1, 1.0]))
+    found = check(method, Profile(1.5, gamma, m), np.array([0.01, 0.1]))
     assert np.all(found.outcome == Outcome.clear_error)
 
 
