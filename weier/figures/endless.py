@@ -61,7 +61,7 @@ def _convergence(axes: Axes, case: xr.Dataset) -> None:
     width = (high - low)[bounded].max(axis=1) / 2
     axes.plot(bounded + 1, width, label="rigorous: half of the bounds", color=style.BLACK, marker="s")
     if bounded[-1] > estimated[-1]:
-        shown, best, what = estimated, (low + high)[bounded[-1]] / 2, f"the middle of the bounds by {bounded[-1] + 1}"
+        shown, best, what = estimated, (low + high)[bounded[-1]] / 2, f"bounds by {bounded[-1] + 1}"
     else:
         shown, best, what = estimated[:-1], h[estimated[-1]], f"{estimated[-1] + 1} resolved"
     off = np.abs(h[shown] - best).max(axis=1)
