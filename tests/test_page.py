@@ -107,13 +107,14 @@ def planned(tmp_path):
     """A scene with a tolerance, solved with errors and seconds that are known."""
     loaded = load(tmp_path, PLANNED)
     cases = [case for study in loaded.studies.values() for case in study]
-    data = dataset.blank(3, loaded.methods, loaded.loads, 3)
-    cost = dataset.blank_cost(3, loaded.methods)
+    methods, terms, _ = loaded.layout
+    data = dataset.blank(3, methods, loaded.loads, terms)
+    cost = dataset.blank_cost(3, methods)
     for each in (data, cost):
         each["key"].values[:] = [case.key for case in cases]
     data["compliance"].values[:2] = 0.5
-    data["compliance"].values[:2, loaded.methods.index("planned"), 1] += [3e-5, -7e-5]
-    cost["seconds"].values[:2, loaded.methods.index("planned")] = [0.5, 1.5]
+    data["compliance"].values[:2, methods.index("planned"), 1] += [3e-5, -7e-5]
+    cost["seconds"].values[:2, methods.index("planned")] = [0.5, 1.5]
     return loaded, data, cost
 
 

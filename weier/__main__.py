@@ -167,7 +167,7 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> 
 @output("path")
 @click.argument("folder", type=click.Path(path_type=Path))
 def gather(scene_file: Path, name: str, path: Path, folder: Path) -> None:
-    """Put the cases of one study into one file, from the batches in FOLDER."""
+    """Put the cases of a study into one file, from batches in FOLDER."""
     loaded = scene.load(scene_file)
     keys = [case.key for case in loaded.study_named(name)]
     files = [folder / f"{batch}.nc" for batch in loaded.batches_of(name)]
@@ -259,7 +259,7 @@ def endless_command(scene_file: Path, path: Path, terms: int) -> None:
 @output("path")
 @output("table")
 def extremes_command(path: Path, table: Path) -> None:
-    """Examine every method at the extremes of loads, parameters and sizes."""
+    """Examine every method where digits are lost."""
     from weier import extremes  # mpmath, which only this command needs
 
     title = "Stability at the extremes"

@@ -18,6 +18,10 @@ CAPTIONS = {
         "The endless series: estimates with ever more terms resolved lie within the bounds, which hold whatever "
         "the terms left out; both close in as terms are resolved."
     ),
+    "extremes": (
+        "Correct digits of the compliance of one profile, by every method, over all loads a number can hold; and "
+        "how the condition numbers of the boundary elements' equations grow with the number of nodes."
+    ),
     "phases": (
         "What the phase between the waves changes: compliance over mean pressure for each phase, dashed, from "
         "light (in phase) to dark (in antiphase), and the average as a solid line. All curves meet at full "

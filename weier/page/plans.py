@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from weier.plan import QUANTITIES, OutOfReachError, Plan, plan
-from weier.scene import PLANNED, Case, Scene
+from weier.plan import QUANTITIES, OutOfReachError
+from weier.plans import plan
+from weier.scene import PLANNED, Scene
 
 EXACT = "patches"  # what measures the error, where a scene runs it beside its plans
 NOTE = (
@@ -44,11 +45,10 @@ def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> It
     seconds = {key: took for cost in costs for key, took in _seconds(cost)}
     numbers = {key: number for number, key in enumerate(data["key"].values.tolist())}
     cases = {case.key: case for cases in scene.studies.values() for case in cases if PLANNED in case.methods}
-    for key, case in cases.items():
-        made = _plan(scene, case)
-        wanted = case.settings[PLANNED]
+    for key, made in plan(scene).cases.items() if cases else ():
+        wanted = cases[key].settings[PLANNED]
         measured = _error(data.isel(case=numbers[key]), wanted.get("quantity", QUANTITIES[0]))
-        if made is None:
+        if isinstance(made, OutOfReachError):
             yield Outcome(OUT_OF_REACH, np.nan, np.nan, wanted["tolerance"], np.nan, np.nan)
         else:
             way = " and ".join(dict.fromkeys(part.method for part in made.parts))
@@ -59,13 +59,6 @@ def _seconds(cost: xr.Dataset) -> Iterator[tuple[str, float]]:
     if PLANNED in cost["method"].values:
         values = cost["seconds"].sel({"method": PLANNED}).values.tolist()
         yield from zip(cost["key"].values.tolist(), values, strict=True)
-
-
-def _plan(scene: Scene, case: Case) -> Plan | None:
-    try:
-        return plan(case.profile, scene.loads, **case.settings[PLANNED])
-    except OutOfReachError:
-        return None
 
 
 def _error(case: xr.Dataset, quantity: str) -> float:
