@@ -111,8 +111,14 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
 def test_bounds_stand_around_the_exact_methods_only(waves):
     # Not sel(method=...): that keyword of xarray means another thing.
     bem = waves.sel({"method": "bem"}).isel(case=[0, 1])
-    width = bem.compliance_upper - bem.compliance_lower
-    assert float(abs(width - 2 * bem.tail_amplitude).max()) < 1e-14
+    # At most: 64 nodes a wave miss 4.5 g_n (waves_n/points)^2 of each, and the residual is 1e-10.
+    mesh = 4.5 * bem.total_amplitude / 64**2 + 1e-9
+    assert np.all((bem.compliance_lower <= bem.compliance) & (bem.compliance - mesh <= bem.compliance_lower))
+    full = bem.total_amplitude + bem.tail_amplitude
+    widest = np.minimum(bem.compliance + 2 * bem.tail_amplitude + mesh, full)
+    assert np.all((bem.compliance_upper <= widest) & (bem.compliance_upper >= bem.compliance))
+    one, two = bem.isel(case=0), bem.isel(case=1)  # both hold the same endless series
+    assert np.all((one.compliance_lower < two.compliance_upper) & (two.compliance_lower < one.compliance_upper))
     assert np.all((bem.resistance_lower <= bem.resistance) & (bem.resistance <= bem.resistance_upper))
     assert waves.sel({"method": "demelio"}).compliance_lower.isnull().all()
 

@@ -175,7 +175,7 @@ def test_truncated_series_meet_in_the_mean_plane(studies: dict[str, xr.Dataset])
     for case in curves.cases([studies["terms"]]):
         h = curves.numerical(case, "compliance")
         assert h is not None
-        gap = -truncated_compliance.from_mean_plane(case, h)
+        gap = -truncated_compliance.from_mean_plane(h, float(case["total_amplitude"]))
         assert np.all(np.diff(gap) < 0)
         assert np.all(gap > -1e-9)  # the surfaces do not overlap
         assert gap[0] < case["total_amplitude"]  # nor do they touch before the highest crest does

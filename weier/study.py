@@ -12,10 +12,12 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from weier import dataset, netcdf, provenance
+from weier import dataset, laws, netcdf, provenance
 from weier.bounds import compliance_bounds, resistance_bounds
 from weier.files import replacing
+from weier.profile import Profile
 
 EXACT = ("bem", "patches")  # solve the truncated series itself, so that the bounds theorem applies to their curves
 BLOCK = 64  # cases in memory: the bounds take loads^2 numbers for each
@@ -73,19 +75,37 @@ def gather(
 
 
 def add_bounds(data: xr.Dataset) -> xr.Dataset:
-    """Fill in the bounds on compliance and resistance of the endless series, for the methods that are exact."""
+    """Fill in the bounds on compliance and resistance of the endless series, for the methods that are exact.
+
+    What a solution is off widens the band of the terms left out. The compliance of the endless series counts, as all
+    do, from full contact of its own waves: higher than in the datum of the truncated one by the amplitude left out.
+    """
     data = data.copy(deep=True)
     exact = np.flatnonzero(np.isin(data["method"].values, EXACT))
     loads = data["mean_pressure"].values
     h = data["compliance"].values[:, exact]
-    tail, first = (data[name].values[:, None] for name in ("tail_amplitude", "first_contact"))
-    for quantity, (lower, upper) in (
-        ("compliance", compliance_bounds(h, tail)),
-        ("resistance", resistance_bounds(loads, h, tail, first)),
+    names = ("total_amplitude", "tail_amplitude", "first_contact")
+    total, tail, first = (data[name].values[:, None] for name in names)
+    band = tail + _solution_error(data)[:, exact]
+    lower, upper = (bound + tail[..., None] for bound in compliance_bounds(h, band))
+    upper = np.minimum(upper, (total + tail)[..., None])
+    for quantity, sides in (
+        ("compliance", (lower, upper)),
+        ("resistance", resistance_bounds(loads, h, band, first)),
     ):
-        data[f"{quantity}_lower"].values[:, exact] = lower
-        data[f"{quantity}_upper"].values[:, exact] = upper
+        for side, values in zip(("lower", "upper"), sides, strict=True):
+            data[f"{quantity}_{side}"].values[:, exact] = values
     return data
+
+
+def _solution_error(data: xr.Dataset) -> NDArray[np.float64]:
+    """What grid and residual leave of the compliance, in g_0, shape (cases, methods); NaN without a solution."""
+    off = laws.RESIDUAL * data["residual"].max("mean_pressure").values
+    for case, method in np.argwhere(np.isfinite(data["points"].values)):
+        one = data.isel(case=case)
+        profile = Profile(float(one["D"]), float(one["gamma"]), float(one["m"]))
+        off[case, method] += laws.bem_compliance_error(profile, int(one["points"][method]))
+    return np.asarray(off)
 
 
 def keys_of(files: Sequence[str | Path]) -> list[str]:

@@ -52,8 +52,12 @@ VARIABLES = {
     "resistance": Variable(
         CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0
     ),
-    "compliance_lower": Variable(CURVE, "lower bound on the compliance of the endless series", "g_0"),
-    "compliance_upper": Variable(CURVE, "upper bound on the compliance of the endless series", "g_0"),
+    "compliance_lower": Variable(
+        CURVE, "lower bound on the compliance of the endless series, from where all its waves peak together", "g_0"
+    ),
+    "compliance_upper": Variable(
+        CURVE, "upper bound on the compliance of the endless series, from where all its waves peak together", "g_0"
+    ),
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the endless series", "g_0/p_0*", least=0),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the endless series", "g_0/p_0*", least=0),
     "compliance_error": Variable(CURVE, "error of the compliance, estimated or measured", "g_0", least=0),

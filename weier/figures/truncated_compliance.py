@@ -39,9 +39,9 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def from_mean_plane(case: xr.Dataset, h: np.ndarray) -> np.ndarray:
+def from_mean_plane(h: np.ndarray, total_amplitude: float) -> np.ndarray:
     """The compliance counted from the mean plane, -d, in g_0."""
-    return h - float(case["total_amplitude"])
+    return h - total_amplitude
 
 
 def _zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
@@ -49,7 +49,7 @@ def _zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     longest = cases[-1]
     loads, h = longest["mean_pressure"].values, truncation.numerical(longest, "compliance")
     load = ZOOM_AT * axes.get_xlim()[1]
-    value = np.interp(load, loads, from_mean_plane(longest, h))
+    value = np.interp(load, loads, from_mean_plane(h, float(longest["total_amplitude"])))
     across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
     inset = axes.inset_axes(INSET, xlim=(load - across, load + across), ylim=(value - up, value + up))
     truncation.draw_curves(inset, cases, "compliance", from_mean_plane)

@@ -28,5 +28,5 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def _as_it_is(case: xr.Dataset, resistance: np.ndarray) -> np.ndarray:
+def _as_it_is(resistance: np.ndarray, total_amplitude: float) -> np.ndarray:
     return resistance

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from weier import curves
 from weier.figures import style
 
-Datum = Callable[[xr.Dataset, np.ndarray], np.ndarray]  # shifts the values of a case to a common datum
+Datum = Callable[[np.ndarray, float], np.ndarray]  # to a common datum, of a series of this total amplitude
 
 
 def compare(
@@ -53,7 +53,7 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str, datum: D
         many = {"linewidth": 0.4, "alpha": style.FAINT} if len(same) > 1 else {}
         for number, case in enumerate(same):
             label = style.describe(case, "m") if number == 0 else None
-            values = datum(case, numerical(case, quantity))
+            values = datum(numerical(case, quantity), float(case["total_amplitude"]))
             axes.plot(case["mean_pressure"].values, values, label=label, **look | many)
     alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
     checks = [(_check(case, quantity, datum), color) for case, color in alone]
@@ -63,7 +63,7 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str, datum: D
 def _check(case: xr.Dataset, quantity: str, datum: Datum) -> np.ndarray | None:
     """The other numerical method of a case, if there is one."""
     values = curves.second(case, quantity)
-    return None if values is None else datum(case, values)
+    return None if values is None else datum(values, float(case["total_amplitude"]))
 
 
 def numerical(case: xr.Dataset, quantity: str) -> np.ndarray:
@@ -78,4 +78,5 @@ def _bounds(axes: Axes, longest: xr.Dataset, quantity: str, datum: Datum) -> Non
     if low is not None and high is not None:
         label = f"bounds from {style.describe(longest, 'm')}"
         loads = longest["mean_pressure"].values
-        axes.fill_between(loads, datum(longest, low), datum(longest, high), label=label, **style.BOUND)
+        endless = float(longest["total_amplitude"] + longest["tail_amplitude"])
+        axes.fill_between(loads, datum(low, endless), datum(high, endless), label=label, **style.BOUND)
