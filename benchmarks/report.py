@@ -145,6 +145,6 @@ def _mark_patches(axes: Axes, data: xr.Dataset) -> None:
         at = data.attrs["truth_seconds"]
         axes.axvline(at, color="0.5", linewidth=0.8, zorder=0)
         axes.annotate(
-            "contact patches: ten digits", (at, 0.04), xycoords=("data", "axes fraction"), rotation=90, fontsize=6.5,
-            ha="center", va="bottom", color="0.35", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
+            "contact patches:\nten digits", (at, 0.05), (-4, 0), xycoords=("data", "axes fraction"),
+            textcoords="offset points", fontsize=6.5, ha="right", va="bottom", color="0.35",
         )  # fmt: skip
