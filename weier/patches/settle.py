@@ -116,7 +116,8 @@ def _violation(state: State, waves: Waves) -> Array:
 def _certified(surface: Surface, state: State, tolerance: float) -> State:
     # Signs were checked by `corrected`; what remains are the equations themselves and the load.
     period, miss = surface.heights.period, residual(surface, state)
-    reached = miss / (state.load * period if state.dual else state.approach)
+    size = state.load * period if state.dual else state.approach
+    reached = miss / size if size > 0 else np.inf  # 0: Newton lost all digits, far from its load
     if not state.dual:
         carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first[:-1]])
         reached = max(reached, abs(float(carried) / (state.load * period) - 1))
