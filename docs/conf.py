@@ -5,6 +5,7 @@ import re
 import sys
 from pathlib import Path
 
+from cycler import cycler
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
@@ -37,7 +38,12 @@ autodoc_typehints = "none"  # the docstrings say types, shapes and units
 plot_include_source = plot_apply_rcparams = True
 plot_html_show_formats = plot_html_show_source_link = False
 plot_formats = [("png", 200)]
-plot_rcparams = style.RC | {"figure.figsize": (style.WIDTH, style.HEIGHT), "figure.constrained_layout.use": True}
+LINES = [style.METHODS[method] for method in ("archard", "demelio", "layer", "bem")]  # as in the paper's figures
+plot_rcparams = style.RC | {
+    "figure.figsize": (style.WIDTH, style.HEIGHT),
+    "figure.constrained_layout.use": True,
+    "axes.prop_cycle": cycler(color=[line.color for line in LINES], linestyle=[line.linestyle for line in LINES]),
+}
 
 html_theme = "furo"
 html_title = "weier"
