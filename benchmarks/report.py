@@ -12,8 +12,9 @@ from matplotlib.axes import Axes
 
 from benchmarks.contenders import PAIRS
 from benchmarks.measure import failed, wrong
-from weier.figures import METADATA, style
-from weier.files import replacing
+from weier import markdown
+from weier.figures import save, style
+from weier.files import write_text
 
 OURS = "weier"
 HEIGHT = 2.0  # inches a panel
@@ -41,13 +42,13 @@ def median(data: xr.Dataset) -> xr.DataArray:
 def table(data: xr.Dataset) -> str:
     """The whole comparison as Markdown: who takes how long, times of ours, and whether the answer is right."""
     head = ("N", "program", "seconds", f"/ {OURS}", "work a load", "residual", "error of h", "loads wrong")
-    lines = [_line(head), _line(["---"] * len(head))]
+    rows = []
     for points in data["points"].values:
         for program in data["program"].values:
             row = data.sel({"program": program, "points": points})
             if row["seconds"].notnull().any():
-                lines.append(_line(_cells(data, row)))
-    return "\n".join([*_preface(data), "", *lines, ""])
+                rows.append(_cells(data, row))
+    return "\n".join([*_preface(data), "", markdown.table(head, rows), ""])
 
 
 def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
@@ -62,7 +63,7 @@ def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
     verdict = [f"{lies} said to have converged"] * (lies > 0) + [f"{gives_up} given up"] * (gives_up > 0)
     return [
         f"{int(row['points'])}",
-        str(row["label"].values),
+        markdown.plain(str(row["label"].values)),
         f"{own:.3g}",
         f"{own / ours:.3g}",
         f"{float(row['work'].mean()):.3g} {row['work_unit'].values}",
@@ -70,10 +71,6 @@ def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
         f"{float(row['error']):.1e}",
         ", ".join(verdict) or "0",
     ]
-
-
-def _line(cells: list[str] | tuple[str, ...]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def _preface(data: xr.Dataset) -> list[str]:
@@ -97,15 +94,12 @@ def _preface(data: xr.Dataset) -> list[str]:
 
 
 def write_table(data: xr.Dataset, path: Path) -> None:
-    """Write the Markdown whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as beside:
-        beside.write_text(table(data), encoding="utf-8")
+    """Write the Markdown."""
+    write_text(path, table(data))
 
 
 def draw(data: xr.Dataset, path: Path) -> None:
     """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG beside each other."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     with matplotlib.style.context(style.RC, after_reset=True):
         figure, (time, pairs, accuracy) = style.column(3, HEIGHT)
         data = data.assign(time=median(data), pairs=_pairs(data))
@@ -114,11 +108,7 @@ def draw(data: xr.Dataset, path: Path) -> None:
         _panel(accuracy, 2, data, "time", "error")
         _mark_patches(accuracy, data)
         figure.legend(*time.get_legend_handles_labels(), loc="outside upper center", ncols=2, handlelength=3.2)
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
-        for suffix, metadata in METADATA.items():
-            with replacing(path.with_suffix(f".{suffix}")) as beside:
-                figure.savefig(beside, format=suffix, metadata=metadata)
+        save(figure, path)
 
 
 def _pairs(data: xr.Dataset) -> xr.DataArray:

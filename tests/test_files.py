@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from weier.files import bring_to_present, check_writable, remove_leftovers, replacing
+from weier.files import bring_to_present, check_writable, remove_leftovers, replacing, write_text
 
 
 def test_a_file_appears_when_all_went_well(tmp_path):
@@ -22,6 +22,11 @@ def test_a_file_stays_as_it_was_when_something_went_wrong(tmp_path):
     with pytest.raises(FileNotFoundError), replacing(tmp_path / "a") as beside:
         (beside / "of no folder").write_text("new")
     assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
+
+
+def test_a_text_makes_its_folder(tmp_path):
+    write_text(tmp_path / "new" / "a", "p → 0")
+    assert [path.read_bytes().decode("utf-8") for path in (tmp_path / "new").iterdir()] == ["p → 0"]
 
 
 def test_leftovers_go_when_their_process_is_gone(tmp_path):

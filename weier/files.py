@@ -37,6 +37,21 @@ def replacing(path: str | Path) -> Iterator[Path]:
             beside.unlink()
 
 
+def write_text(path: str | Path, text: str) -> None:
+    """Write a file of text, and the folder that it stands in.
+
+    Raises
+    ------
+    OSError
+        If the disk is full or closed to writing.
+
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8")
+
+
 def check_writable(folder: str | Path) -> None:
     """Refuse to start where nothing can be written.
 

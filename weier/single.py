@@ -16,7 +16,7 @@ from weier import dataset, limits
 from weier.batch import solve_batch
 from weier.dataset import Status
 from weier.errors import ConvergenceError
-from weier.files import replacing
+from weier.files import write_text
 from weier.limits import MOST_LOADS
 from weier.loads import checked_loads
 from weier.scene import PLANNED as PLANNED_METHOD
@@ -136,9 +136,7 @@ def solve_one(
 def write(data: xr.Dataset, path: Path) -> None:
     """Write the curves as netCDF or, where the name ends in .json, as JSON."""
     if path.suffix == ".json":
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as beside:
-            beside.write_text(as_json(data) + "\n", encoding="utf-8")
+        write_text(path, as_json(data) + "\n")
     else:
         dataset.write(data, path, data.attrs["title"], "solved", data.attrs["scene"])
 

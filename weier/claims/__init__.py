@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from weier import curves, dataset
+from weier import curves, dataset, markdown
 from weier.claims import measures
 from weier.claims.measures import Measured, MissingError
 from weier.claims.paper import CLAIMS
-from weier.files import replacing
+from weier.files import write_text
 from weier.scene import Scene
 from weier.study import gather, keys_of
 
@@ -49,10 +49,7 @@ def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: st
     files = list(studies.values())
     step = "checked against the paper" if found else "gathered"
     gather(files, keys_of(files), path, scene.title, step=step, scene=scene.text, more=_columns(found))
-    table = Path(table)
-    table.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(table) as beside:
-        beside.write_text(_markdown(scene.title, found), encoding="utf-8")
+    write_text(table, _markdown(scene.title, found))
 
 
 def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
@@ -104,12 +101,11 @@ def _markdown(title: str, found: Mapping[str, Measured]) -> str:
     if not found:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [name, CLAIMS[name].statement, measured.text, HOLDS_MEANINGS[HOLDS[measured.holds]].replace("_", " ")]
+        [
+            *map(markdown.plain, (name, CLAIMS[name].statement, measured.text)),
+            HOLDS_MEANINGS[HOLDS[measured.holds]].replace("_", " "),
+        ]
         for name, measured in found.items()
     ]
-    lines = [["claim", "the paper says", "measured here", "holds"], ["---"] * 4, *rows]
-    # g_0 and p_0* would read as emphasis.
-    table = [
-        "| " + " | ".join(cell.replace("|", r"\|").replace("*", r"\*") for cell in line) + " |" for line in lines
-    ]
-    return "\n".join([f"# {title}", "", *table, "", measures.CRITERIA, ""])
+    table = markdown.table(["claim", "the paper says", "measured here", "holds"], rows)
+    return "\n".join([f"# {title}", "", table, "", measures.CRITERIA, ""])

@@ -9,7 +9,8 @@ import xarray as xr
 
 from weier.extremes.examine import Outcome
 from weier.extremes.measure import VERDICTS, Verdict
-from weier.files import replacing
+from weier.files import write_text
+from weier.markdown import plain, table
 
 HEAD = [
     "extreme", "method", "loads", "outcome", "rises", "concave", "in bounds", "digits of h", "of R", "error of h",
@@ -39,10 +40,7 @@ NOTE = (
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
     """Write a row a method and extreme, what was said, and the condition numbers, as Markdown."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as beside:
-        beside.write_text(_markdown(data, title), encoding="utf-8")
+    write_text(path, _markdown(data, title))
 
 
 def failures(data: xr.Dataset) -> list[str]:
@@ -71,17 +69,12 @@ def _markdown(data: xr.Dataset, title: str) -> str:
     runs, faults = _runs(data), failures(data)
     messages = list(dict.fromkeys(filter(None, (str(data["message"].values[run]) for run in runs))))
     summary = f"{len(runs)} rows, {len(faults)} of them with a fault" + (":" if faults else ".")
-    listed = ["", *(f"- {_plain(fault)}" for fault in faults)] if faults else []
-    said = [f"{number}. {_plain(message)}" for number, message in enumerate(messages, 1)]
-    table = _table([HEAD, *(_row(data, run, messages) for run in runs)])
+    listed = ["", *(f"- {plain(fault)}" for fault in faults)] if faults else []
+    said = [f"{number}. {plain(message)}" for number, message in enumerate(messages, 1)]
+    rows = table(HEAD, (_row(data, run, messages) for run in runs))
     head = [f"# {title}", "", MADE, "", summary, *listed, ""]
     tail = ["## What was said", "", *said, "", "## Condition numbers of the boundary elements", ""]
-    return "\n".join([*head, *table, "", NOTE, "", *tail, *_table(_conditions(data)), ""])
-
-
-def _table(lines: list[list[str]]) -> list[str]:
-    head, *rows = lines
-    return ["| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]]
+    return "\n".join([*head, rows, "", NOTE, "", *tail, _conditions(data), ""])
 
 
 def _row(data: xr.Dataset, place: tuple[int, int], messages: list[str]) -> list[str]:
@@ -92,7 +85,7 @@ def _row(data: xr.Dataset, place: tuple[int, int], messages: list[str]) -> list[
     shape = [_verdict(run[name].item()) for name in ("monotone", "concave", "inside")]
     digits = [_worst(run[name].values, np.fmin, "{:.1f}") for name in ("compliance_digits", "resistance_digits")]
     return [
-        _plain(str(run["extreme"].item())),
+        plain(str(run["extreme"].item())),
         str(run["method"].item()),
         f"{loads.size}: {loads[0]:.0e}..{loads[-1]:.0e}" if loads.size > 1 else f"{loads[0]:.0e}",
         _outcome(run, messages),
@@ -125,15 +118,10 @@ def _worst(values: np.ndarray, of: np.ufunc, form: str) -> str:
     return "" if np.isnan(worst) else form.format(worst)
 
 
-def _conditions(data: xr.Dataset) -> list[list[str]]:
+def _conditions(data: xr.Dataset) -> str:
     names = {"condition_operator": "influence matrix", "condition_full": "full contact", "condition_half": "half"}
     rows = [
         [str(nodes), *("" if np.isnan(v := data[name].values[i]) else f"{v:.3g}" for name in names)]
         for i, nodes in enumerate(data["nodes"].values)
     ]
-    return [["nodes", *names.values()], *rows]
-
-
-def _plain(text: str) -> str:
-    """Text that Markdown does not read as emphasis or a new column."""
-    return text.replace("_", r"\_").replace("*", r"\*").replace("|", r"\|")
+    return table(["nodes", *names.values()], rows)

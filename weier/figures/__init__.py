@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib.style
 import xarray as xr
+from matplotlib.figure import Figure
 
 from weier.figures import style
 from weier.files import replacing
@@ -52,13 +53,17 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
     """
     if kind not in (*KINDS, *MEASURES):
         raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(KINDS)}")
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     # The reset keeps the matplotlibrc of whoever draws out of the figure.
     with matplotlib.style.context(style.RC, after_reset=True):
-        figure = import_module(f"weier.figures.{kind}").draw(studies, title)
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
-        for suffix, metadata in METADATA.items():
-            with replacing(path.with_suffix(f".{suffix}")) as beside:
-                figure.savefig(beside, format=suffix, metadata=metadata)
+        save(import_module(f"weier.figures.{kind}").draw(studies, title), path)
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Save a figure in the style that is set, as PDF, SVG and PNG beside each other."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
+    for suffix, metadata in METADATA.items():
+        with replacing(path.with_suffix(f".{suffix}")) as beside:
+            figure.savefig(beside, format=suffix, metadata=metadata)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier.files import replacing
+from weier.files import write_text
+from weier.markdown import plain, table
 from weier.tradeoff.errors import worst_over_loads
 from weier.tradeoff.fit import Constant, constants
 
@@ -39,10 +39,7 @@ def typical(values: Array) -> Array:
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
     """Write the trade as a Markdown table: a row a contender."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as beside:
-        beside.write_text(_markdown(data, title), encoding="utf-8")
+    write_text(path, _markdown(data, title))
 
 
 def _markdown(data: xr.Dataset, title: str) -> str:
@@ -50,13 +47,9 @@ def _markdown(data: xr.Dataset, title: str) -> str:
         "method and setting", "profiles", "ms a load", "error of h", "worst", "p < 0.03", "0.03..1", "p > 1",
         "error of R", "worst",
     ]  # fmt: skip
-    lines = [head, ["---"] * len(head), *(_row(data, number) for number in range(data.sizes["method"]))]
-    laws = [LAWS, ["---"] * len(LAWS), *map(_law, constants(data))]
-    return "\n".join([f"# {title}", "", *_rows(lines), "", NOTE, "", *_rows(laws), "", LAWS_NOTE, ""])
-
-
-def _rows(lines: Sequence[Sequence[str]]) -> list[str]:
-    return ["| " + " | ".join(line) + " |" for line in lines]
+    rows = table(head, (_row(data, number) for number in range(data.sizes["method"])))
+    laws = table(LAWS, map(_law, constants(data)))
+    return "\n".join([f"# {title}", "", rows, "", NOTE, "", laws, "", LAWS_NOTE, ""])
 
 
 LAWS = ["constant of weier/laws.py", "shipped", "measured here"]
@@ -67,7 +60,7 @@ LAWS_NOTE = (
 
 
 def _law(constant: Constant) -> list[str]:
-    return [constant.name, f"{constant.shipped:.2g}", f"{constant.measured:.2g}"]
+    return [plain(constant.name), f"{constant.shipped:.2g}", f"{constant.measured:.2g}"]
 
 
 NOTE = (
@@ -92,7 +85,7 @@ def _row(data: xr.Dataset, number: int) -> list[str]:
     values = [np.median(h), h.max(), *bands, np.median(R), R.max()]
     cost = f"{1e3 * np.median(seconds_per_load(data)[run, number]):.2g}"
     return [
-        str(data["method"].values[number]),
+        plain(str(data["method"].values[number])),
         str(run.sum()),
         cost,
         *("" if np.isnan(v) else f"{v:.0e}" for v in values),
