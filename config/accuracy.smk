@@ -74,7 +74,7 @@ rule draw_endless:
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
 rule plan:
     input:
-        source=sources("weier.plans"),
+        source=sources("weier.plan_scene"),
         scenes=expand(
             "config/scenes/{s}.yaml",
             s=[name.strip() for name in str(config["scenes"]).split(",")],

@@ -4,7 +4,7 @@ from weier.conduction import Interface
 from weier.contact import Contact, open
 from weier.errors import ConvergenceError
 from weier.fields import events, fields
-from weier.plans import plan
+from weier.plan_scene import plan
 from weier.profile import Profile, random_phases
 from weier.solve import solve
 from weier.version import VERSION

@@ -15,7 +15,7 @@ from weier import claims as claim
 from weier import dataset, endless, jit, scene, single, study, tradeoff
 from weier.errors import ConvergenceError
 from weier.fields import events, fields
-from weier.plans import plan
+from weier.plan_scene import plan
 from weier.profile import Profile
 from weier.solve import METHODS, solve
 from weier.version import VERSION

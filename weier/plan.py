@@ -1,4 +1,7 @@
-"""What a requested accuracy takes, load by load: the cheapest that the measured laws and the bounds theorem allow."""
+"""The plan of one profile: the cheapest methods, load by load, that the measured laws and the bounds theorem allow.
+
+`weier.planned` runs it, `weier.plan_scene` makes one for each case of a scene.
+"""
 
 from __future__ import annotations
 

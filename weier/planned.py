@@ -1,4 +1,4 @@
-"""Run a plan: each part by its method, with an error for every number."""
+"""The method "planned", which runs the plan of a profile: each part by its method, an error for every number."""
 
 from __future__ import annotations
 

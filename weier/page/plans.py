@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from weier.plan import QUANTITIES, OutOfReachError
-from weier.plans import plan
+from weier.plan_scene import plan
 from weier.scene import PLANNED, Scene
 
 EXACT = "patches"  # what measures the error, where a scene runs it beside its plans

@@ -1,4 +1,4 @@
-"""Plans before anything runs: of one profile, or of all cases of a scene."""
+"""`weier.plan`: the plan of one profile, by `weier.plan.plan`, or those of all cases of a scene."""
 
 from __future__ import annotations
 
