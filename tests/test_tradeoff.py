@@ -28,7 +28,7 @@ def measured(tmp_path_factory):
     path = tmp_path_factory.mktemp("scene") / "small.yaml"
     path.write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.tradeoff.contenders"), "MOST_POINTS", 600)
+        patch.setattr(import_module("weier.tradeoff.contenders"), "MOST_COMPARED_POINTS", 600)
         return tradeoff.measure(scene.load(path))
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from weier.limits import NUMERICAL
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
 
-NUMERICAL = ("patches", "bem")  # the more accurate first
 ESTIMATES = ("archard", "demelio", "layer")  # in the order of Section 4
 FULL = 0.99  # of the compliance of full contact: where a linear axis shows no more change
 LIGHT = 100  # below the load of full contact by more than this, one or two crests of the finest wave carry all

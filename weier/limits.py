@@ -25,7 +25,7 @@ MOST_DENSE = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its fact
 MOST_BYTES = 4 * 2**30  # of one batch
 LOADS = 1e-12, 1e12  # p_0*
 GAMMA = 10**6
-NUMERICAL = ("bem", "patches")
+NUMERICAL = ("patches", "bem")  # solve the series itself, on all of its waves; the more accurate first
 
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
 

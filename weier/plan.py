@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3
 QUANTITIES = ("compliance", "resistance")
-MOST_POINTS = 2**21  # a load then takes a second
+MOST_GRID_POINTS = 2**21  # a load then takes a second
 MOST_CONTACTS = 256  # a dense matrix of more takes seconds a load
 MOST_FORESEEN = 64  # contacts, where there may be more waves than that: the foresight is off by a factor of 4 at most
 MOST_SAMPLES = 2**17  # where first contact is looked for
@@ -209,7 +209,7 @@ def ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Ite
 def _lengths(profile: Profile) -> Iterator[int]:
     """Numbers of terms whose finest waves boundary elements can still see."""
     terms = 1
-    while terms <= profile.m and truncated(profile, terms).wavenumber[-1] * laws.FEWEST_PER_WAVE <= MOST_POINTS:
+    while terms <= profile.m and truncated(profile, terms).wavenumber[-1] * laws.FEWEST_PER_WAVE <= MOST_GRID_POINTS:
         yield terms
         terms += 1
 
@@ -319,7 +319,7 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
     none, waves = np.zeros(loads.size), kept.wavenumber[-1]
     count = contacts(kept, loads) if _seen(kept) else none + waves * UNSEEN
     points = laws.bem_points(kept, error, quantity)
-    if points <= MOST_POINTS:
+    if points <= MOST_GRID_POINTS:
         law = laws.bem_compliance_error if quantity == "compliance" else laws.bem_resistance_error
         why = f"{points / waves:.0f} points for each of {waves} waves are the fewest that do"
         (start, load), memory = laws.bem_seconds(points, count), laws.grid_bytes("bem", points)

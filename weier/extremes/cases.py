@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 SHALLOW = 10  # terms, of which the layer has a curve in a second; each load of a deeper stack takes some
 MOST_WAVES = 300  # of the finest term in a period, for dense matrices
 PAPER_POINTS = 12  # for each of the finest waves, of the dense solver
-LEAST_POINTS, MOST_POINTS = 3, 2**20
+SMALLEST_GRID, LARGEST_GRID = 3, 2**20
 NEAR = (1e-12, 1e-8, 1e-4)  # relative distances of loads from an event
 THINNED = 3  # of the births and merges, one in so many
 
@@ -77,9 +77,9 @@ def extremes() -> Iterator[Extreme]:
     yield _extreme("a wave of 1e-3 on one of 1", _case(1 + 1e-9, "1000", 2, [0.0, 1.0]), USUAL)
     yield _extreme("finer waves flat to rounding", _case(1 + 1e-9, "1000000", 1000), USUAL)
     yield _extreme("waves that cancel to 1 %", _case(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL)
-    yield Extreme("3 nodes", one, USUAL, _on_points(LEAST_POINTS))
-    yield Extreme("2^20 nodes, one wave", one, USUAL, _on_points(MOST_POINTS))
-    yield Extreme("2^20 nodes, three waves", three, USUAL, _on_points(MOST_POINTS))
+    yield Extreme("3 nodes", one, USUAL, _on_points(SMALLEST_GRID))
+    yield Extreme("2^20 nodes, one wave", one, USUAL, _on_points(LARGEST_GRID))
+    yield Extreme("2^20 nodes, three waves", three, USUAL, _on_points(LARGEST_GRID))
 
 
 def beside(*loads: float) -> Array:

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")
 MOST_TERMS = 5
 MOST_WAVES = 81  # in a period: patches then take seconds a profile
-MOST_POINTS = 2**16  # that stand for an endless series
+MOST_ENDLESS_POINTS = 2**16  # that stand for an endless series
 LOADS = np.geomspace(1e-3, 10, 12)
 TRUTH = 1e-12
 MOST_TOLERANCE = 0.1
@@ -117,7 +117,7 @@ def _check(off: Array, expected: Array, slack: Array) -> Check:
 def _longest(profile: Profile) -> Profile:
     """As many terms of an endless series as 2^16 points show."""
     terms = 1
-    while truncated(profile, terms + 1).wavenumber[-1] * laws.FEWEST_PER_WAVE <= MOST_POINTS:
+    while truncated(profile, terms + 1).wavenumber[-1] * laws.FEWEST_PER_WAVE <= MOST_ENDLESS_POINTS:
         terms += 1
     return truncated(profile, terms)
 
