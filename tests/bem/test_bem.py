@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import circulant
 
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile, westergaard
-from weier.bem import curve, fft, field
+from weier.bem import curve, direct, fft, field
 from weier.bem.grids import nested_grids, part_of_hierarchy
 from weier.halfplane import influence_coefficients
 
@@ -209,6 +210,25 @@ def test_what_is_not_a_number_is_an_error():
     state.deformed[3] = np.nan
     grid = part_of_hierarchy(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
     assert fft._violations(0.0, grid, state) == (np.inf, np.inf)
+
+
+def test_an_empty_contact_begins_at_the_highest_node():
+    matrix, height = circulant(influence_coefficients(64)), Profile(1.5, 2, 1).sampled_height(64)
+    found, wanted = (
+        direct.solve_load(matrix, height, begin, 0.3, 1e-10) for begin in (np.zeros(64, bool), np.ones(64, bool))
+    )
+    assert found.settled
+    assert np.array_equal(found.contact, wanted.contact)
+    assert found.pressure == pytest.approx(wanted.pressure, abs=1e-12)
+
+
+def test_a_search_that_does_not_settle_says_so(monkeypatch):
+    monkeypatch.setattr(direct, "ROUNDS", 1)
+    matrix, height = circulant(influence_coefficients(64)), Profile(1.5, 2, 1).sampled_height(64)
+    found = direct.solve_load(matrix, height, np.ones(64, bool), 0.3, 1e-10)
+    assert (found.rounds, found.settled) == (1, False)
+    with pytest.raises(ConvergenceError, match="residual"):
+        curve(Profile(1.5, 2, 1), np.array([0.3]), points=64, solver="direct")
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])

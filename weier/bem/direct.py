@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import circulant
@@ -12,6 +14,17 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
+
+
+class Settled(NamedTuple):
+    """One load: the last solution, on the nodes in contact, and whether another round would change them."""
+
+    flat: float
+    resistance: float
+    pressure: Array
+    contact: Flags
+    rounds: int
+    settled: bool
 
 
 def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> Answer:
@@ -36,22 +49,32 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
     """
     answer, matrix, contact = no_answer(loads.size), circulant(influence), pressure > 0
     for load in range(loads.size - 1, -1, -1):
-        for answer.work[load] in range(1, ROUNDS + 1):
-            flat, resistance, pressure[:] = _on_contact(matrix, contact, height, loads[load])
-            gap = flat - height + matrix @ pressure
-            stretched = contact & (pressure < -tolerance / influence[0])
-            pierced = ~contact & (gap < -tolerance)
-            nodes, contact = contact, contact & ~stretched | pierced
-            if np.array_equal(contact, nodes):
-                break
-        pressure[:] = np.maximum(pressure, 0.0)
-        gap = flat - height + matrix @ pressure
-        answer.flat[load], answer.resistance[load] = flat, resistance
-        answer.contact_nodes[load], answer.patches[load] = nodes.sum(), count_patches(contact)
+        found = solve_load(matrix, height, contact, loads[load], tolerance)
+        contact, pressure[:] = found.contact, found.pressure
+        gap = found.flat - height + matrix @ pressure
+        answer.flat[load], answer.resistance[load], answer.work[load] = found.flat, found.resistance, found.rounds
+        answer.contact_nodes[load], answer.patches[load] = contact.sum(), count_patches(contact)
         answer.residual[load] = max(
-            np.abs(gap[nodes]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
+            np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
         )
     return answer
+
+
+def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolerance: float) -> Settled:
+    """Drop the nodes that pull, add those that penetrate, until none is left or ROUNDS are over.
+
+    `matrix`, shape (N, N), is of displacement per nodal pressure; `contact` is where the search begins.
+    """
+    rounds, settled = 0, False
+    while not settled and rounds < ROUNDS:
+        nodes = contact if contact.any() else height == height.max()  # something has to carry the load
+        flat, resistance, pressure = _on_contact(matrix, nodes, height, load)
+        gap = flat - height + matrix @ pressure
+        stretched = nodes & (pressure < -tolerance / matrix[0, 0])
+        pierced = ~nodes & (gap < -tolerance)
+        contact = nodes & ~stretched | pierced
+        rounds, settled = rounds + 1, np.array_equal(contact, nodes)
+    return Settled(flat, resistance, np.maximum(pressure, 0.0), nodes, rounds, settled)
 
 
 def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array]:
