@@ -167,18 +167,11 @@ def _match_height(
         s, c = _turn(segments, i, j, factor)
         along, about = 0.0, 0.0
         for q in range(segments.first[j], segments.first[j + 1]):
-            share, x = r * segments.weight[q], r * segments.node[q]
+            share = r * segments.weight[q]
             if i == j:
-                small = factor * abs(x) < 1e-8
-                log = np.log(2 * factor) if small else np.log(abs(2 * segments.sine[q] / x))
-                potential = share * (np.log(r) + log) + r * segments.central[q]
-                pull = 0.0
-                turn = 1.0 if small else factor * x * segments.cosine[q] / segments.sine[q]
+                potential, pull, turn = _raise_own_centre(segments, q, r, factor)
             else:
-                sine = s * segments.cosine[q] - c * segments.sine[q]
-                potential = share * np.log(abs(2 * sine))
-                pull = factor * (c * segments.cosine[q] + s * segments.sine[q]) / sine
-                turn = -x * pull
+                potential, pull, turn = _raise_centre(segments, q, r, factor, s, c)
             jacobian[row, q] = 2 * potential * scale
             total += 2 * potential * phi[q] * scale
             along -= 2 * share * phi[q] * pull
@@ -189,6 +182,26 @@ def _match_height(
     jacobian[row, N + i] += tilt
     jacobian[row, N + 2 * n] = scale
     right[row, 0] = total
+
+
+@kernel
+def _raise_own_centre(segments: Segments, q: int, r: float, factor: float) -> tuple[float, float, float]:
+    # Of node q of the patch itself: potential at its centre, and what moving and widening change, per share.
+    share, x = r * segments.weight[q], r * segments.node[q]
+    small = factor * abs(x) < 1e-8
+    log = np.log(2 * factor) if small else np.log(abs(2 * segments.sine[q] / x))
+    turn = 1.0 if small else factor * x * segments.cosine[q] / segments.sine[q]
+    return share * (np.log(r) + log) + r * segments.central[q], 0.0, turn
+
+
+@kernel
+def _raise_centre(
+    segments: Segments, q: int, r: float, factor: float, s: float, c: float
+) -> tuple[float, float, float]:
+    # The same of node q of another patch, whose centre is the angle of sine s and cosine c away.
+    sine = s * segments.cosine[q] - c * segments.sine[q]
+    pull = factor * (c * segments.cosine[q] + s * segments.sine[q]) / sine
+    return r * segments.weight[q] * np.log(abs(2 * sine)), pull, -r * segments.node[q] * pull
 
 
 def _balance_load(jacobian: Array, right: Array, segments: Segments, phi: Array, force: float, period: float) -> None:
