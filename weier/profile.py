@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from weier.summits import sampled, summits
+
 Array = NDArray[np.float64]
 
 LARGEST_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
-SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
-NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
@@ -188,28 +188,16 @@ class Profile:
         return self._series(x, -self.amplitude * self._frequency**2, np.cos)
 
     def sampled_height(self, points: int, terms: int | None = None) -> Array:
-        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0.
-
-        The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
-        """
-        j = np.arange(points)
-        total = np.zeros(points)
-        for g, k, phi in list(zip(self.amplitude, self.wavenumber, self.phase, strict=True))[:terms]:
-            total += g * np.cos((k * j % points) * (2 * np.pi / points) + phi)
-        return total
+        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
+        return sampled(self.amplitude[:terms], self.wavenumber[:terms], self.phase[:terms], points)
 
     @cached_property
     def crest(self) -> tuple[float, float]:
         """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
-        points = SAMPLES_PER_WAVE * self.wavenumber[-1]
-        z = self.sampled_height(points)
-        tops = np.flatnonzero((z >= np.roll(z, 1)) & (z >= np.roll(z, -1)))
-        x = tops * (self.period / points)
-        for _ in range(NEWTON_STEPS):
-            curvature = self.curvature(x)
-            x = x - np.divide(self.slope(x), curvature, out=np.zeros_like(x), where=curvature < 0)
-        highest = int(np.argmax(self.height(x)))
-        return float(x[highest]), float(self.height(x[highest]))
+        x, phase = summits(self.amplitude, self.wavenumber, self.phase, self.period)
+        height = np.cos(phase) @ self.amplitude
+        highest = int(np.argmax(height))
+        return float(x[highest]), float(height[highest])
 
     @cached_property
     def _frequency(self) -> Array:

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.jit import kernel
+from weier.summits import summits
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SAMPLES_PER_WAVE = 16
-NEWTON_STEPS = 8
 ROUNDING = 1e-14  # summits of one height to within this, of the sum of amplitudes, are of one height
 SMALL_ANGLE = 0.3  # below it, sin(y) - y comes from its series
 
@@ -38,24 +37,12 @@ class Waves(NamedTuple):
 def waves(amplitude: Array, wavenumber: list[int], phase: Array, period: float) -> Waves:
     """The summits of the series with whole numbers of waves in one period."""
     frequency = 2 * np.pi * np.array(wavenumber, float) / period
-    points = SAMPLES_PER_WAVE * wavenumber[-1]
-    j = np.arange(points)
-    angle = np.array([(k * j % points) * (2 * np.pi / points) for k in wavenumber]) + phase[:, None]
-    z = amplitude @ np.cos(angle)
-    summit = np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
-    x = summit * (period / points)
-    theta = angle[:, summit].T.copy()
-    for _ in range(NEWTON_STEPS):
-        slope = -np.sin(theta) @ (amplitude * frequency)
-        curvature = -np.cos(theta) @ (amplitude * frequency**2)
-        step = np.clip(-slope / np.minimum(curvature, -1e-300), -period / points, period / points)
-        x += step
-        theta += step[:, None] * frequency  # the phases themselves: the slope at a summit is 0 to rounding
+    x, theta = summits(amplitude, wavenumber, phase, period)
     height = np.cos(theta) @ amplitude
     top = float(height.max())
     rise = height - top
     rise[rise > -ROUNDING * np.abs(amplitude).sum()] = 0.0
-    return Waves(amplitude, frequency, float(period), x.astype(float), np.cos(theta), np.sin(theta), rise, top)
+    return Waves(amplitude, frequency, float(period), x, np.cos(theta), np.sin(theta), rise, top)
 
 
 @kernel
