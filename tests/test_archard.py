@@ -1,43 +1,12 @@
 """Archard's recursion against its plain sum in mpmath, its limit, and what any compliance obeys."""
 
-import mpmath as mp
 import numpy as np
 import pytest
 
-from tests.closed_forms import CORNERS, assert_accurate, extreme_cases
+from tests.extreme_series import CORNERS, assert_accurate, extreme_cases
 from weier import archard
+from weier.extremes import exact
 from weier.profile import leading_amplitude, tail_amplitude
-
-
-def plain_sum(p, D, gamma, m):
-    """Compliance and resistance of m terms, one after the other; for m = inf until nothing changes in 40 digits.
-
-    An endless run of flattened terms, and one of terms at the fixed point, are geometric series.
-    """
-    with mp.workdps(60):
-        zeta, slope, D, gamma = mp.mpf(p), mp.mpf(1), mp.mpf(D), mp.mpf(gamma)
-        g, falls, down = mp.mpf(1), gamma ** (D - 2), gamma ** (1 - D)
-        h = R = mp.mpf(0)
-        before, n = mp.inf, 0
-        while n < m:
-            if m == mp.inf and (
-                (zeta >= 1 and 2 * down >= 1) or (zeta < 1 and abs(zeta - before) < mp.mpf(10) ** -40 * zeta)
-            ):
-                return h + term(zeta) * g / (1 - falls), R
-            before = zeta
-            h += g * term(zeta)
-            if zeta >= 1:
-                zeta, slope = down * (1 + zeta), down * slope
-            else:
-                R -= g * mp.log(zeta) * slope
-                zeta, slope = 2 * down * mp.sqrt(zeta), down * slope / mp.sqrt(zeta)
-            g *= falls
-            n += 1
-        return h, R
-
-
-def term(zeta):
-    return mp.mpf(1) if zeta >= 1 else zeta * (1 - mp.log(zeta))
 
 
 @pytest.mark.parametrize(("seed", "terms"), [(1, [1, 2, 3, 12, 13, 100]), (2, [1000]), (3, [np.inf])])
@@ -45,15 +14,15 @@ def test_both_follow_the_plain_sum(seed, terms):
     cases = extreme_cases(seed, 60 if terms == [1000] else 300, terms)
     h, R = archard.compliance(*np.transpose(cases)), archard.resistance(*np.transpose(cases))
     for case, compliance, resistance in zip(cases, h, R, strict=True):
-        assert_accurate(compliance, plain_sum, 0, case)
-        assert_accurate(resistance, plain_sum, 1, case)
+        assert_accurate(compliance, exact.archard, 0, case)
+        assert_accurate(resistance, exact.archard, 1, case)
 
 
 def test_both_follow_the_plain_sum_in_every_corner():
     h, R = archard.compliance(*np.transpose(CORNERS)), archard.resistance(*np.transpose(CORNERS))
     for case, compliance, resistance in zip(CORNERS, h, R, strict=True):
-        assert_accurate(compliance, plain_sum, 0, case)
-        assert_accurate(resistance, plain_sum, 1, case)
+        assert_accurate(compliance, exact.archard, 0, case)
+        assert_accurate(resistance, exact.archard, 1, case)
 
 
 def test_full_contact_is_the_sum_of_amplitudes_without_resistance():

@@ -1,4 +1,4 @@
-"""What closed forms are held against: cases at the ends of every range, and how close doubles can come to mpmath."""
+"""Series and loads at the ends of every range, and how close doubles can come to their sums in mpmath."""
 
 import mpmath as mp
 import numpy as np
@@ -8,7 +8,7 @@ TINY = np.finfo(float).tiny
 ACCURACY = 1e-12
 
 
-def conditioning(oracle, part, p, D, gamma, m):
+def input_sensitivity(oracle, part, p, D, gamma, m):
     """What half a unit in the last place of each input, and of the result, changes in the result, relative to it."""
     exact, total = oracle(p, D, gamma, m)[part], mp.mpf(EPS)
     with mp.workdps(60):
@@ -29,7 +29,7 @@ def assert_accurate(computed, oracle, part, case):
     if error > ACCURACY:
         # No double can do better than the rounding of its inputs: R near full contact is the logarithm of
         # nearly 1, and its slope with p, D and gamma is then what bounds the error.
-        assert error <= conditioning(oracle, part, *case), case
+        assert error <= input_sensitivity(oracle, part, *case), case
 
 
 def extreme_cases(seed, count, terms):
