@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, contenders, measure, report
+from benchmarks import command, contenders, measure, parts, report
 from benchmarks.contenders import CONTENDERS
 from benchmarks.problem import Problem, Truth, fourier, judge, linear_elements
 from benchmarks.solvers import slippy
@@ -127,3 +127,17 @@ def test_sizes_may_be_powers():
     assert command.numbers(None, parameter, "") == []
     with pytest.raises(command.click.BadParameter, match="whole numbers"):
         command.numbers(None, parameter, "512;1024")
+
+
+def test_every_part_has_a_row(monkeypatch):
+    monkeypatch.setattr(parts, "REPEATS", 1)
+    rows = [*parts.estimates(3, 50), *parts.layers(4), *parts.batches(2)]
+    assert len({what for what, _ in rows}) == len(rows) == 2 * 2 * 3 + 3 + 2
+    assert not any("nan" in measured or "inf" in measured for _, measured in rows)
+
+
+def test_the_least_of_several_times_leaves_out_the_first():
+    called = []
+    least = parts.least_seconds(lambda: called.append(1), lambda: called.append(2), repeats=2)
+    assert called == [1, 2] * 3
+    assert np.isfinite(least).all()
