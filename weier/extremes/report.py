@@ -20,6 +20,7 @@ MADE = (
     "Made by `snakemake --cores 2 extremes`, which leaves this page as `results/extremes/extremes.md`, the numbers "
     "beside it as netCDF, and a figure. `docs/stability.md` is a copy."
 )
+PICTURE = "![Digits of one profile over all loads, and condition numbers](extremes.png)"
 NOTE = (
     "Each method on each extreme, at the loads of that extreme in p\\_0\\*. A load ends in a finite number or in "
     "an error that says in a sentence what is wrong; where the loads together, as one curve, end in an error, "
@@ -72,7 +73,7 @@ def _markdown(data: xr.Dataset, title: str) -> str:
     listed = ["", *(f"- {plain(fault)}" for fault in faults)] if faults else []
     said = [f"{number}. {plain(message)}" for number, message in enumerate(messages, 1)]
     rows = table(HEAD, (_row(data, run, messages) for run in runs))
-    head = [f"# {title}", "", MADE, "", summary, *listed, ""]
+    head = [f"# {title}", "", MADE, "", summary, *listed, "", PICTURE, ""]
     tail = ["## What was said", "", *said, "", "## Condition numbers of the boundary elements", ""]
     return "\n".join([*head, rows, "", NOTE, "", *tail, _conditions(data), ""])
 
