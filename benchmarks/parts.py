@@ -1,4 +1,4 @@
-"""What the parts cost: `python -m benchmarks.parts` prints one table,.
+"""What the parts cost: `python -m benchmarks.parts` prints one table.
 
 Estimates against np.log of as many numbers, the layer's curve, a batch against the sum of its solves, the import,
 and the compilation of all kernels. Each time is the least of several, taken in turn with what it is compared to.

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from weier import dataset, laws, netcdf, provenance
 from weier.bounds import compliance_bounds, resistance_bounds
 from weier.files import replacing
+from weier.limits import NUMERICAL
 from weier.profile import Profile
 
-EXACT = ("bem", "patches")  # solve the truncated series itself, so that the bounds theorem applies to their curves
 BLOCK = 64  # cases in memory: the bounds take loads^2 numbers for each
 
 
@@ -75,13 +75,13 @@ def gather(
 
 
 def add_bounds(data: xr.Dataset) -> xr.Dataset:
-    """Fill in the bounds on compliance and resistance of the endless series, for the methods that are exact.
+    """Fill in the bounds on compliance and resistance of the endless series, where its first terms are solved.
 
     What a solution is off widens the band of the terms left out. The compliance of the endless series counts, as all
     do, from full contact of its own waves: higher than in the datum of the truncated one by the amplitude left out.
     """
     data = data.copy(deep=True)
-    exact = np.flatnonzero(np.isin(data["method"].values, EXACT))
+    exact = np.flatnonzero(np.isin(data["method"].values, NUMERICAL))
     loads = data["mean_pressure"].values
     h = data["compliance"].values[:, exact]
     names = ("total_amplitude", "tail_amplitude", "first_contact")
