@@ -15,6 +15,7 @@ from weier import claims as claim
 from weier import dataset, endless, jit, scene, single, study, tradeoff
 from weier.errors import ConvergenceError
 from weier.fields import events, fields
+from weier.plan import QUANTITIES
 from weier.plan_scene import plan
 from weier.profile import Profile
 from weier.solve import METHODS, solve
@@ -42,6 +43,8 @@ def cli() -> None:
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --loads 0.01:1:5        one profile, as JSON
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
+    weier plan -D 1.25 --gamma 5 -m 3 --tolerance 1e-4         what a tolerance takes, and why
+    weier solve -D 1.25 --gamma 5 -m 3 --method planned        curves within a tolerance
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
 
     Completion of commands and options, for this shell or in ~/.bashrc (zsh_source, fish_source for others):
@@ -51,15 +54,27 @@ def cli() -> None:
     """  # noqa: D301 - click wants the character
 
 
-PROFILE = (
-    click.option("-D", "D", type=float, required=True, help="Fractal dimension, between 1 and 2."),
-    click.option("--gamma", required=True, help='Ratio of successive wavelengths: 5 or "5/2".'),
-    click.option("-m", "m", type=float, required=True, help="Number of waves, or inf for the closed forms."),
-    click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
-    click.option("--phases", help="Phases of all m waves, as 0,1,2."),
-    click.option("--seed", type=int, help="Seed of random phases."),
+LOADS = "1e-3:4:40"
+
+
+def series_options(required: bool) -> tuple[Callable[[Command], Command], ...]:
+    """The options that name a profile."""
+    return (
+        click.option("-D", "D", type=float, required=required, help="Fractal dimension, between 1 and 2."),
+        click.option("--gamma", required=required, help='Ratio of successive wavelengths: 5 or "5/2".'),
+        click.option(
+            "-m", "m", type=float, required=required,
+            help="Number of waves, or inf for the methods archard, demelio, layer and planned.",
+        ),
+        click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
+        click.option("--phases", help="Phases of all m waves, as 0,1,2."),
+        click.option("--seed", type=int, help="Seed of random phases."),
+    )  # fmt: skip
+
+
+SOLVED = (
     click.option(
-        "--loads", default="1e-3:4:40", show_default=True,
+        "--loads", default=LOADS, show_default=True,
         help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
     ),
     click.option(
@@ -74,22 +89,37 @@ PROFILE = (
 
 def of_one_profile(command: Command) -> Command:
     """The options that name a profile, its loads and the methods."""
-    for option in reversed(PROFILE):
+    return with_options(command, *series_options(required=True), *SOLVED)
+
+
+def of_any_profile(command: Command) -> Command:
+    """The options that name a profile, for a command that can do without."""
+    return with_options(command, *series_options(required=False))
+
+
+def with_options(command: Command, *options: Callable[[Command], Command]) -> Command:
+    """The command with these options, in this order."""
+    for option in reversed(options):
         command = option(command)
     return command
 
 
-def solve_options(
-    D: float, gamma: str, m: float, phase: float | None, phases: str | None, seed: int | None, loads: str,
-    methods: Sequence[str], settings: Sequence[str],
-) -> Any:  # fmt: skip
+def solve_options(loads: str, methods: Sequence[str], settings: Sequence[str], **series: Any) -> Any:
     """The dataset that these options ask for."""
+    return single.solve_one(
+        parameters(**series), single.parsed_loads(loads), methods, single.parsed_settings(settings)
+    )
+
+
+def parameters(
+    D: float, gamma: str, m: float, phase: float | None, phases: str | None, seed: int | None
+) -> dict[str, Any]:
+    """The parameters of a profile as a scene has them."""
     chosen = {"phase": phase, "phases": single.parsed_phases(phases), "seed": seed}
     given = {name: value for name, value in chosen.items() if value is not None}
     if len(given) > 1:
         raise ValueError(f"a profile takes one of --phase, --phases and --seed, got {' and '.join(given)}")
-    parameters = {"D": D, "gamma": gamma, "m": m, **given}
-    return single.solve_one(parameters, single.parsed_loads(loads), methods, single.parsed_settings(settings))
+    return {"D": D, "gamma": gamma, "m": m, **given}
 
 
 @cli.command("solve")
@@ -106,6 +136,7 @@ def solve_command(output: Path | None, methods: Sequence[str], **options: Any) -
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
     weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
+    weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points=6400
     """  # noqa: D301 - click wants the character
     data = solve_options(methods=methods or ("bem",), **options)
@@ -117,7 +148,7 @@ def solve_command(output: Path | None, methods: Sequence[str], **options: Any) -
 
 @cli.command("plot")
 @of_one_profile
-@click.option("--quantity", type=click.Choice(["compliance", "resistance"]), default="compliance", show_default=True)
+@click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path")
 def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:
     """Draw the curves of one profile, as PDF, SVG and PNG beside PATH.
@@ -216,13 +247,48 @@ def claims(scene_file: Path, path: Path, table: Path, files: Sequence[Path]) -> 
 
 
 @cli.command("plan")
-@SCENE
-def plan_command(scene_file: Path) -> None:
-    """What a scene with a tolerance will run, and why.
+@click.argument("scene_file", metavar="[SCENE]", required=False, type=click.Path(path_type=Path))
+@of_any_profile
+@click.option("--loads", help=f"Mean pressures, as of `weier solve` [default: of the scene; {LOADS}].")
+@click.option(
+    "--tolerance",
+    type=float,
+    help="Of the compliance in g_0, of the resistance relative "
+    "to the larger of itself and 1 g_0/p_0* [default: of the scene; 1e-3].",
+)
+@click.option("--quantity", type=click.Choice(QUANTITIES), help="[default: of the scene; compliance].")
+def plan_command(
+    scene_file: Path | None, loads: str | None, tolerance: float | None, quantity: str | None, **series: Any
+) -> None:
+    """What a tolerance takes, and why.
 
-    Case by case; nothing is solved.
-    """
-    click.echo(plan(scene.load(scene_file)))
+    Of one profile, or of each case of a scene: the cheapest methods, load by load, with their errors, seconds and
+    memory. Nothing is solved.
+
+    \b
+    weier plan -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --tolerance 1e-4
+    weier plan -D 1.5 --gamma 2 -m 6 --loads 1e-3:4:40 --tolerance 0.01 --quantity resistance
+    weier plan -D 1.1 --gamma 5 -m inf --loads 0.1,1
+    weier plan config/scenes/planned.yaml
+    weier plan config/scenes/planned.yaml --tolerance 1e-2
+    """  # noqa: D301 - click wants the character
+    given = any(value is not None for value in series.values())
+    if given == (scene_file is not None):
+        raise click.UsageError(
+            f"a plan is of a SCENE or of a profile (-D, --gamma, -m), got {'both' if given else 'neither'}"
+        )
+    if scene_file is not None:
+        own = None if loads is None else single.parsed_loads(loads)
+        click.echo(plan(scene.load(scene_file), own, tolerance, quantity))
+        return
+    missing = [option for option, name in (("-D", "D"), ("--gamma", "gamma"), ("-m", "m")) if series[name] is None]
+    if missing:
+        raise click.UsageError(f"a profile takes -D, --gamma and -m, got no {' and no '.join(missing)}")
+    click.echo(
+        single.plan_one(
+            parameters(**series), single.parsed_loads(LOADS if loads is None else loads), tolerance, quantity
+        )
+    )
 
 
 @cli.command("tradeoff")

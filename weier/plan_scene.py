@@ -8,7 +8,7 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
-from weier.plan import TOLERANCE, OutOfReachError, Plan
+from weier.plan import OutOfReachError, Plan
 from weier.plan import plan as plan_profile
 from weier.profile import Profile
 from weier.scene import PLANNED, Case, Scene
@@ -44,7 +44,7 @@ class ScenePlan:
 
 @overload
 def plan(
-    subject: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE, quantity: str = "compliance"
+    subject: Profile, mean_pressure: ArrayLike, tolerance: float | None = None, quantity: str | None = None
 ) -> Plan: ...
 @overload
 def plan(

@@ -1,4 +1,4 @@
-"""One profile by several methods, without a scene file: what `weier solve` and `weier plot` do."""
+"""One profile without a scene file: what `weier solve`, `weier plot` and `weier plan` do."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from weier.errors import ConvergenceError
 from weier.files import write_text
 from weier.limits import MOST_LOADS
 from weier.loads import checked_loads
+from weier.plan import Plan
+from weier.plans import plan
 from weier.scene import PLANNED as PLANNED_METHOD
 from weier.scene import Case, Scene
 from weier.solve import check_settings
@@ -131,6 +133,35 @@ def solve_one(
     data, cost = solve_batch(scene, [case])
     _check_solved(data)
     return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
+
+
+def plan_one(
+    parameters: Mapping[str, Any], loads: Array, tolerance: float | None = None, quantity: str | None = None
+) -> Plan:
+    """What one profile takes; nothing is solved.
+
+    Parameters
+    ----------
+    parameters, loads
+        As in `solve_one`.
+    tolerance, quantity
+        As in `weier.plan`.
+
+    Returns
+    -------
+    Plan
+        Load by load.
+
+    Raises
+    ------
+    ValueError
+        If a parameter, load or tolerance is out of range, or no method can be that accurate.
+
+    """
+    limits.check_loads(loads)
+    case = Case(parameters, (PLANNED_METHOD,), {})
+    limits.check_profile(case.profile, case.methods)
+    return plan(case.profile, loads, tolerance, quantity)
 
 
 def write(data: xr.Dataset, path: Path) -> None:
