@@ -29,6 +29,16 @@ def test_a_text_makes_its_folder(tmp_path):
     assert [path.read_bytes().decode("utf-8") for path in (tmp_path / "new").iterdir()] == ["p → 0"]
 
 
+def test_what_cannot_be_written_is_told_by_its_own_name(tmp_path):
+    """A folder stands there, or the place for it is none: the file beside it is nobody's concern."""
+    (tmp_path / "a").mkdir()
+    for path, why in ((tmp_path / "a", "Is a directory"), (tmp_path / "none" / "a", "No such file or directory")):
+        with pytest.raises(OSError, match=why) as refused, replacing(path) as beside:
+            beside.write_text("new")
+        assert str(refused.value) == f"{path} cannot be written: {why}; mend that and run again"
+    assert [path.name for path in tmp_path.rglob("*")] == ["a"]
+
+
 def test_leftovers_go_when_their_process_is_gone(tmp_path):
     program = (
         "import os, pathlib, sys; from weier.files import replacing\n"

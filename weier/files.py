@@ -29,8 +29,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         yield beside
         os.replace(beside, path)
-    except (OSError, RuntimeError):  # of netCDF, which calls a full disk "HDF error" or "Permission denied"
+    except (OSError, RuntimeError) as error:  # of netCDF, which calls a full disk "HDF error" or "Permission denied"
         _check_room(beside, path)
+        if isinstance(error, OSError) and str(error.filename) == str(beside):  # as where the path is a folder
+            raise _unwritable(path, error) from None
         raise
     finally:
         with suppress(OSError):
@@ -103,4 +105,9 @@ def _check_room(beside: Path, path: Path) -> None:
         with beside.open("ab") as file:
             file.write(bytes(PROBE))
     except OSError as error:
-        raise OSError(f"{path} cannot be written: {error.strerror}; mend that and run again") from None
+        raise _unwritable(path, error) from None
+
+
+def _unwritable(path: Path, error: OSError) -> OSError:
+    """The error in terms of the file that was asked for, not of the one beside it."""
+    return OSError(f"{path} cannot be written: {error.strerror}; mend that and run again")
