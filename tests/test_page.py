@@ -96,6 +96,18 @@ def test_costs_and_states_are_counted(folder):
     assert "<td>bem</td><td>4</td><td>0</td><td>0</td><td>0</td>" in text
 
 
+def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
+    data = dataset.blank(2, METHODS, LOADS, 3)
+    data["residual"].values[:, 1] = [[1e-11], [3e-11]]
+    data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
+    data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # nobody knows the one: nor the largest
+    assert "<td>bem</td><td>0</td><td>2</td><td>0</td><td>0</td><td>3.0e-11</td><td>7.0e-05</td><td>inf</td>" in (
+        page._errors(data)
+    )
+    assert "<td>demelio</td><td>0</td><td>2</td><td>0</td><td>0</td><td></td><td></td><td></td>" in page._errors(data)
+    assert "expected" not in page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
+
+
 def test_figures_have_captions(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {CAPTIONS['profiles']}"

@@ -66,8 +66,17 @@ LABELS = {
 }
 
 # Okabe and Ito's colours, told apart by colour-blind readers; the dashes tell them apart in grey.
-BLACK, VERMILLION, BLUE, GREEN, PURPLE, ORANGE = "#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00"
-DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)), (0, (9, 2)))
+BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
+PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
+DASHES = (
+    "-",
+    (0, (5, 1.5)),
+    (0, (6, 1.5, 1, 1.5)),
+    (0, (1.2, 1.2)),
+    (0, (6, 1.5, 1, 1.5, 1, 1.5)),
+    (0, (9, 2)),
+    (0, (3, 0.8)),
+)
 
 
 # A second numerical method: its distance between points is a part of the diagonal of the axes.
@@ -90,6 +99,7 @@ METHODS = {
     "demelio": Line("Demelio", BLUE, DASHES[2]),
     "layer": Line("non-linear layer", GREEN, DASHES[3]),
     "westergaard": Line("Westergaard", PURPLE, DASHES[4]),
+    "planned": Line("planned", SKY, DASHES[6]),
     "bem": Line("boundary elements", BLACK, "-"),
     "patches": Line("contact patches", BLACK, "-"),
 }

@@ -26,6 +26,11 @@ from weier.page.curves import MOST_CASES, explorer
 from weier.scene import Scene
 
 HOLDS = {0: "no", 1: "yes", 2: "not measured"}
+LARGEST = {
+    "residual": "largest residual, g_0",
+    "compliance_error": "largest expected error of h, g_0",
+    "resistance_error": "of R, g_0/p_0*",
+}
 PLACE = ID("curves")
 STYLE = """
 body { font-family: Georgia, serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #111; }
@@ -113,16 +118,20 @@ def _claims(data: xr.Dataset) -> str:
 
 
 def _errors(data: xr.Dataset) -> str:
-    """What became of the cases by each method, and the largest violation of a contact condition."""
+    """What became of the cases by each method, the largest violation of a contact condition, and errors expected."""
+    measures = {name: heading for name, heading in LARGEST.items() if name in data.variables}
     rows = []
     for row, method in enumerate(data["method"].values.tolist()):
         status = data["status"][:, row].values
         counts = [int((status == each).sum()) for each in Status]
-        residual = data["residual"][:, row].values
-        largest = f"{np.nanmax(residual):.1e}" if np.isfinite(residual).any() else ""
-        rows.append([method, *counts, largest])
+        rows.append([method, *counts, *(_largest(data[name][:, row].values) for name in measures)])
     names = [each.name.replace("_", " ") for each in Status]
-    return _table(["method", *names, "largest residual, g_0"], rows)
+    return _table(["method", *names, *measures.values()], rows)
+
+
+def _largest(values: np.ndarray) -> str:
+    known = values[~np.isnan(values)]
+    return f"{known.max():.1e}" if known.size else ""
 
 
 def _costs(costs: Sequence[xr.Dataset]) -> str:
