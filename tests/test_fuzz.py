@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from weier import __main__, scene
 
 FEW = settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-MANY = settings(FEW, max_examples=3400, derandomize=False, database=None)  # of three tests: 10^4
+MANY = settings(FEW, max_examples=3400, derandomize=False, database=None)  # of three tests at least: 10^4
 LONGEST = 10.0  # s, for what is refused or loaded; a hang takes forever
 
 ODD = [
@@ -46,9 +46,11 @@ SCENE_KEYS = [
     "claims",
     "studies",
     "most_cases",
+    "tolerance",
+    "quantity",
 ]
-METHODS = ["archard", "demelio", "layer", "bem", "patches"]
-SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance"]
+METHODS = ["archard", "demelio", "layer", "bem", "patches", "planned"]
+SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance", "quantity"]
 
 
 @st.composite
@@ -111,12 +113,24 @@ OPTIONS = ["-D", "--gamma", "-m", "--phase", "--phases", "--seed", "--loads", "-
 def arguments(draw):
     """A sound command with some options replaced by others."""
     given = {"-D": "1.25", "--gamma": "5", "-m": "2", "--loads": "0.1,1", "--method": "demelio"}
-    given["--method"] = draw(st.sampled_from(["archard", "demelio", "layer", "westergaard"]))
+    given["--method"] = draw(st.sampled_from(["archard", "demelio", "layer", "westergaard", "planned"]))
     for option in draw(st.lists(st.sampled_from(OPTIONS), max_size=3)):
         given[option] = draw(words)
     if draw(st.booleans()):
         given["--set"] = f"{given['--method']}.{draw(st.sampled_from(SETTINGS))}={draw(words)}"
     return ["solve", *(part for pair in given.items() for part in pair)]
+
+
+@st.composite
+def plan_arguments(draw):
+    """The same of `weier plan`, with a scene beside the profile or without."""
+    given = {"-D": "1.25", "--gamma": "5", "-m": "2", "--loads": "0.1,1", "--tolerance": "1e-3"}
+    for option in draw(st.lists(st.sampled_from([*OPTIONS[:-1], "--tolerance", "--quantity"]), max_size=3)):
+        given[option] = draw(words)
+    if draw(st.booleans()):
+        given["--quantity"] = draw(st.sampled_from(["compliance", "resistance"]))
+    others = draw(st.lists(words, max_size=1)) if draw(st.integers(0, 9)) == 0 else []
+    return ["plan", *(part for pair in given.items() for part in pair), *others]
 
 
 def check_arguments(folder, given):
@@ -137,7 +151,8 @@ def check_arguments(folder, given):
 
 
 FUZZED = [(scenes(), check_scene), (TEXT, check_text), (arguments(), check_arguments)]
-NAMES = ["scenes", "texts", "arguments"]
+FUZZED += [(plan_arguments(), check_arguments)]
+NAMES = ["scenes", "texts", "arguments", "plans"]
 
 
 def throw(strategy, check, how_many, folder):
