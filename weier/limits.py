@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -78,7 +79,7 @@ def check_profile(profile: Profile, methods: Sequence[str]) -> None:
 
     """
     if profile.gamma > GAMMA:
-        raise ValueError(f"gamma must be at most {GAMMA:g}, got more")
+        raise ValueError(f"gamma must be at most {GAMMA}, got {_short(profile.gamma)}")
     if math.isinf(profile.m):
         return
     if profile.m > MOST_TERMS:
@@ -155,6 +156,12 @@ def check_memory(cases: int, methods: int, loads: int, edges: int, variables: in
             f"a batch must fit into {MOST_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, fewer loads, "
             "or contact_edges: false"
         )
+
+
+def _short(ratio: Fraction) -> str:
+    """A ratio in a few characters, be it too large for a float."""
+    digits = math.log10(ratio.numerator) - math.log10(ratio.denominator)
+    return f"{float(ratio):.15g}" if digits < 300 else f"about 1e{digits:.0f}"
 
 
 def _size(node: yaml.Node, known: dict[int, int]) -> int:
