@@ -14,8 +14,14 @@ FINDER = doctest.DocTestFinder(exclude_empty=True)
 WITH_EXAMPLES = [name for name in MODULES if any(test.examples for test in FINDER.find(import_module(name)))]
 
 
-def test_the_public_interface_has_examples():
-    assert {"weier.solve", "weier.contact"} <= set(WITH_EXAMPLES)
+PUBLIC = [name for name in weier.__all__ if name not in ("__version__", "ConvergenceError")]  # nothing to call
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_the_public_interface_has_examples(name):
+    public = getattr(weier, name)
+    assert any(test.examples for test in FINDER.find(public, name))
+    assert public.__module__ in WITH_EXAMPLES  # run below
 
 
 @pytest.mark.parametrize("name", WITH_EXAMPLES)

@@ -27,6 +27,14 @@ class Contact:
     Unlike a Dataset's, whose `sel(method="bem")` sets a method of look-up and selects nothing, its `sel` takes the
     method by name. What it selects is a Contact again; `data` is the xarray Dataset, and `contact["compliance"]` a
     DataArray. Close the file with `close`, or open it in a `with` statement.
+
+    Examples
+    --------
+    >>> import weier
+    >>> with weier.open(path) as contact:
+    ...     one = contact.sel(m=2, method="demelio")
+    ...     print(one["compliance"].dims, one.data.sizes["mean_pressure"])
+    ('case', 'mean_pressure') 2
     """
 
     data: xr.Dataset

@@ -58,6 +58,17 @@ def fields(profile: Profile, mean_pressure: float, method: str = "patches", poin
     ConvergenceError
         If the load cannot be solved.
 
+    Examples
+    --------
+    >>> import weier
+    >>> along = weier.fields(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 0.1)
+    >>> for left, right in zip(along.left.values, along.right.values):
+    ...     print(f"contact from {left:.3f} to {right:.3f}")
+    contact from 0.142 to 0.164
+    contact from 0.937 to 1.008
+    >>> print(along.pressure.dims, f"mean gap {along.mean_gap:.3f}")
+    ('x',) mean gap 0.784
+
     """
     load = _one_load(mean_pressure)
     check_resolvable(profile)
@@ -77,7 +88,14 @@ def fields(profile: Profile, mean_pressure: float, method: str = "patches", poin
 
 
 def events(profile: Profile, low: float, high: float) -> xr.Dataset:
-    """Mean pressures between `low` and `high`, in p_0*, at which contacts are born or merge.
+    """Mean pressures at which contacts are born or merge.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    low, high : float
+        Mean pressures to look between, positive and increasing, in p_0*.
 
     Returns
     -------
@@ -91,6 +109,19 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
         If the loads are not positive and increasing, or the waves too many.
     ConvergenceError
         If a load on the way cannot be solved.
+
+    Examples
+    --------
+    >>> import weier
+    >>> found = weier.events(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 1e-3, 1.0)
+    >>> for event in zip(found.mean_pressure.values.round(3), found.birth.values, found.patch_count.values):
+    ...     print(*event)
+    0.077 1 2
+    0.196 1 3
+    0.549 1 4
+    0.674 0 3
+    0.68 1 4
+    0.891 0 3
 
     """
     check_resolvable(profile)

@@ -69,6 +69,12 @@ def random_phases(seed: int) -> RandomPhases:
     ------
     ValueError
         If `seed` is not a non-negative integer.
+
+    Examples
+    --------
+    >>> import weier
+    >>> weier.Profile(D=1.25, gamma=5, m=2, phases=weier.random_phases(7)).phase.round(3)
+    array([3.928, 5.637])
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed must be a non-negative integer, got {seed!r}")
@@ -86,7 +92,7 @@ class Profile:
     gamma : int, Fraction, str or float
         Ratio of successive wavelengths, > 1 and rational: 5, Fraction(5, 2), "5/2", 2.5.
     m : int or inf
-        Number of terms. An infinite series has closed-form estimates, but no heights.
+        Number of terms. An infinite series has no heights: it is for the methods archard, demelio, layer and planned.
     phases : float, sequence of m floats, or RandomPhases
         Radians. A number is phi_n for every n >= 1, with phi_0 = 0.
 
@@ -94,6 +100,13 @@ class Profile:
     ------
     ValueError
         If a parameter lies outside its range; the message says what would do.
+
+    Examples
+    --------
+    >>> import weier
+    >>> profile = weier.Profile(D=1.5, gamma="5/2", m=3, phases=1.0)
+    >>> print(profile.describe(), profile.period, profile.height([0.0, 0.5]).round(4))
+    D = 1.5, gamma = 5/2, m = 3 4 [ 1.5578 -1.6174]
     """
 
     D: float

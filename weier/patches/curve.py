@@ -141,7 +141,28 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
 
 
 def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
-    """The same for several loads, increasing, each started from the one before."""
+    """The same for several loads, each started from the one before.
+
+    Parameters
+    ----------
+    profile, tolerance
+        As in `solve_load`.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, positive, in p_0*.
+
+    Returns
+    -------
+    list of Solution
+        One a load.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not increasing from 1e-300 or above, or the tolerance is not within reach.
+    ConvergenceError
+        If a load cannot be solved.
+
+    """
     loads = loads_within_reach(mean_pressure)
     check_tolerance(tolerance)
     seen = surface(profile)
