@@ -87,7 +87,21 @@ class SceneFigures(SphinxDirective):
 def before_napoleon(app, what, name, obj, options, lines):
     """Docstrings are plain text: |k|, p_0* and (13) are no markup, nor does a colon end the type of a property."""
     plain = [re.sub(r"^( *)(\()|([|*])", r"\1\\\2\3", line) for line in lines]
-    lines[:] = [line.replace(":", COLON) for line in plain] if what == "property" else plain
+    if what == "property":
+        plain = [line.replace(":", COLON) for line in plain]
+    lines[:] = with_fields(plain) if what == "class" else plain
+
+
+def with_fields(lines):
+    """What a class holds, `name : meaning` line by line ahead of any section, as a list."""
+    section = False
+    for line in lines:
+        section = section or line.startswith("---")
+        name, colon, meaning = line.partition(" : ")
+        if not section and colon and re.fullmatch(r"\w+(, \w+)*", name):
+            yield f"* ``{name}`` : {meaning}"
+        else:
+            yield line if section or not line.startswith("    ") else f"  {line.strip()}"
 
 
 def after_napoleon(app, what, name, obj, options, lines):

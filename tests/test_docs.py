@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
-from weier import scene
+import weier
+from weier import batch, dataset, scene
 
 
 def test_the_tutorial_is_true():
@@ -21,11 +23,41 @@ def test_the_tutorial_is_true():
     assert result.failed == 0
 
 
-def test_the_first_lines_of_the_readme_run(capsys):
-    (code, *_) = re.findall(r"```python\n(.*?)```", Path("README.md").read_text(encoding="utf-8"), re.S)
-    exec(compile(code, "README.md", "exec"), {})
-    compliance, resistance = re.findall(r"\[[^]]+\]", capsys.readouterr().out)
-    assert len(compliance[1:-1].split()) == len(resistance[1:-1].split()) == 3
+DATA = """
+title: Two of the paper's profiles
+loads: [0.01, 0.1, 1.0]
+methods: [demelio, layer]
+studies:
+  one: {product: {D: [1.25, 1.5], gamma: 5, m: [2, 3]}}
+"""
+
+
+def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
+    """On a few curves in the place of the paper's; what comes of them is right."""
+    text = Path("README.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (path,) = set(re.findall(r'"(results/\S*\.nc)"', text))
+    Path("scene.yaml").write_text(DATA)
+    loaded = scene.load("scene.yaml")
+    dataset.write(batch.solve_batch(loaded, loaded.studies["one"])[0], path, loaded.title)
+
+    capsys.readouterr()
+    names = {}  # of one reader, who goes from top to bottom
+
+    def said(code):
+        exec(compile(code, "README.md", "exec"), names)
+        return capsys.readouterr().out
+
+    solved, *opened = [said(code) for code in re.findall(r"```python\n(.*?)```", text, re.S)]
+    compliance, resistance = (np.fromstring(row, sep=" ") for row in re.findall(r"\[([^]]+)\]", solved))
+    exact = weier.solve(weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), loaded.loads, "patches")
+    assert compliance == pytest.approx(exact.compliance.values, abs=1e-3)
+    assert resistance == pytest.approx(exact.resistance.values, rel=0.1)
+    layer = weier.solve(weier.Profile(1.5, 5, 3), loaded.loads, "layer").compliance.values
+    assert len(opened) == 2
+    for printed in opened:
+        last = re.findall(r"^[\d. ]+ ([\d.]+)$", printed, re.M)  # of each row
+        assert [float(number) for number in last] == pytest.approx(layer, rel=1e-4)
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +100,22 @@ def test_formulae_need_no_network(site):
     for path in site.glob("*.html"):
         assert re.findall(r'<(?:script|img)[^>]*src="(?:https?:)?//', path.read_text(encoding="utf-8")) == []
     assert page(site, "interface").count("<math") > 20
+
+
+def test_all_that_is_public_is_described(site):
+    text = page(site, "interface")
+    public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
+    public |= {"weier.plan.Plan", "weier.plan.Part", "weier.plans.ScenePlan", "weier.scene.Scene", "weier.scene.load"}
+    public |= {"weier.planned.curve", "weier.endless.curve", "weier.endless.convergence"}
+    assert {name for name in public if f'id="{name}"' not in text} == set()
+
+
+def test_what_a_class_holds_is_a_list(site):
+    text = re.sub(r"</?(?:code|span)[^>]*>", "", page(site, "interface"))
+    assert "<li><p>planned_method, planned_terms, planned_points : what was taken at each load" in text
+    assert re.search(
+        r"<li><p>compliance_lower, compliance_upper : rigorous bounds on h[^<]*\sboundary elements", text
+    )
 
 
 def test_docstrings_stay_as_they_are(site):
