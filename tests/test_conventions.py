@@ -1,22 +1,25 @@
 """What a scene leaves, read by strangers: the CF and ACDD checker, plain xarray, netCDF4 and ncdump."""
 
 import json
+import math
 import os
 import re
 import shutil
 import subprocess
+from importlib import import_module
 
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, claims, dataset, scene, study, variables
+from weier import batch, claims, dataset, demelio, endless, scene, study, tradeoff, variables
 
 SCENE = """
 title: Ünïcode waves
 loads: [0.01, 0.1, 1.0]
 methods: [westergaard, demelio, bem, patches]
+tolerance: 0.5
 contact_edges: true
 settings:
   bem: {tolerance: 1.0e-9}
@@ -24,6 +27,15 @@ studies:
   waves: {product: {D: 1.25, gamma: 5, m: [1, 2, .inf]}}
 claims:
   one_wave_bounds: [waves]
+"""
+METHODS = ["westergaard", "demelio", "bem", "patches", "planned"]
+
+TRADE = """
+title: Speed against accuracy
+loads: [0.01, 1.0]
+methods: [patches]
+studies:
+  wave: {product: {D: 1.25, gamma: 5, m: 1}}
 """
 
 # A mechanics dataset has no place on Earth and no time, was made by a program, and by people who give no address.
@@ -49,7 +61,19 @@ def folder(tmp_path_factory):
     options = {"step": "bounded", "scene": loaded.text, "change": study.add_bounds}
     study.gather([folder / "gathered.nc"], keys, folder / "study.nc", loaded.title, **options)
     claims.write(loaded, {"waves": folder / "study.nc"}, folder / "contact.nc", folder / "claims.md")
+    profiles = [case.profile for case in loaded.studies["waves"]]
+    endless_series = endless.convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
+    dataset.write(endless_series, folder / "endless.nc", loaded.title, "solved", loaded.text)
+    dataset.write(measured_trade(folder), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder
+
+
+def measured_trade(folder):
+    """Of one wave and few points."""
+    (folder / "trade.yaml").write_text(TRADE, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(import_module("weier.tradeoff.contenders"), "MOST_POINTS", 100)
+        return tradeoff.measure(scene.load(folder / "trade.yaml"))
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +99,7 @@ def complaints(answer):
 
 
 def test_cf_strict_finds_nothing(files, tmp_path):
-    assert len(files) == 5
+    assert len(files) == 7
     answers = checked(files, "cf:1.11", tmp_path)
     assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
     assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())
@@ -110,8 +134,9 @@ def test_the_checker_would_complain(folder, tmp_path):
 
 def test_plain_xarray_reads_it(folder):
     with xr.open_dataset(folder / "contact.nc") as data:
-        layer = data.sel({"method": "demelio"}).isel(case=data.m.values == 2)
-        assert float(layer.compliance.sel(mean_pressure=1.0)[0]) == pytest.approx(1.0, abs=0.5)
+        curve = data.sel({"method": "demelio"}).isel(case=data.m.values == 2)
+        exact = demelio.compliance(1.0, 1.25, 5, 2)
+        assert float(curve.compliance.sel(mean_pressure=1.0)[0]) == pytest.approx(exact, rel=1e-12)
         assert set(data.coords) >= {"D", "gamma", "m", "phase", "key"}
         assert data.attrs["scene"] == SCENE
 
@@ -121,7 +146,9 @@ def test_netcdf4_reads_it_and_no_value_is_out_of_range(files):
         with netCDF4.Dataset(path) as file:
             for name, variable in file.variables.items():
                 assert {"long_name", "units"} <= set(variable.ncattrs()), name
-            assert [str(name) for name in file["method"][:]] == ["westergaard", "demelio", "bem", "patches"]
+            if path.stem not in ("endless", "tradeoff"):
+                assert [str(name) for name in file["method"][:]] == METHODS
+            assert file["method"].size > 1
             file.set_auto_mask(False)
             for name, variable in file.variables.items():
                 if variable.dtype.kind == "f":
