@@ -1,14 +1,18 @@
 """What is built from the checkout: a source archive with all of the project, a wheel with all of the package."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
+from packaging.requirements import Requirement
 
 
 def run(*command, cwd=None):
@@ -49,6 +53,22 @@ def test_the_wheel_holds_the_whole_package_and_nothing_else(built, tracked):
     with zipfile.ZipFile(next(built.glob("*.whl"))) as wheel:
         names = {name for name in wheel.namelist() if ".dist-info/" not in name}
     assert names == {name for name in tracked if name.startswith("weier/")}
+
+
+def test_conda_gets_the_versions_that_are_locked():
+    """And just what the package needs: config/environment.yaml is written by hand."""
+    python, *_, pip = yaml.safe_load(Path("config/environment.yaml").read_text())["dependencies"]
+    version = python.removeprefix("python=")
+    markers = {"python_version": version, "python_full_version": f"{version}.0"}
+    lines = re.findall(r"^\w.*==[^\\\n]*", Path("requirements.txt").read_text(), re.M)
+    locked = {
+        each.name.lower(): str(each.specifier)
+        for each in map(Requirement, lines)
+        if each.marker is None or each.marker.evaluate(markers)
+    }
+    asked = tomllib.loads(Path("pyproject.toml").read_text())["project"]["dependencies"]
+    needed = {name: locked[name] for name in (Requirement(each).name.lower() for each in asked)}
+    assert {each.name.lower(): str(each.specifier) for each in map(Requirement, pip["pip"])} == needed
 
 
 @pytest.mark.slow
