@@ -107,9 +107,9 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 LOOK = """
 import resource, sys
 import weier
-weier.open(sys.argv[2]).sel(D=0, method="bem")["compliance"].values
+weier.open(sys.argv[2]).sel(D=1.25, method="bem")["compliance"].values
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found = weier.open(sys.argv[1]).sel(D=[7, 9998], method="bem")["compliance"].values
+found = weier.open(sys.argv[1]).sel(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20], method="bem")["compliance"].values
 assert found.shape[0] == 2, found.shape
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
@@ -126,6 +126,11 @@ def count(request):
     return request.param
 
 
+def dimensions(start, count):
+    """D of so many cases, each another one, to the last digit."""
+    return 1.25 + np.arange(start, start + count) / 2**20
+
+
 @pytest.fixture(scope="module")
 def many(count, tmp_path_factory):
     folder = tmp_path_factory.mktemp("many")
@@ -134,9 +139,10 @@ def many(count, tmp_path_factory):
     for values in data.data_vars.values():
         if values.dtype.kind == "f":
             values.values[:] = random.random(values.shape).round(2)
+    data["gamma"].values[:], data["m"].values[:], data["points"].values[:] = 5, 3, 1600
     for start in range(0, count, PART):
         data["key"].values[:] = [f"{key:06}" for key in range(start, start + PART)]
-        data["D"].values[:] = np.arange(start, start + PART)
+        data["D"].values[:] = dimensions(start, PART)
         dataset.write(data, folder / f"part{start:06}.nc", "part")
     return folder
 
@@ -147,7 +153,7 @@ def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
     last = many / f"part{count - PART:06}.nc"
     with xr.open_dataset(many / "many.nc") as data, xr.open_dataset(last) as part:
         assert data.sizes["case"] == count
-        assert data["D"].values.tolist() == list(range(count))
+        assert data["D"].values.tolist() == dimensions(0, count).tolist()
         for name in ("compliance", "status", "settings"):
             assert data[name][-PART:].equals(part[name].drop_vars(())), name
         raw = sum(
@@ -159,4 +165,4 @@ def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
 def test_cases_may_come_in_any_order(many, tmp_path):
     keys = ["000999", "000003", "000500", "000501", "000002"]
     study.gather(sorted(many.glob("part*.nc")), keys, tmp_path / "some.nc", "some")
-    assert dataset.read(tmp_path / "some.nc")["D"].values.tolist() == [999, 3, 500, 501, 2]
+    assert dataset.read(tmp_path / "some.nc")["D"].values.tolist() == [1.25 + n / 2**20 for n in (999, 3, 500, 501, 2)]

@@ -105,7 +105,13 @@ def test_formulae_need_no_network(site):
 def test_all_that_is_public_is_described(site):
     text = page(site, "interface")
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
-    public |= {"weier.plan.Plan", "weier.plan.Part", "weier.plans.ScenePlan", "weier.scene.Scene", "weier.scene.load"}
+    public |= {
+        "weier.plan.Plan",
+        "weier.plan.Part",
+        "weier.plan_scene.ScenePlan",
+        "weier.scene.Scene",
+        "weier.scene.load",
+    }
     public |= {"weier.planned.curve", "weier.endless.curve", "weier.endless.convergence"}
     assert {name for name in public if f'id="{name}"' not in text} == set()
 

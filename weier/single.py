@@ -20,7 +20,7 @@ from weier.files import write_text
 from weier.limits import MOST_LOADS
 from weier.loads import checked_loads
 from weier.plan import Plan
-from weier.plans import plan
+from weier.plan_scene import plan
 from weier.scene import PLANNED as PLANNED_METHOD
 from weier.scene import Case, Scene
 from weier.solve import check_settings
