@@ -161,3 +161,13 @@ def test_what_is_no_scene_at_all_is_refused(tmp_path, text):
 def test_a_missing_scene_is_refused(tmp_path):
     with pytest.raises(scene.SceneError, match="cannot be read"):
         scene.load(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize("text", ["1e-2", "1.0e-2", "0.01"])
+def test_a_tolerance_may_be_written_as_people_do(tmp_path, text):
+    """YAML takes 1e-2 for a word."""
+    path = tmp_path / "planned.yaml"
+    study = "{one: {product: {D: 1.5, gamma: 2, m: 1}}}"
+    path.write_text(f"title: test\nloads: [0.1]\ntolerance: {text}\nstudies: {study}\n")
+    (case,) = scene.load(path).studies["one"]
+    assert case.settings["planned"] == {"tolerance": 0.01}

@@ -262,7 +262,8 @@ def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) ->
     methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
     if "tolerance" in raw:
-        wanted = {name: raw[name] for name in ("tolerance", "quantity") if name in raw}
+        wanted = {"quantity": raw["quantity"]} if "quantity" in raw else {}
+        wanted["tolerance"] = _checked("tolerance", path, lambda: limits.number("tolerance", raw["tolerance"]))
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: wanted} | settings
     for method in methods:
         _checked(f"studies.{name}", path, lambda m=method: check_settings(m, settings.get(m, {})))

@@ -20,7 +20,7 @@ from bokeh.resources import Resources
 from weier import dataset
 from weier.dataset import Status
 from weier.figures.captions import caption
-from weier.files import replacing
+from weier.files import write_text
 from weier.page import plans
 from weier.page.curves import MOST_CASES, explorer
 from weier.scene import Scene
@@ -64,11 +64,9 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
         If one of the files is missing, cut short, or not of weier.
 
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     with dataset.open_lazily(contact) as data:
         text = _page(scene, data, figures, [dataset.read(cost) for cost in costs])
-    with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+    write_text(path, text)
 
 
 def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequence[xr.Dataset]) -> str:
