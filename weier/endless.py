@@ -19,10 +19,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from weier import bem, dataset, laws, layer
 from weier.bem.curve import checked_points
@@ -67,7 +66,7 @@ class Curve(NamedTuple):
 class Law(NamedTuple):
     """The layer at a node of self-influence c: ln p over ln(w + c p), and c."""
 
-    log_pressure: PchipInterpolator
+    log_pressure: scipy.interpolate.PchipInterpolator
     stiffness: float
 
 
@@ -232,7 +231,8 @@ def _law(kept: Profile, stiffness: float) -> Law:
     xi = np.geomspace(LIGHTEST, HEAVIEST, ROWS)
     amplitude, pressure = gamma ** ((D - 2) * n), xi * gamma ** ((D - 1) * n)
     compression = amplitude * layer.compliance(xi, D, gamma, math.inf)
-    return Law(PchipInterpolator(np.log(compression + stiffness * pressure), np.log(pressure)), stiffness)
+    log_pressure = scipy.interpolate.PchipInterpolator(np.log(compression + stiffness * pressure), np.log(pressure))
+    return Law(log_pressure, stiffness)
 
 
 def _at(s: Array, law: Law) -> Node:
@@ -311,8 +311,9 @@ def _answer(node: Node, sinking: Array, right: Array, accuracy: float) -> Array:
         return np.append(np.fft.irfft(spectrum, n), flat)
 
     size = (n + 1, n + 1)
-    found, _ = gmres(
-        LinearOperator(size, equations), right, rtol=accuracy, atol=0.0, restart=DIRECTIONS, maxiter=RESTARTS,
-        M=LinearOperator(size, uniform),
+    operator = scipy.sparse.linalg.LinearOperator
+    found, _ = scipy.sparse.linalg.gmres(
+        operator(size, equations), right, rtol=accuracy, atol=0.0, restart=DIRECTIONS, maxiter=RESTARTS,
+        M=operator(size, uniform),
     )  # fmt: skip
     return np.asarray(found)

@@ -14,7 +14,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-import jsonschema
 import numpy as np
 from numpy.typing import NDArray
 
@@ -220,6 +219,8 @@ def named(name: str) -> Scene:
 
 
 def _check_schema(raw: Any, path: Path) -> None:
+    import jsonschema  # takes longer than the rest of a scene, and no one needs it but a scene
+
     schema = json.loads(files("weier").joinpath("scene.schema.json").read_text(encoding="utf-8"))
     error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(raw))
     if error is not None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import NDArray
-from scipy.linalg import circulant
 
 from weier.bem.contact import Answer, count_patches, no_answer
 
@@ -47,7 +47,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
         Arrays over the loads, in their order; work counts dense solutions.
 
     """
-    answer, matrix, contact = no_answer(loads.size), circulant(influence), pressure > 0
+    answer, matrix, contact = no_answer(loads.size), scipy.linalg.circulant(influence), pressure > 0
     for load in range(loads.size - 1, -1, -1):
         found = solve_load(matrix, height, contact, loads[load], tolerance)
         contact, pressure[:] = found.contact, found.pressure

@@ -10,8 +10,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
@@ -174,7 +174,7 @@ class _Search(NamedTuple):
             place[0], value = _least(state, self.seen.of(state.dual), event.birth, event.left, event.right)
             return value
 
-        load = float(brentq(least, low.load, high.load, xtol=ACCURACY * low.load, rtol=ACCURACY))
+        load = float(scipy.optimize.brentq(least, low.load, high.load, xtol=ACCURACY * low.load, rtol=ACCURACY))
         least(load)
         return load, _Event(event.birth, place[0], place[0])
 
@@ -200,7 +200,7 @@ def _least(state: State, waves: Waves, of_gap: bool, left: float, right: float) 
     x = np.linspace(left, right, SAMPLES + 2)[1:-1]
     low = int(np.argmin([_signed(state, waves, of_gap, place) for place in x]))
     step = x[1] - x[0]
-    found = minimize_scalar(
+    found = scipy.optimize.minimize_scalar(
         lambda place: _signed(state, waves, of_gap, place),
         bounds=(x[low] - step, x[low] + step),
         method="bounded",

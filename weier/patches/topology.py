@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
@@ -74,7 +74,7 @@ def _lowest(state: State, waves: Waves, low: float, high: float) -> float:
     def slope(x: float) -> float:
         return float(clearance_slopes(state, waves, np.array([x]))[0])
 
-    return float(brentq(slope, low, high, xtol=PLACE * (high - low)))
+    return float(scipy.optimize.brentq(slope, low, high, xtol=PLACE * (high - low)))
 
 
 def _probes(waves: Waves, left: Array, space: Array) -> tuple[Array, Indices]:
