@@ -19,7 +19,7 @@ rule measure_tradeoff:
         "environment.yaml"
     threads: 999  # all there are: snakemake takes no more than --cores, and workflow.cores is unknown to --unlock
     shell:
-        "NUMBA_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee {log}"
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee {log}"
 
 
 rule draw_tradeoff:

@@ -50,9 +50,13 @@ class Runs(NamedTuple):
     fixed: Array
 
 
+Sums = Callable[[Array, Array, Runs], Array]  # of waves none of which is flat: loads, their logarithms, runs
+FixedPoint = Callable[[Array, Array], Array]  # of the loads handed on, for D and gamma
+
+
 def over_series(
-    sums: Callable[[Array, Array, Runs], Array],
-    fixed: Callable[[Array, Array], Array],
+    sums: Sums,
+    fixed: FixedPoint,
     mean_pressure: ArrayLike,
     D: ArrayLike,
     gamma: ArrayLike,
@@ -90,8 +94,8 @@ def _of_one_rank(*arguments: ArrayLike) -> list[Array]:
 
 
 def _in_blocks(
-    sums: Callable[[Array, Array, Runs], Array],
-    fixed: Callable[[Array, Array], Array],
+    sums: Sums,
+    fixed: FixedPoint,
     p: Array,
     D: Array,
     gamma: Array,

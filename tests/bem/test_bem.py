@@ -236,3 +236,15 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
     with pytest.raises(ConvergenceError, match="residual") as caught:
         curve(THREE_WAVES, np.array([1.0]), points=400, tolerance=1e-30, solver=solver)
     assert caught.value.residual > 1e-30
+
+
+def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
+    solved = fft.solve_loads
+
+    def without_rate(*arguments):
+        answer = solved(*arguments)
+        return answer._replace(resistance=np.full(answer.flat.size, np.inf))
+
+    monkeypatch.setattr(fft, "solve_loads", without_rate)
+    with pytest.raises(ConvergenceError, match=r"not the resistance under the mean pressure 0\.1 "):
+        curve(THREE_WAVES, np.array([0.1]), points=400)

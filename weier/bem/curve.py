@@ -102,7 +102,8 @@ def curve(
         start = np.ones(points)
         influence = influence_coefficients(points, profile.period)
         answer = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
-    checked_residual(np.where(np.isinf(answer.resistance), np.inf, answer.residual), partial, points, tolerance)
+    checked_residual(answer.residual, partial, points, tolerance)
+    _check_resistance(answer.resistance, partial, points)
 
     def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
         return np.concatenate([values, np.full(mean_pressure.size - partial.size, flattened)])
@@ -177,4 +178,15 @@ def checked_residual(residual: Array, loads: Array, points: int, tolerance: floa
             f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
             "tolerance",
             float(residual[worst]),
+        )
+
+
+def _check_resistance(resistance: Array, loads: Array, points: int) -> None:
+    """Refuse a resistance that the solver gave up, which it says by inf."""
+    missed = np.flatnonzero(np.isinf(resistance))
+    if missed.size:
+        raise ConvergenceError(
+            f"boundary elements on {points} points found the compliance but not the resistance under the mean "
+            f"pressure {loads[missed[0]]:.6g} p_0*; try other points, or resistance=False",
+            np.inf,
         )
