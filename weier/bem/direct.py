@@ -9,6 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from numpy.typing import NDArray
 
 from weier.bem.contact import Answer, count_patches, no_answer
+from weier.blas import one_thread
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -27,6 +28,7 @@ class Settled(NamedTuple):
     settled: bool
 
 
+@one_thread()
 def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> Answer:
     """Solve every load from the heaviest down, each from the contact of the one before.
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from weier.blas import one_thread
 from weier.loads import checked_loads
 from weier.patches.fields import State
 from weier.patches.guess import Surface, surface
@@ -43,6 +44,7 @@ class Curve(NamedTuple):
     contact_edge: Array
 
 
+@one_thread()
 def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
     """Compliance and resistance of a truncated series by contact patches.
 
@@ -140,6 +142,7 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
     return solve_loads(profile, [mean_pressure], tolerance)[0]
 
 
+@one_thread()
 def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
     """The same for several loads, each started from the one before.
 
