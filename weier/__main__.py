@@ -210,7 +210,7 @@ def gather(scene_file: Path, name: str, path: Path, folder: Path) -> None:
 @output("path")
 def bounds(gathered: Path, path: Path) -> None:
     """Add the bounds on the endless series to a gathered file."""
-    with dataset.open_lazily(gathered) as data:
+    with dataset.reading(gathered) as data:
         about = data.attrs
     study.gather(
         [gathered], study.keys_of([gathered]), path, about.get("title", ""),

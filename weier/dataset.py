@@ -23,7 +23,7 @@ from weier.variables import COORDINATES, COST, CURVE, PLANNED, RUN, VARIABLES, S
 
 __all__ = [
     "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
-    "curve", "open_lazily", "read", "widened", "write",
+    "curve", "open_lazily", "read", "reading", "widened", "write",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -113,8 +113,27 @@ def read(path: str | Path) -> xr.Dataset:
         If the file is missing, cut short, or not of this kind.
 
     """
-    with open_lazily(path) as data, _whole(path):
+    with reading(path) as data:
         return data.load()
+
+
+@contextmanager
+def reading(path: str | Path) -> Iterator[xr.Dataset]:
+    """A netCDF file of weier, opened lazily and closed at the end; values that the disk has changed raise, too.
+
+    Raises
+    ------
+    ValueError
+        If the file is missing, damaged, or not of this kind.
+
+    """
+    with open_lazily(path) as data:
+        try:
+            yield data
+        except RuntimeError as error:
+            if str(error).startswith("NetCDF: "):
+                raise _damaged(path, error) from None
+            raise
 
 
 def open_lazily(path: str | Path) -> xr.Dataset:
@@ -126,20 +145,18 @@ def open_lazily(path: str | Path) -> xr.Dataset:
         If the file is missing, cut short, or not of this kind.
 
     """
-    with _whole(path):
+    try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise _damaged(path, error) from None
     if "key" not in data.variables:
         data.close()
         raise ValueError(f"{path} is a netCDF file, but not of weier: delete it and make it again")
     return data
 
 
-@contextmanager
-def _whole(path: str | Path) -> Iterator[None]:
-    try:
-        yield
-    except (OSError, ValueError, RuntimeError) as error:
-        raise ValueError(f"{path} is not a whole netCDF file: delete it and make it again ({error})") from None
+def _damaged(path: str | Path, error: Exception) -> ValueError:
+    return ValueError(f"{path} is not a whole netCDF file: delete it and make it again ({error})")
 
 
 def _over_loads(name: str) -> tuple[str, ...]:

@@ -112,7 +112,7 @@ def keys_of(files: Sequence[str | Path]) -> list[str]:
     """The keys of all cases of some files, each once, in order of appearance."""
     found: dict[str, None] = {}
     for path in files:
-        with dataset.open_lazily(path) as data:
+        with dataset.reading(path) as data:
             found |= dict.fromkeys(data["key"].values.tolist())
     return list(found)
 
@@ -122,7 +122,7 @@ def _layout(files: Sequence[str | Path], missing: set[str]) -> tuple[xr.Dataset,
     like, histories, strangers = xr.Dataset(), dict[str, None](), list[str]()
     wanted = missing
     for path in files:
-        with dataset.open_lazily(path) as data:
+        with dataset.reading(path) as data:
             like = like if like.sizes else data.isel(case=slice(1)).load()
             if not like["mean_pressure"].equals(data["mean_pressure"]):
                 raise ValueError(f"{path} and {files[0]} differ in loads: delete the older one, and make it again")
@@ -150,7 +150,7 @@ def _blocks(files: Sequence[str | Path], place: Mapping[str, int]) -> Iterator[x
     """All wanted cases, some at a time; a case of several files comes from the first."""
     seen: set[str] = set()
     for path in files:
-        with dataset.open_lazily(path) as data:
+        with dataset.reading(path) as data:
             keys = data["key"].values.tolist()
             wanted = [row for row, key in enumerate(keys) if key in place and key not in seen]
             seen.update(keys)

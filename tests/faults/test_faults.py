@@ -2,18 +2,22 @@
 
 import importlib.util
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+import zlib
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import netCDF4
+import numpy as np
 import pytest
 import xarray as xr
 
-from weier import jit
+from weier import dataset, jit
 
 SCENE = """
 title: test
@@ -168,6 +172,24 @@ def cut(path):
     path.write_bytes(path.read_bytes()[:5000])
 
 
+def flip(path):
+    """One bit in the midst of the longest chunk of values."""
+    content = bytearray(path.read_bytes())
+    place, size = max(deflated(content), key=lambda chunk: chunk[1])
+    content[place + size // 2] ^= 1
+    path.write_bytes(content)
+
+
+def deflated(content):
+    """Place and size of each chunk: 78 01 begins them, and zlib knows where they end."""
+    for place in (found.start() for found in re.finditer(b"\x78\x01", content)):
+        stream = zlib.decompressobj()
+        with suppress(zlib.error):
+            stream.decompress(content[place:])
+            if stream.eof:
+                yield place, len(content) - place - len(stream.unused_data)
+
+
 def replace_by_another(path):
     path.unlink()
     xr.Dataset({"x": 1}).to_netcdf(path)
@@ -186,8 +208,21 @@ def test_a_damaged_dataset_of_a_scene(checkout, damage, sentence):
     assert sentence in said
 
 
+def test_a_flipped_bit_is_seen_by_whoever_reads(tmp_path):
+    path = tmp_path / "a.nc"
+    data = dataset.blank(9, ["bem"], np.geomspace(1, 2, 99), 1)
+    data["compliance"].values[...] = np.random.default_rng(1).random(data["compliance"].shape)
+    dataset.write(data, path, "test")
+    assert dataset.read(path)["compliance"].equals(data["compliance"])
+    flip(path)
+    with netCDF4.Dataset(path) as file, pytest.raises(RuntimeError, match="HDF error"):
+        file["compliance"][...]
+    with pytest.raises(ValueError, match=r"a\.nc is not a whole netCDF file: delete it and make it again"):
+        dataset.read(path)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [cut, replace_by_another])
+@pytest.mark.parametrize("damage", [cut, flip, replace_by_another])
 def test_a_damaged_batch(checkout, undisturbed, damage):
     damage(checkout / "results/test/batches/one-0.nc")
     code, said = run(checkout)

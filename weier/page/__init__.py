@@ -64,7 +64,7 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
         If one of the files is missing, cut short, or not of weier.
 
     """
-    with dataset.open_lazily(contact) as data:
+    with dataset.reading(contact) as data:
         text = _page(scene, data, figures, [dataset.read(cost) for cost in costs])
     write_text(path, text)
 
