@@ -3,8 +3,8 @@
 Chunks and compression are measured on 4800 cases of 4 methods at 40 loads, 61 MB of ten variables, uncompressed read
 in 0.24 s: with chunks of 256 cases of one method and deflate 1 they take 9.2 MB, 0.40 s to write, 0.16 s to read,
 5.5 ms for one method of all cases and 4 ms for one case. Deflate 4 saves 4 % and takes twice as long to write; a
-chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that is seen, and tells what a disk has
-changed.
+chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that is seen, and tells what a disk
+has changed.
 """
 
 from __future__ import annotations
