@@ -1,17 +1,18 @@
 """Small matrices are solved on one thread, and the process gets its threads back."""
 
-from pathlib import Path
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import weier
-from weier import batch, scene
 from weier.bem import direct
 from weier.blas import one_thread
 from weier.patches import newton
 
+PATIENCE = 60  # seconds
 LOADS = np.array([0.05, 0.5])
 
 
@@ -27,7 +28,7 @@ def two_threads():
 
 def test_one_thread_inside_and_what_there_was_outside():
     assert threads() == {2}
-    with one_thread():
+    with one_thread:
         assert threads() == {1}
     assert threads() == {2}
 
@@ -50,16 +51,22 @@ def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):
     assert threads() == {2}
 
 
-def test_a_batch_takes_one_before_its_cases_do(monkeypatch):
-    # Else the first case to end would give the others the two that it found.
-    seen, real = [], batch.answer
+def test_a_thread_that_leaves_first_does_not_give_the_others_two():
+    second_in, first_out, seen = Event(), Event(), []
 
-    def watched(*given):
-        seen.append(threads())
-        return real(*given)
+    def first():
+        with one_thread:
+            assert second_in.wait(PATIENCE)
+        first_out.set()
 
-    monkeypatch.setattr(batch, "answer", watched)
-    loaded = scene.load(Path(__file__).parents[1] / "config" / "scenes" / "minimal.yaml")
-    batch.solve_batch(loaded, loaded.studies["two_waves"], threads=2)
-    assert seen == [{1}] * 3
+    def second():
+        with one_thread:
+            second_in.set()
+            assert first_out.wait(PATIENCE)
+            seen.append(threads())
+
+    with ThreadPoolExecutor(2) as pool:
+        for job in [pool.submit(first), pool.submit(second)]:
+            job.result()
+    assert seen == [{1}]
     assert threads() == {2}

@@ -2,6 +2,11 @@
 
 import subprocess
 import sys
+from threading import Thread
+from time import perf_counter
+
+import numba
+import pytest
 
 from weier import jit
 
@@ -48,3 +53,24 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     assert run(1) == "1\n"
     assert run(2) == "2\n"
     assert len(list((tmp_path / "cache").iterdir())) == 2
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_seconds_of_compiling_are_those_of_the_thread_that_waits():
+    def cubed(x):
+        return x**3
+
+    compiled, seconds = numba.njit(cubed), []
+
+    def call():
+        before, start = jit.compiling_seconds(), perf_counter()
+        compiled(2.0)
+        seconds.append((jit.compiling_seconds() - before, perf_counter() - start))
+
+    elsewhere = Thread(target=call)
+    elsewhere.start()
+    elsewhere.join()
+    call()
+    (compiling, whole), (again, _) = seconds
+    assert 0.5 * whole < compiling < whole
+    assert again == 0

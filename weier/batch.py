@@ -13,7 +13,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier import dataset
-from weier.blas import one_thread
 from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.limits import resolvable
@@ -60,7 +59,7 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         seconds = np.nansum(costs["seconds"][number])
         print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s", file=sys.stderr)
 
-    with one_thread(), ThreadPoolExecutor(threads) as pool:  # here too: the first case to end must not undo it
+    with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(solve_case, range(len(cases))):  # raises what a case raised
             pass
     return data, cost

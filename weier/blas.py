@@ -6,18 +6,35 @@ turn, ten times as long. A case has one core; other cores are for other cases.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ContextDecorator
 from functools import cache
+from threading import Lock
+from typing import Any
 
 from threadpoolctl import ThreadpoolController
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """A context, or a decorator, in which NumPy's and SciPy's BLAS take one thread, as many as before after it."""
-    with _libraries().limit(limits=1, user_api="blas"):
-        yield
+class _OneThread(ContextDecorator):
+    """A context, or a decorator: the process's, since BLAS knows no other; the last thread to leave ends it."""
+
+    def __init__(self) -> None:
+        self._lock, self._inside = Lock(), 0
+        self._limits: Any = None
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if self._inside == 0:
+                self._limits = _libraries().limit(limits=1, user_api="blas")
+            self._inside += 1
+
+    def __exit__(self, *failure: object) -> None:
+        with self._lock:
+            self._inside -= 1
+            if self._inside == 0:
+                self._limits.restore_original_limits()
+
+
+one_thread = _OneThread()
 
 
 @cache

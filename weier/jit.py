@@ -3,7 +3,7 @@
 numba stamps a cached kernel with the file that it stands in, so that an edited callee or constant of another
 module would be ignored. Here the cache folder is named by a hash of every source file that kernels stand in or
 import from, and of the versions of numba and rocket-fft: edit any of them and all kernels compile afresh, once,
-for all processes.
+for all processes that import this copy of the package.
 """
 
 from __future__ import annotations
@@ -11,13 +11,16 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
+from time import perf_counter
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
 
 from weier.sources import PACKAGE, sources
 
@@ -60,6 +63,36 @@ def _cached_here() -> Iterator[None]:
         yield
     finally:
         config.CACHE_DIR = before
+
+
+class _Compiling(event.Listener):
+    """The seconds of each thread under numba's lock: it compiles a kernel, loads one, or waits for another thread."""
+
+    def __init__(self) -> None:
+        self.of_thread = threading.local()
+
+    def on_start(self, event: Any) -> None:
+        depth = getattr(self.of_thread, "depth", 0)
+        if depth == 0:
+            self.of_thread.since = perf_counter()
+        self.of_thread.depth = depth + 1
+
+    def on_end(self, event: Any) -> None:
+        self.of_thread.depth -= 1
+        if self.of_thread.depth == 0:
+            self.of_thread.seconds = self.seconds() + perf_counter() - self.of_thread.since
+
+    def seconds(self) -> float:
+        return getattr(self.of_thread, "seconds", 0.0)
+
+
+_COMPILING = _Compiling()
+event.register("numba:compiler_lock", _COMPILING)  # type: ignore[no-untyped-call]
+
+
+def compiling_seconds() -> float:
+    """What this thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve."""
+    return _COMPILING.seconds()
 
 
 def kernel(function: Function) -> Function:

@@ -28,7 +28,7 @@ class Settled(NamedTuple):
     settled: bool
 
 
-@one_thread()
+@one_thread
 def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> Answer:
     """Solve every load from the heaviest down, each from the contact of the one before.
 

@@ -44,7 +44,7 @@ class Curve(NamedTuple):
     contact_edge: Array
 
 
-@one_thread()
+@one_thread
 def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
     """Compliance and resistance of a truncated series by contact patches.
 
@@ -142,7 +142,7 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
     return solve_loads(profile, [mean_pressure], tolerance)[0]
 
 
-@one_thread()
+@one_thread
 def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
     """The same for several loads, each started from the one before.
 

@@ -13,6 +13,7 @@ import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import NDArray
 
+from weier.blas import one_thread
 from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.curve import TOLERANCE, check_tolerance, loads_within_reach
@@ -60,6 +61,7 @@ class _Event(NamedTuple):
     right: float
 
 
+@one_thread
 def events(profile: Profile, low: float, high: float, tolerance: float = TOLERANCE) -> Events:
     """All births and merges of contacts between two mean pressures.
 
