@@ -5,7 +5,7 @@ from threading import Event
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_info, threadpool_limits
+from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 
 import weier
 from weier.bem import direct
@@ -22,8 +22,11 @@ def threads() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def two_threads():
-    with threadpool_limits(limits=2, user_api="blas"):
-        yield
+    before = threadpool_limits(limits=2, user_api="blas")
+    OpenBLASController.clear_controlling_thread(force=True)
+    yield
+    before.restore_original_limits()
+    OpenBLASController.clear_controlling_thread(force=True)
 
 
 def test_one_thread_inside_and_what_there_was_outside():

@@ -11,7 +11,7 @@ from functools import cache
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import OpenBLASController, ThreadpoolController
 
 
 class _OneThread(ContextDecorator):
@@ -31,10 +31,17 @@ class _OneThread(ContextDecorator):
         with self._lock:
             self._inside -= 1
             if self._inside == 0:
+                _give_up_control()  # by the thread that set the limit, which may not be this one
                 self._limits.restore_original_limits()
+                _give_up_control()
 
 
 one_thread = _OneThread()
+
+
+def _give_up_control() -> None:
+    # threadpoolctl lets one thread alone set the number, and ignores the others until it is released.
+    OpenBLASController.clear_controlling_thread(force=True)
 
 
 @cache
