@@ -266,7 +266,6 @@ def test_close_to_the_numerical_solution():
         (([0.1, 0.0], 1.5, 5, 3), "mean_pressure must be"),
         (([], 1.5, 5, 3), "mean_pressure must be"),
         (([1e-306], 1.5, 5, 3), "mean_pressure must be finite and at least 1e-305"),
-        (([0.1], 1.5, 5, 3, 2), "points must be"),
     ],
 )
 def test_bad_input_is_refused(arguments, message):
@@ -274,7 +273,44 @@ def test_bad_input_is_refused(arguments, message):
         layer.curve(*arguments)
 
 
-def test_unreachable_tolerance_is_refused():
+@pytest.mark.parametrize("m", [1, 3])
+@pytest.mark.parametrize(
+    ("setting", "values"),
+    [
+        ("points", [2, 501, 10**9, 24.5, math.nan, math.inf, "a", None]),
+        ("accuracy", [math.nan, math.inf, -1, 0, 9e-10, 0.011, 0.5, "a", None]),
+        ("tolerance", [math.nan, math.inf, -1, 0, 1e-20, 1.1e-5, "a", None]),
+    ],
+)
+def test_settings_out_of_range_are_refused_at_once(setting, values, m):
+    for value in values:
+        with pytest.raises(ValueError, match=f"{setting} must .*, got {value}"):
+            layer.curve([0.1], 1.5, 5, m, **{setting: value})
+
+
+@pytest.mark.parametrize("m", [3, math.inf])
+def test_settings_at_the_ends_of_their_ranges_hold(m):
+    loads = np.array([1e-305, 1e-3, 0.3, 2.0, 1e6])
+    finest = layer.curve(loads, 1.5, 5, m, accuracy=1e-9, tolerance=1e-13)
+    for accuracy in (1e-8, 1e-5, 1e-2):
+        coarser = layer.curve(loads, 1.5, 5, m, accuracy=accuracy, tolerance=accuracy)
+        # Errors of the tables, and what the missing levels would change.
+        np.testing.assert_allclose(coarser.compliance, finest.compliance, rtol=5 * accuracy)
+    for points in (4, 200):
+        other = layer.curve(loads[1:], 1.5, 5, m, points=points).compliance
+        np.testing.assert_allclose(other, finest.compliance[1:], rtol=1e-3)
+
+
+@pytest.mark.parametrize(("cap", "least"), [("MOST_HALVINGS", 2), ("MOST_ROWS", 20)])
+def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, cap, least):
+    monkeypatch.setattr(layer.stack, cap, least)
+    with pytest.raises(ConvergenceError, match=r"still off by .* rows, above the accuracy 1.0e-05") as refused:
+        layer.curve([0.1, 0.2], 1.25, 5, 3)
+    assert refused.value.residual > ACCURACY
+
+
+def test_a_wave_that_misses_the_tolerance_is_refused():
+    # Waves 1e300 times as fine: their layer is far too thin for numbers.
     with pytest.raises(ConvergenceError, match="above the tolerance") as refused:
-        layer.curve([0.1, 0.2], 1.25, 5, 3, tolerance=1e-20)
-    assert refused.value.residual > 1e-20
+        layer.curve([1e-4, 0.2, 3.0], 1.5, 1e300, 3)
+    assert refused.value.residual > TOLERANCE

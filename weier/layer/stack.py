@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,11 @@ TOLERANCE = 1e-10
 MOST_LEVELS = 1000  # a series that has not converged by then is refused
 LIGHTEST = 1e-305  # load that leaves doubles to such a table
 MARGIN = 5.0  # tables begin at e^-5 of the lightest load: what presses less moves h by less than 1e-6
-MOST_HALVINGS = 40  # of the rows of a table; 10 do
+MOST_POINTS = 500  # 40 loads on 384 take 3 s, and time grows as the cube
+ACCURACIES = 1e-9, 1e-2  # at the upper one few rows are added to those e-folds apart
+FINEST_TOLERANCE = 1e-13  # rounding allows no smaller one at the lightest loads
+MOST_HALVINGS = 30  # of the distance between rows, and most rows of a table: the finest accuracy took 17
+MOST_ROWS = 100_000  # and 4000 over all loads
 LOG_UNSEEN = math.log(1e-25)  # of h, relative to itself: far below the rounding of doubles
 ROUNDING = 1e-13  # of the freshly applied operator
 
@@ -74,11 +79,13 @@ def curve(
     m : int or inf
         Number of terms.
     points : int
-        Nodes on half a wave, at least 4.
+        Nodes on half a wave, 4 to 500.
     accuracy : float
-        Relative error of W at which a row is added to a table, and at which the fixed point of m = inf is reached.
+        Relative error of W at which a row is added to a table, and at which the fixed point of m = inf is reached;
+        1e-9 to 0.01.
     tolerance : float
-        Largest residual of a wave, relative to the compression at the edge of its contact.
+        Largest residual of a wave, relative to the compression at the edge of its contact; 1e-13 to `accuracy`,
+        since a table cannot be more accurate than its rows.
 
     Returns
     -------
@@ -90,8 +97,9 @@ def curve(
     ValueError
         If a parameter lies outside its range.
     ConvergenceError
-        If a wave misses the tolerance, or a long series still changes after 1000 levels: each new one changes the
-        compliance gamma^(D-2) times as much as the one before, and loads gamma^(D-1) times as heavy need one more.
+        If a wave misses the tolerance or a table the accuracy, or a long series still changes after 1000 levels: each
+        new one changes the compliance gamma^(D-2) times as much as the one before, and loads gamma^(D-1) times as
+        heavy need one more.
 
     Notes
     -----
@@ -103,14 +111,15 @@ def curve(
     all levels that are missing change the compliance by less than `accuracy`, relative to itself.
 
     """
-    _check(D, gamma, m, points)
+    _check_series(D, gamma, m)
+    _check_settings(points, accuracy, tolerance)
     given = _checked_loads(mean_pressure)
     loads, place = np.unique(given, return_inverse=True)
     if m == 1:
         h, slope = westergaard.compliance(loads), westergaard.resistance(loads)
         answer = Curve(h, slope, np.zeros(loads.size), np.zeros(loads.size, np.int64), 1)
     else:
-        recursion = _recursion(np.log(loads), D, gamma, midpoints(points), accuracy, tolerance)
+        recursion = _recursion(np.log(loads), D, gamma, midpoints(int(points)), accuracy, tolerance)
         finer, levels = recursion.stack(m)
         answer = recursion.solve(finer, np.log(loads), levels + 1)
     place = place.reshape(given.shape)
@@ -245,14 +254,22 @@ class Recursion:
         middle, half = (y[1:] + y[:-1]) / 2, (y[1] - y[0]) / 2
         for _ in range(MOST_HALVINGS):
             table, between = _monotone(*rows), np.array([middle, *law(middle)])
-            wrong = np.abs(np.log(between[1]) - compressions(table, middle)) > self.accuracy
+            errors = np.abs(np.log(between[1]) - compressions(table, middle))
+            wrong = ~(errors <= self.accuracy)
             rows = np.concatenate([rows, between], axis=1)
             rows = np.take(rows, np.argsort(rows[0]), axis=1)
             if not np.any(wrong):
+                return _monotone(*rows)
+            if rows.shape[1] > MOST_ROWS:
                 break
             half /= 2
             middle = (middle[wrong, None] + np.array([-half, half])).ravel()
-        return _monotone(*rows)
+        worst = float(np.max(errors))
+        raise ConvergenceError(
+            f"a table of the layer model is still off by {worst:.1e} of itself after {rows.shape[1]} rows, above the "
+            f"accuracy {self.accuracy:.1e}: choose a larger accuracy or a smaller tolerance",
+            worst,
+        )
 
     def _check(self, log_load: Array, residual: Array, limit: Array | float) -> None:
         missed = np.flatnonzero(~(residual <= limit))
@@ -298,10 +315,20 @@ def _checked_loads(mean_pressure: ArrayLike) -> Array:
     return loads
 
 
-def _check(D: float, gamma: float, m: float, points: int) -> None:
+def _check_series(D: float, gamma: float, m: float) -> None:
     checked_dimension(D)
     checked_terms(m)
     if not 1 < gamma < math.inf:
         raise ValueError(f"gamma must be finite and exceed 1, got {gamma}")
-    if points != int(points) or points < 4:
-        raise ValueError(f"points must be a whole number, at least 4, got {points}")
+
+
+def _check_settings(points: int, accuracy: float, tolerance: float) -> None:
+    if not (isinstance(points, Real) and 4 <= points <= MOST_POINTS and points == points // 1):
+        raise ValueError(f"points must be a whole number from 4 to {MOST_POINTS}, got {points}")
+    least, most = ACCURACIES
+    if not (isinstance(accuracy, Real) and least <= accuracy <= most):
+        raise ValueError(f"accuracy must lie in [{least:g}, {most:g}], got {accuracy}")
+    if not (isinstance(tolerance, Real) and FINEST_TOLERANCE <= tolerance <= accuracy):
+        raise ValueError(
+            f"tolerance must lie in [{FINEST_TOLERANCE:g}, {accuracy:g}], at most the accuracy, got {tolerance}"
+        )
