@@ -12,8 +12,10 @@ from scipy.fft import dct, idct
 from scipy.optimize import minimize
 
 from weier import ConvergenceError, archard, layer, westergaard
+from weier.layer.certificate import cosines, violation
+from weier.layer.law import Layer
 from weier.layer.stack import ACCURACY, POINTS, TOLERANCE, _recursion
-from weier.layer.wave import Layer, cosines, midpoints, trace, violation
+from weier.layer.wave import midpoints, trace
 from weier.profile import leading_amplitude, tail_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]

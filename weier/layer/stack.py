@@ -19,7 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier import westergaard
 from weier.errors import ConvergenceError
-from weier.layer.wave import Layer, Mesh, compressions, edge_depth, midpoints, trace, violations
+from weier.layer.certificate import violations
+from weier.layer.law import Layer, compressions
+from weier.layer.wave import Mesh, depths, midpoints, trace
 from weier.profile import checked_dimension, checked_terms
 
 Array = NDArray[np.float64]
@@ -222,7 +224,7 @@ class Recursion:
             if levels:
                 violation = violations(traced, loads, layer)
                 self._check(loads, violation, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
-                answer.residual[:partial] = violation * edge_depth(traced)
+                answer.residual[:partial] = violation * depths(traced)
         return answer
 
     def covered(self, coarser: Stack, finer: Stack, levels: int) -> bool:

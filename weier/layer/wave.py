@@ -28,25 +28,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.jit import kernel
+from weier.layer.law import STEEPEST, Layer, compression, log_pressure_of
 
 Array = NDArray[np.float64]
 
 NEWTON_STEPS = 60  # a first guess takes 4-10, a neighbouring load 2 or 3
-LONGEST_STEP = 2.0  # of a logarithm: further away the tangents of exponentials mislead;
-STEEPEST = 50.0  # but ln p is so many times steeper than ln w where it matters through w alone
+LONGEST_STEP = 2.0  # of a logarithm: further away the tangents of exponentials mislead
 STRIDE = 1.0  # longest in ln xi from one load to the next
 SHORTEST_STRIDE = 1e-3
 GUESSED = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
 GUESSES = 60  # halvings of the error of ln sin^2(pi a) in the first guess
-POINTS_OUTSIDE = 8  # where the gap is checked
-
-
-class Layer(NamedTuple):
-    """ln w and d ln w/d ln p at increasing ln p, each of shape (rows,); power laws beyond both ends."""
-
-    log_pressure: Array
-    log_compression: Array
-    slope: Array
+NEARLY_CLOSED = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
 
 
 class Mesh(NamedTuple):
@@ -77,6 +69,14 @@ class Balance(NamedTuple):
     depth: float
 
 
+class Place(NamedTuple):
+    """A state, its derivative by ln xi, and how far that is trusted: each of shape (M + 1,)."""
+
+    state: Array
+    tangent: Array
+    trust: Array
+
+
 class Trace(NamedTuple):
     """Answers along the loads: h, dh/dxi, relative residual, Newton steps, shape (loads,), and the states."""
 
@@ -97,26 +97,15 @@ def midpoints(points: int) -> Mesh:
 
 
 @kernel
-def compression(layer: Layer, log_pressure: float) -> tuple[float, float]:
-    """Compression w and dw/d ln p, from the cubic through values and slopes of ln w."""
-    y = layer.log_pressure
-    low, high = 0, y.size - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if log_pressure > y[middle] else (low, middle)
-    length, left, right = y[high] - y[low], layer.slope[low], layer.slope[high]
-    start, end = layer.log_compression[low], layer.log_compression[high]
-    t, secant = (log_pressure - y[low]) / length, (end - start) / length
-    if t <= 0:
-        value, slope = start + left * length * t, left
-    elif t >= 1:
-        value, slope = end + right * length * (t - 1), right
-    else:
-        bend, twist = 3 * secant - 2 * left - right, left + right - 2 * secant
-        value = start + length * t * (left + t * (bend + t * twist))
-        slope = left + t * (2 * bend + 3 * t * twist)
-    w = math.exp(value)
-    return w, w * slope
+def depth_of(edge: float) -> tuple[float, float, float]:
+    """ln sin^2(pi a), w in the trough, and the depth 2 sin^2(pi a) + w that heights are relative to."""
+    log_sine, trough = min(edge, 0.0), max(edge, 0.0)
+    return log_sine, trough, 2 * math.exp(log_sine) + trough
+
+
+def depths(traced: Trace) -> Array:
+    """The depth of each load: what residuals are relative to, shape (loads,)."""
+    return np.array([depth_of(edge)[2] for edge in traced.state[:, -1]])
 
 
 @kernel
@@ -139,11 +128,15 @@ def excesses(state: Array) -> tuple[Array, float]:
 
 
 @kernel
-def balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance:
-    """Equations: u + w + 2 sin^2(pi x) at every node as at the edge, and the mean pressure as given."""
+def _balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance:
+    """Equations of a state, from those of the header less their values at the edge.
+
+    Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge. Row M: the mean of q is xi/(2 pi).
+    """
     points = mesh.rise.size
     edge, load = state[points], math.exp(log_load)
-    sine_squared, trough = math.exp(min(edge, 0.0)), max(edge, 0.0)
+    log_sine, trough, depth = depth_of(edge)
+    sine_squared = math.exp(log_sine)
     residual, drift, trust = np.zeros(points + 1), np.zeros(points + 1), np.zeros(points + 1)
     jacobian = np.zeros((points + 1, points + 1))
     excess, mean = excesses(state)
@@ -162,11 +155,11 @@ def balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance:
         trust[i] = LONGEST_STEP * max(1.0, w / max(stiffness, w / STEEPEST))
     residual[points] = math.log1p(mean)
     trust[points] = LONGEST_STEP * max(1.0, edge)
-    return Balance(residual, jacobian, drift, trust, 2 * sine_squared + trough)
+    return Balance(residual, jacobian, drift, trust, depth)
 
 
 @kernel
-def error(equations: Balance) -> float:
+def _error(equations: Balance) -> float:
     """The largest residual: heights relative to the depth of the edge, the load relative to itself."""
     worst, last = 0.0, equations.residual.size - 1
     for i in range(last):
@@ -175,7 +168,7 @@ def error(equations: Balance) -> float:
 
 
 @kernel
-def solve(matrix: Array, right: Array) -> Array:
+def _eliminate(matrix: Array, right: Array) -> Array:
     """Gaussian elimination with row exchanges, in place; `right` becomes the solution.
 
     numpy.linalg.solve takes 3 s to compile and this 0.4 s; for 25 or 33 unknowns both are as fast.
@@ -204,7 +197,7 @@ def solve(matrix: Array, right: Array) -> Array:
 
 
 @kernel
-def move(state: Array, direction: Array, stride: float, trust: Array) -> None:
+def _move(state: Array, direction: Array, stride: float, trust: Array) -> None:
     """Add stride times the direction, no component further than trusted; pressures above the mean rise slowly."""
     last = state.size - 1
     for i in range(state.size):
@@ -213,24 +206,23 @@ def move(state: Array, direction: Array, stride: float, trust: Array) -> None:
 
 
 @kernel
-def settle(state: Array, log_load: float, layer: Layer, mesh: Mesh, tolerance: float) -> tuple[Balance, float, int]:
+def _settle(state: Array, log_load: float, layer: Layer, mesh: Mesh, tolerance: float) -> tuple[Balance, float, int]:
     """Newton's method in place: the equations where it stopped, their error, the steps taken."""
-    equations = balance(state, log_load, layer, mesh)
-    reached, steps = error(equations), 0
+    equations = _balance(state, log_load, layer, mesh)
+    reached, steps = _error(equations), 0
     while reached > tolerance and reached < math.inf and steps < NEWTON_STEPS:
-        move(state, solve(equations.jacobian, equations.residual), -1.0, equations.trust)
-        equations = balance(state, log_load, layer, mesh)
-        reached, steps = error(equations), steps + 1
+        _move(state, _eliminate(equations.jacobian, equations.residual), -1.0, equations.trust)
+        equations = _balance(state, log_load, layer, mesh)
+        reached, steps = _error(equations), steps + 1
     return equations, reached, steps
 
 
 @kernel
-def compliance(state: Array, log_load: float, mesh: Mesh, tangent: Array) -> tuple[float, float]:
+def _compliance(state: Array, log_load: float, mesh: Mesh, tangent: Array) -> tuple[float, float]:
     """Compliance h and dh/dxi of a state whose derivative by ln xi is the tangent: both from the edge."""
     points = mesh.rise.size
     edge, load = state[points], math.exp(log_load)
-    log_sine, trough = min(edge, 0.0), max(edge, 0.0)
-    depth = 2 * math.exp(log_sine) + trough
+    log_sine, _, depth = depth_of(edge)
     sinking, growth = -log_sine, -log_sine
     for j in range(points):
         excess = math.expm1(state[j])
@@ -241,19 +233,7 @@ def compliance(state: Array, log_load: float, mesh: Mesh, tangent: Array) -> tup
 
 
 @kernel
-def log_pressure_of(layer: Layer, log_w: float, log_p: float) -> float:
-    """The ln p at which the layer is compressed to w, near a given ln p: Newton's method in logarithms."""
-    for _ in range(NEWTON_STEPS):
-        w, stiffness = compression(layer, log_p)
-        step = (log_w - math.log(w)) * w / max(stiffness, w / STEEPEST)
-        log_p += step
-        if abs(step) < 1e-3:
-            break
-    return log_p
-
-
-@kernel
-def first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
+def _first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
     """A state near enough for Newton: depth of the edge 2 sin^2(pi a) = 2 xi + w, and p of what yields more alone."""
     points, load = mesh.rise.size, math.exp(log_load)
     sine_squared, w, crowding = min(1.0, load), 0.0, 0.0
@@ -262,7 +242,7 @@ def first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
         w, _ = compression(layer, log_load + crowding)
         sine_squared = math.sqrt(sine_squared) * math.sqrt(min(1.0, load + w / 2))  # their product may underflow
     state = np.zeros(points + 1)
-    if sine_squared > 0.9:
+    if sine_squared > NEARLY_CLOSED:
         state[points] = w
         return state
     state[points] = math.log(sine_squared)
@@ -276,6 +256,17 @@ def first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
     for j in range(points):
         state[j] -= math.log(total / points)
     return state
+
+
+@kernel
+def _onwards(
+    start: Place, stride: float, log_load: float, layer: Layer, mesh: Mesh, tolerance: float
+) -> tuple[Place, float, int]:
+    """One stride along the tangent, to this load: the place reached, its error, Newton's steps."""
+    state = start.state.copy()
+    _move(state, start.tangent, stride, start.trust)
+    equations, reached, steps = _settle(state, log_load, layer, mesh, tolerance)
+    return Place(state, _eliminate(equations.jacobian, -equations.drift), equations.trust), reached, steps
 
 
 @kernel
@@ -304,95 +295,23 @@ def trace(log_load: Array, layer: Layer, mesh: Mesh, tolerance: float) -> Trace:
         np.full(n, np.nan), np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, np.int64), np.zeros((n, size))
     )
     here = min(log_load[0], GUESSED)
-    state, tangent, trust = first_guess(here, layer, mesh), np.zeros(size), np.zeros(size)
+    at = Place(_first_guess(here, layer, mesh), np.zeros(size), np.zeros(size))
     for i in range(n):
         longest, arrived = STRIDE, False
         while not arrived:
             stride = min(longest, log_load[i] - here)
-            trial = state.copy()
-            move(trial, tangent, stride, trust)
-            equations, reached, steps = settle(trial, here + stride, layer, mesh, tolerance)
+            there, reached, steps = _onwards(at, stride, here + stride, layer, mesh, tolerance)
             answer.work[i] += steps
             answer.residual[i] = reached
             if reached <= tolerance:
                 arrived = stride == log_load[i] - here
-                state, here = trial, here + stride
-                tangent, trust = solve(equations.jacobian, -equations.drift), equations.trust
+                at, here = there, here + stride
             elif stride > SHORTEST_STRIDE:
                 longest = stride / 2
             else:
                 return answer
         here = log_load[i]
         for j in range(size):
-            answer.state[i, j] = state[j]
-        answer.compliance[i], answer.resistance[i] = compliance(state, here, mesh, tangent)
+            answer.state[i, j] = at.state[j]
+        answer.compliance[i], answer.resistance[i] = _compliance(at.state, here, mesh, at.tangent)
     return answer
-
-
-@kernel
-def cosines(points: int) -> Array:
-    """cos(k phi) at the midpoints, shape (k, midpoints)."""
-    table = np.empty((points, points))
-    for k in range(points):
-        for j in range(points):
-            table[k, j] = math.cos(k * (j + 0.5) * (math.pi / points))
-    return table
-
-
-@kernel
-def violation(state: Array, log_load: float, layer: Layer, h: float, cosine: Array) -> float:
-    """Largest breach of a contact condition, on a freshly applied operator; relative as in `error`.
-
-    The conditions: u + w = h - 2 sin^2(pi x) in contact and at its edge, no less beyond it, and the mean pressure.
-    """
-    points = state.size - 1
-    edge, load = state[points], math.exp(log_load)
-    log_sine, trough = min(edge, 0.0), max(edge, 0.0)
-    sine_squared, (excess, mean) = math.exp(log_sine), excesses(state)
-    series, displacement = np.zeros(points), np.full(points, -load * log_sine)
-    for order in range(1, points):
-        wave = cosine[order]
-        for j in range(points):
-            series[order] += 2 * load / (points * order) * wave[j] * excess[j]
-        for j in range(points):
-            displacement[j] += series[order] * wave[j]
-    worst = 0.0
-    for j in range(points):
-        rise = math.sin((j + 0.5) * (math.pi / (2 * points))) ** 2
-        factor, _ = log_pressure_factor(edge, rise)
-        w, _ = compression(layer, log_load + state[j] + factor)
-        worst = max(worst, abs(displacement[j] + w + 2 * sine_squared * (1 - rise) - h))
-    farthest = 2 * math.acosh(math.exp(-log_sine / 2))  # phi = i eta outside: sin(pi x) = sin(pi a) cosh(eta/2)
-    for i in range(POINTS_OUTSIDE + 1):
-        eta = farthest * i / POINTS_OUTSIDE
-        u, decay = 0.0, math.exp(-eta)
-        for order in range(points - 1, -1, -1):
-            u = u * decay + series[order]
-        u -= load * (log_sine + eta)
-        gap = u + trough + 2 * sine_squared * math.cosh(eta / 2) ** 2 - h
-        worst = max(worst, -gap if i > 0 else abs(gap))
-    return worst / (2 * sine_squared + trough) + abs(mean)
-
-
-@kernel
-def violations(traced: Trace, log_load: Array, layer: Layer) -> Array:
-    """`violation` of every load, shape (loads,)."""
-    worst, cosine = np.zeros(log_load.size), cosines(traced.state.shape[1] - 1)
-    for i in range(log_load.size):
-        worst[i] = violation(traced.state[i], log_load[i], layer, traced.compliance[i], cosine)
-    return worst
-
-
-def edge_depth(traced: Trace) -> Array:
-    """2 sin^2(pi a), or 2 + w in closed troughs: what residuals are relative to, shape (loads,)."""
-    edge = traced.state[:, -1]
-    return np.asarray(2 * np.exp(np.minimum(edge, 0)) + np.maximum(edge, 0))
-
-
-@kernel
-def compressions(layer: Layer, log_pressure: Array) -> Array:
-    """Logarithm of w at each ln p, shape (n,)."""
-    log_w = np.zeros(log_pressure.size)
-    for i in range(log_pressure.size):
-        log_w[i] = math.log(compression(layer, log_pressure[i])[0])
-    return log_w
