@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 from weier import ConvergenceError, archard, layer, westergaard
 from weier.layer.certificate import cosines, violation
 from weier.layer.law import Layer
-from weier.layer.stack import ACCURACY, POINTS, TOLERANCE, _recursion
+from weier.layer.stack import ACCURACY, POINTS, TOLERANCE, Recursion, _scaling, _tables
 from weier.layer.wave import midpoints, trace
 from weier.profile import leading_amplitude, tail_amplitude
 
@@ -30,7 +30,8 @@ def full_contact(D, gamma, m):
 
 
 def recursion(loads, D, gamma, points=POINTS):
-    return _recursion(np.log(loads), D, gamma, midpoints(points), ACCURACY, TOLERANCE)
+    tables = _tables(np.log(loads), D, gamma, ACCURACY)
+    return Recursion(_scaling(D, gamma), tables, midpoints(points), TOLERANCE)
 
 
 def test_one_wave_is_westergaard():
@@ -193,7 +194,7 @@ def test_full_contact_is_exact(D, gamma, m):
 def test_endless_series_is_a_fixed_point(D, gamma):
     loads = np.geomspace(1e-6, 10, 20)
     level = recursion(loads, D, gamma)
-    finer, levels = level.stack(math.inf)
+    finer, levels = level.finer_waves(math.inf)
     change = level.remainder(level.coarser(finer), finer)
     print(f"D = {D}, gamma = {gamma}: {levels} levels, further ones change h by {change:.1e} of itself")
     assert change < ACCURACY

@@ -121,9 +121,11 @@ def curve(
         h, slope = westergaard.compliance(loads), westergaard.resistance(loads)
         answer = Curve(h, slope, np.zeros(loads.size), np.zeros(loads.size, np.int64), 1)
     else:
-        recursion = _recursion(np.log(loads), D, gamma, midpoints(int(points)), accuracy, tolerance)
-        finer, levels = recursion.stack(m)
-        answer = recursion.solve(finer, np.log(loads), levels + 1)
+        log_load = np.log(loads)
+        tables = _tables(log_load, D, gamma, accuracy)
+        recursion = Recursion(_scaling(D, gamma), tables, midpoints(int(points)), tolerance)
+        finer, levels = recursion.finer_waves(m)
+        answer = recursion.solve(finer, log_load, certified=True)._replace(levels=levels + 1)
     place = place.reshape(given.shape)
     return Curve(
         np.asarray(answer.compliance[place]),
@@ -152,38 +154,50 @@ class Stack(NamedTuple):
     log_full: float
 
 
-@dataclass(frozen=True)
-class Recursion:
-    """The map T on tables over bottom <= ln xi <= top, of which loads from lightest on count."""
+class Scaling(NamedTuple):
+    """Of the next finer wave: ln gamma^(D-1), its p*, and ln gamma^(D-2), its g, in units of this one."""
 
-    log_pressure_ratio: float  # ln gamma^(D-1), p* of the next finer wave
-    log_height_ratio: float  # ln gamma^(D-2), its g
+    log_pressure: float
+    log_height: float
+
+
+class Tables(NamedTuple):
+    """Tables cover bottom <= ln xi <= top, of which loads from lightest on count, to a relative accuracy."""
+
     lightest: float
     bottom: float
     top: float
-    mesh: Mesh
     accuracy: float
+
+
+@dataclass(frozen=True)
+class Recursion:
+    """The map T (`coarser`), from the tables of one level to those of the next."""
+
+    scaling: Scaling
+    tables: Tables
+    mesh: Mesh
     tolerance: float
 
-    def stack(self, m: float) -> tuple[Stack, int]:
+    def finer_waves(self, m: float) -> tuple[Stack, int]:
         """The waves finer than the first of m, and their number.
 
         If m is inf the finest carries the amplitude of the endless tail, so that the limit of W is right from the
         start. A finite stack too ends where more levels change nothing.
         """
-        endless = 1 / -math.expm1(self.log_height_ratio)
+        endless = 1 / -math.expm1(self.scaling.log_height)
         finer, levels, change = self.finest(endless if math.isinf(m) else 1.0), 1, math.inf
         while levels < min(m - 1, MOST_LEVELS):
             coarser = self.coarser(finer)
             change, covered = self.remainder(coarser, finer), self.covered(coarser, finer, levels)
             finer, levels = coarser, levels + 1
-            if change <= self.accuracy and covered:
+            if change <= self.tables.accuracy and covered:
                 return finer, levels
         if levels < m - 1:
             cause = (
                 f"the layer model still changes by {change:.1e} of itself after {levels} levels, above the accuracy "
-                f"{self.accuracy:.1e}: choose a larger gamma, a smaller m or a larger accuracy"
-                if change > self.accuracy
+                f"{self.tables.accuracy:.1e}: choose a larger gamma, a smaller m or a larger accuracy"
+                if change > self.tables.accuracy
                 else f"the heaviest load presses more than {levels} waves flat: choose lighter loads or a smaller m"
             )
             raise ConvergenceError(cause, change)
@@ -203,61 +217,61 @@ class Recursion:
         amplitude, log_full = self._full_contact(finer)
 
         def law(log_load: Array) -> tuple[Array, Array]:
-            answer = self.solve(finer, log_load)
+            answer = self.solve(finer, log_load, certified=False)
             return answer.compliance, answer.resistance
 
         return Stack(self._table(law, log_full), amplitude, log_full)
 
-    def solve(self, finer: Stack, log_load: Array, levels: int = 0) -> Curve:
-        """The next coarser wave on the stack of finer ones, at increasing loads; certified where levels are given."""
+    def solve(self, finer: Stack, log_load: Array, certified: bool) -> Curve:
+        """The next coarser wave on the stack of finer ones, at increasing loads, `levels` left at 0."""
         amplitude, log_full = self._full_contact(finer)
         n = log_load.size
-        answer = Curve(np.full(n, amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), levels)
+        answer = Curve(np.full(n, amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), 0)
         partial = int(np.searchsorted(log_load, log_full))  # beyond: full contact, exactly
         if partial:
             layer, loads = self._layer(finer.law), log_load[:partial]
             traced = trace(loads, layer, self.mesh, self.tolerance)
-            self._check(loads, traced.residual, self.tolerance)
+            self._check_residual(loads, traced.residual, self.tolerance)
             answer.compliance[:partial] = np.minimum(traced.compliance, amplitude)
             answer.resistance[:partial] = traced.resistance
             answer.work[:partial] = traced.work
-            if levels:
+            if certified:
                 violation = violations(traced, loads, layer)
-                self._check(loads, violation, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
+                self._check_residual(loads, violation, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
                 answer.residual[:partial] = violation * depths(traced)
         return answer
 
     def covered(self, coarser: Stack, finer: Stack, levels: int) -> bool:
         """Whether tables end at the same load, or waves beyond these levels yield too little to be seen."""
         same = coarser.law.log_pressure[-1] == finer.law.log_pressure[-1]
-        return bool(same or levels * self.log_height_ratio < LOG_UNSEEN)
+        return bool(same or levels * self.scaling.log_height < LOG_UNSEEN)
 
     def remainder(self, coarser: Stack, finer: Stack) -> float:
         """What all further levels may still change W by, relative to itself."""
         log_load = coarser.law.log_pressure
         change = np.abs(coarser.law.log_compression - compressions(finer.law, log_load))
-        return float(np.max(change[log_load >= self.lightest])) / math.expm1(-self.log_height_ratio)
+        return float(np.max(change[log_load >= self.tables.lightest])) / math.expm1(-self.scaling.log_height)
 
     def _layer(self, law: Layer) -> Layer:
         """W of the finer stack as the law of the coarser wave's layer, in the coarser units."""
-        log_pressure = law.log_pressure + self.log_pressure_ratio
-        return Layer(log_pressure, law.log_compression + self.log_height_ratio, law.slope)
+        log_pressure = law.log_pressure + self.scaling.log_pressure
+        return Layer(log_pressure, law.log_compression + self.scaling.log_height, law.slope)
 
     def _full_contact(self, finer: Stack) -> tuple[float, float]:
         """Amplitude of the next coarser stack, and ln xi where the pressure in its troughs, xi - 1, is enough."""
-        amplitude = 1 + math.exp(self.log_height_ratio) * finer.amplitude
-        return amplitude, float(np.logaddexp(0, self.log_pressure_ratio + finer.log_full))
+        amplitude = 1 + math.exp(self.scaling.log_height) * finer.amplitude
+        return amplitude, float(np.logaddexp(0, self.scaling.log_pressure + finer.log_full))
 
     def _table(self, law: Law, log_full: float) -> Layer:
         """Rows e-folds apart, and between them as many as the cubics need to meet the next midpoints."""
-        top = min(self.top, log_full)
-        y = np.linspace(self.bottom, top, math.ceil(top - self.bottom) + 1)
+        top = min(self.tables.top, log_full)
+        y = np.linspace(self.tables.bottom, top, math.ceil(top - self.tables.bottom) + 1)
         rows = np.array([y, *law(y)])
         middle, half = (y[1:] + y[:-1]) / 2, (y[1] - y[0]) / 2
         for _ in range(MOST_HALVINGS):
             table, between = _monotone(*rows), np.array([middle, *law(middle)])
             errors = np.abs(np.log(between[1]) - compressions(table, middle))
-            wrong = ~(errors <= self.accuracy)
+            wrong = ~(errors <= self.tables.accuracy)
             rows = np.concatenate([rows, between], axis=1)
             rows = np.take(rows, np.argsort(rows[0]), axis=1)
             if not np.any(wrong):
@@ -269,11 +283,11 @@ class Recursion:
         worst = float(np.max(errors))
         raise ConvergenceError(
             f"a table of the layer model is still off by {worst:.1e} of itself after {rows.shape[1]} rows, above the "
-            f"accuracy {self.accuracy:.1e}: choose a larger accuracy or a smaller tolerance",
+            f"accuracy {self.tables.accuracy:.1e}: choose a larger accuracy or a smaller tolerance",
             worst,
         )
 
-    def _check(self, log_load: Array, residual: Array, limit: Array | float) -> None:
+    def _check_residual(self, log_load: Array, residual: Array, limit: Array | float) -> None:
         missed = np.flatnonzero(~(residual <= limit))
         if missed.size:
             worst = float(residual[missed[0]])
@@ -285,18 +299,20 @@ class Recursion:
             )
 
 
-def _recursion(log_load: Array, D: float, gamma: float, mesh: Mesh, accuracy: float, tolerance: float) -> Recursion:
-    """The recursion for these loads: finer waves carry no more than Archard's peak pressures (17), (18)."""
+def _scaling(D: float, gamma: float) -> Scaling:
     log_ratio = math.log(gamma)
+    return Scaling((D - 1) * log_ratio, (D - 2) * log_ratio)
+
+
+def _tables(log_load: Array, D: float, gamma: float, accuracy: float) -> Tables:
+    """Tables for these loads: finer waves carry no more than Archard's peak pressures (17), (18)."""
     ratio = gamma ** (D - 1)
     load = math.exp(log_load[-1])
-    second = (2 * math.sqrt(load) if load < 1 else 1 + load) / ratio
-    last = 1 / math.expm1((D - 1) * log_ratio) if ratio < 2 else 4 / ratio**2  # zeta_n tends there
+    second = (2 * math.sqrt(load) if load < 1 else 1 + load) / ratio  # zeta_0 (17), (18)
+    last = 1 / math.expm1((D - 1) * math.log(gamma)) if ratio < 2 else 4 / ratio**2  # where zeta_n tends (18)
     top = math.log(max(second, last))
     lightest = min(float(log_load[0]), 0.0, top)  # the troughs carry light loads in any case
-    return Recursion(
-        (D - 1) * log_ratio, (D - 2) * log_ratio, lightest, lightest - MARGIN, top, mesh, accuracy, tolerance
-    )
+    return Tables(lightest, lightest - MARGIN, top, accuracy)
 
 
 def _monotone(log_load: Array, W: Array, slope: Array) -> Layer:
