@@ -103,8 +103,21 @@ def test_order_of_convergence(D, gamma, m):
     print(f"D = {D}, gamma = {gamma}, m = {m}: order of h {order_h:.1f}, of dh/dp {order_slope:.1f}; default errors")
     print(f"  h {default_h:.0e} of the total amplitude, dh/dp {default_slope:.0e} of itself")
     assert order_h > 2
-    assert default_h < 1e-5
-    assert default_slope < 2e-3
+    assert 1 < order_slope < 2.7
+    assert default_h < 2e-6
+    assert default_slope < 6e-4
+
+
+@pytest.mark.parametrize(("D", "gamma", "m"), [(1.1, 2, 2), (1.1, 3, 3), (1.2, 2, 2), (1.3, 2, 4), (1.3, 3, 4)])
+def test_largest_errors_of_the_defaults(D, gamma, m):
+    # The worst of 135 series; in the last two a table met the midpoints beside a kink by chance, 30 times as far off.
+    xi = np.geomspace(1e-5, 0.9 * full_contact(D, gamma, m), 40)
+    best, default = layer.curve(xi, D, gamma, m, points=96, accuracy=1e-7), layer.curve(xi, D, gamma, m)
+    of_h = np.abs(default.compliance - best.compliance).max() / leading_amplitude(m, D, gamma)
+    of_slope = np.abs(default.resistance / best.resistance - 1)[xi < 1].max()
+    print(f"D = {D}, gamma = {gamma}, m = {m}: h {of_h:.1e} of the total amplitude, dh/dp {of_slope:.1e} of itself")
+    assert of_h < 5e-6
+    assert of_slope < 1.5e-3
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), CASES)

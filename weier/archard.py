@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 
 LN2 = np.log(2)
 UNSEEN = 1e-20  # less than the rounding of the differences that it keeps positive
-DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point,
-TAYLOR_TERMS = 12  # where the series in the distance ends: 12 * 0.2^12/12! < 1e-16
+DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point
+TAYLOR_TERMS = 12  # of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16
 LIGHTEST = 750.0  # more than -ln of any double
 CHUNK = 512  # loads at a time: five arrays of 4 kB stay next to the processor
 

@@ -49,12 +49,13 @@ def compression(layer: Layer, log_pressure: float) -> tuple[float, float]:
 
 
 @kernel
-def compressions(layer: Layer, log_pressure: Array) -> Array:
-    """Logarithm of w at each ln p, shape (n,)."""
-    log_w = np.zeros(log_pressure.size)
+def compressions(layer: Layer, log_pressure: Array) -> tuple[Array, Array]:
+    """ln w and d ln w/d ln p at each ln p, of shape (n,)."""
+    log_w, slope = np.zeros(log_pressure.size), np.zeros(log_pressure.size)
     for i in range(log_pressure.size):
-        log_w[i] = math.log(compression(layer, log_pressure[i])[0])
-    return log_w
+        w, stiffness = compression(layer, log_pressure[i])
+        log_w[i], slope[i] = math.log(w), stiffness / w
+    return log_w, slope
 
 
 @kernel
