@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, claims, dataset, demelio, endless, scene, study, tradeoff, variables
+from weier import batch, claims, dataset, demelio, endless, provenance, scene, study, tradeoff, variables
 
 SCENE = """
 title: Ünïcode waves
@@ -38,11 +38,11 @@ studies:
   wave: {product: {D: 1.25, gamma: 5, m: 1}}
 """
 
-# A mechanics dataset has no place on Earth and no time, was made by a program, and by people who give no address.
+# A mechanics dataset has no place on Earth and no time, was made by a program and by people who give no address, and
+# its keywords are free words.
 IMPOSSIBLE = (
-    "geospatial_", "time_coverage_", "standard_name", "instrument", "platform", "contributor_", "creator_email",
-    "creator_url", "creator_institution", "publisher_email", "publisher_url", "publisher_institution",
-    "keywords_vocabulary",
+    "geospatial_", "time_coverage_", "standard_name", "instrument", "platform", "creator_email", "creator_url",
+    "publisher_email", "publisher_url", "keywords_vocabulary",
 )  # fmt: skip
 
 
@@ -107,10 +107,24 @@ def test_cf_strict_finds_nothing(files, tmp_path):
 
 def test_acdd_misses_only_what_mechanics_cannot_have(files, tmp_path):
     for name, answer in checked(files, "acdd:1.3", tmp_path).items():
-        lacking = [text for text in complaints(answer) if not any(word in text for word in IMPOSSIBLE)]
+        said = complaints(answer)
+        assert [word for word in IMPOSSIBLE if not any(word in text for text in said)] == []  # no excuse without need
+        lacking = [text for text in said if not any(word in text for word in IMPOSSIBLE)]
         if not dataset_is_of_a_checkout(name):
             lacking = [text for text in lacking if "date_" not in text]
         assert lacking == []
+
+
+def test_a_file_says_whose_its_dates_are(monkeypatch):
+    def comment(name, date):
+        monkeypatch.setattr(provenance, "commit", lambda: provenance.Commit(name, date))
+        return provenance.attributes("title", "solved")["comment"]
+
+    clean = comment("0" * 40, "2026-01-01")
+    assert "not those of the run but of the git commit of the program" in clean
+    assert "changed after it" not in clean
+    assert "the program was changed after it" in comment("0" * 40 + provenance.CHANGED, "2026-01-01")
+    assert "It has no date" in comment("", "")
 
 
 def dataset_is_of_a_checkout(name):

@@ -1,6 +1,6 @@
 """Where a file comes from: the attributes of the Attribute Convention for Data Discovery (ACDD 1.3).
 
-No clock: the same scene and the same commit make the same bytes, so the date is that of the commit.
+No clock: the same scene and the same commit make the same bytes, so the dates are those of the commit, and say so.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from weier.sources import PACKAGE
 from weier.version import VERSION
 
 NORMALISED = "Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0."
+AUTHORS = ("M. Ciavarella", "G. Murolo", "G. Demelio", "J. R. Barber")
 PAPER = (
-    "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
+    f"{', '.join(AUTHORS)}, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
 )
 SUMMARY = (
@@ -27,11 +28,25 @@ KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surf
 DEVELOPERS = "The weier developers"
 
 
+CHANGED = " with changes"
+
+
 class Commit(NamedTuple):
     """The commit of the checkout that this package is run from, and its date in ISO 8601; empty outside of one."""
 
     name: str
     date: str
+
+    @property
+    def dating(self) -> str:
+        """What the dates of a file mean."""
+        if not self.date:
+            return "It has no date, so that the same scene and program make the same bytes: no git commit is known."
+        later = "; the program was changed after it" * self.name.endswith(CHANGED)
+        return (
+            "Its dates are not those of the run but of the git commit of the program, so that the same scene and "
+            f"program make the same bytes{later}."
+        )
 
 
 def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = ()) -> dict[str, str]:
@@ -62,7 +77,7 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         "source": f"numerical model: {software}",
         "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
         "processing_level": step,
-        "comment": NORMALISED,
+        "comment": f"{NORMALISED} {made.dating}",
         "normalisation": NORMALISED,
         "references": PAPER,
         "acknowledgement": f"If you use these data, cite weier and {PAPER}",
@@ -70,8 +85,12 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         "institution": DEVELOPERS,
         "creator_name": DEVELOPERS,
         "creator_type": "group",
+        "creator_institution": DEVELOPERS,
         "publisher_name": DEVELOPERS,
         "publisher_type": "group",
+        "publisher_institution": DEVELOPERS,
+        "contributor_name": ", ".join(AUTHORS),
+        "contributor_role": ", ".join(["author of the theory"] * len(AUTHORS)),
         "program": "weier",
         "product_version": VERSION,
         "git_commit": made.name or "unknown: not run from a checkout",
@@ -89,7 +108,7 @@ def commit() -> Commit:
         return Commit("", "")
     name, date = _git("rev-parse", "HEAD"), _git("show", "--no-patch", "--format=%cI", "HEAD")
     changed = _git("status", "--porcelain", "--", PACKAGE.name)
-    return Commit(f"{name} with changes" if name and changed else name, date)
+    return Commit(f"{name}{CHANGED}" if name and changed else name, date)
 
 
 def _git(*arguments: str) -> str:
