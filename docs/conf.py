@@ -74,14 +74,14 @@ class SceneFigures(SphinxDirective):
     def run(self):
         """A figure node for each."""
         loaded = scene.load(ROOT / f"config/scenes/{self.arguments[0]}.yaml")
-        return [self.picture(name, figure) for name, figure in loaded.figures.items()]
+        return [self.picture(loaded, name) for name in loaded.figures]
 
-    def picture(self, name, figure):
+    def picture(self, loaded, name):
         """Picture and caption."""
-        title, text = caption(figure.draw, name, figure.title)
+        title, text, seen = caption(loaded, name)
         path = Path(self.config.scene_figures, f"{name}.png")
         words = nodes.caption("", "", nodes.strong("", f"{title}. "), nodes.Text(text))
-        return nodes.figure("", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=title, width="28em"), words)
+        return nodes.figure("", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=seen, width="28em"), words)
 
 
 def before_napoleon(app, what, name, obj, options, lines):

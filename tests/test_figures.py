@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from importlib import import_module
 from pathlib import Path
 
@@ -130,9 +131,41 @@ def test_kinds_are_the_modules() -> None:
 
 def test_every_kind_has_a_caption() -> None:
     assert set(CAPTIONS) == {*figures.KINDS, *figures.MEASURES}
-    name, text = caption("profiles", "figure_1", "Rough <and> smooth")
+
+
+CAPTIONED = """
+title: Captions
+loads: [0.1]
+methods: [layer]
+studies:
+  bare: {product: {D: 1.5, gamma: 5, m: 2}}
+  elements: {product: {D: 1.5, gamma: 5, m: 2}, methods: [layer, bem]}
+  both: {product: {D: 1.5, gamma: 5, m: 2}, methods: [bem, patches]}
+  many: {product: {D: 1.5, gamma: 5, m: [1, 2, 3, 4, 5]}, methods: [bem, patches]}
+figures:
+  figure_1: {draw: profiles, studies: [bare], title: Rough <and> smooth}
+  bare: {draw: compliance, studies: [bare]}
+  elements: {draw: compliance, studies: [elements]}
+  both: {draw: resistance, studies: [both]}
+  many: {draw: resistance, studies: [many]}
+"""
+
+
+def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
+    (tmp_path / "captioned.yaml").write_text(CAPTIONED)
+    loaded = scene.load(tmp_path / "captioned.yaml")
+    name, text, seen = caption(loaded, "figure_1")
     assert (name, text) == ("Figure 1", f"Rough <and> smooth. {CAPTIONS['profiles']}")
-    assert caption("profiles", "figure_1")[1] == CAPTIONS["profiles"]
+    assert seen == "Figure 1: The profiles over two of their longest waves"
+    drawn = {
+        name: re.split(r": |\. ", caption(loaded, name).text)[1] for name in ("bare", "elements", "both", "many")
+    }
+    assert drawn == {
+        "bare": "the estimates in colours",
+        "elements": "the estimates in colours, boundary elements as a solid black line",
+        "both": "contact patches as a solid black line, boundary elements as circles",
+        "many": "a thin line for each profile, and a thick one for the median of each method",
+    }
 
 
 def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, xr.Dataset]) -> None:

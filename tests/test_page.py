@@ -7,11 +7,13 @@ import subprocess
 
 import numpy as np
 import pytest
+from bokeh.models import Line, Scatter
 
-from weier import dataset, page, plan, scene
+from weier import dataset, page, plan, provenance, scene
 from weier.dataset import Status
+from weier.figures import style
 from weier.figures.captions import CAPTIONS
-from weier.page import plans
+from weier.page import curves, plans
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
@@ -48,6 +50,9 @@ def folder(tmp_path_factory):
         data["key"].values[row] = f"case{row}"
         data["compliance"].values[row] = row + 1 + LOADS
         data["resistance"].values[row] = 2 * (row + 1) + LOADS
+    data["compliance"].values[3, 0] = data["resistance"].values[3, 0] = (
+        np.nan
+    )  # demelio has no curve of the last case
     data["phase"].values[:, :2] = 0, 1
     data["status"].values[:] = Status.solved
     cost["seconds"].values[:] = 0.5
@@ -105,13 +110,56 @@ def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
         page._errors(data)
     )
     assert "<td>demelio</td><td>0</td><td>2</td><td>0</td><td>0</td><td></td><td></td><td></td>" in page._errors(data)
+    assert page._errors(data).count("expected") == 2
     assert "expected" not in page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
+    data["compliance_error"].values[:] = data["resistance_error"].values[:] = np.nan  # of a scene without a tolerance
+    assert "expected" not in page._errors(data)
+    assert "residual" in page._errors(data)
+
+
+def test_a_method_looks_as_in_the_figures():
+    """Contact patches are a black line, and boundary elements circles beside them, a black line without them."""
+    loads = np.geomspace(1e-3, 10, 100)
+
+    def drawn(methods):
+        data = dataset.blank(1, methods, loads, 3)
+        data["compliance"].values[:] = data["resistance"].values[:] = 1.0
+        data["key"].values[:] = "case"
+        plot = curves.explorer(data).select_one({"name": "compliance"})
+        return {
+            item.label.value: (line.glyph, line) for item, line in zip(plot.legend.items, plot.renderers, strict=True)
+        }
+
+    both, alone = drawn(["demelio", "bem", "patches"]), drawn(["demelio", "bem"])
+    for method in ("demelio", "patches"):
+        look, glyph = style.METHODS[method], both[style.METHODS[method].label][0]
+        assert isinstance(glyph, Line)
+        assert glyph.line_color == look.color
+        dashed = look.linestyle != "-"
+        assert (
+            glyph.line_dash == [round(2 * length) for length in look.linestyle[1]]
+            if dashed
+            else glyph.line_dash == []
+        )
+    circles, renderer = both["boundary elements"]
+    assert isinstance(circles, Scatter)
+    assert circles.line_color == style.METHODS["bem"].color
+    assert 20 < len(renderer.view.filter.indices) <= 30
+    assert isinstance(alone["boundary elements"][0], Line)
 
 
 def test_figures_have_captions(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {CAPTIONS['profiles']}"
     assert f"<figcaption>{caption}</figcaption>" in text
+    assert 'alt="Figure 1: The profiles over two of their longest waves"' in text
+
+
+def test_the_page_says_what_its_date_is(folder):
+    with dataset.reading(folder / "contact.nc") as data:
+        comment = data.attrs["comment"]
+    assert provenance.commit().dating in comment
+    assert f"<td>{comment}</td>" in (folder / "page.html").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -142,7 +190,8 @@ def test_a_plan_stands_against_what_it_took_and_missed(planned):
     assert [row[7] for row in table] == ["3.0e-05", "7.0e-05", "unknown", "7.0e-05"]
     for row, each, took in zip(table, made, (0.5, 1.5), strict=False):
         assert row[2] == f"{each.seconds:.3g}"
-        assert row[4] == f"{took / each.seconds:.2g}"
+        assert float(row[4]) == pytest.approx(took / each.seconds, rel=0.05)
+        assert "e" not in row[4]
         assert row[5:7] == ["1.0e-04", f"{each.error:.1e}"]
 
 
@@ -166,6 +215,7 @@ const seen = () => {
     compliance: Array.from(model("curve bem").data.compliance),
     resistance: Array.from(model("curve bem").data.resistance),
     visible: model("compliance").renderers.map((line) => line.visible),
+    named: model("names of resistance").items.map((item) => item.visible),
     chosen: ["D", "gamma", "m", "phase", "key"].map((name) => model(name).value),
   }
 }
@@ -179,6 +229,8 @@ const drive = async () => {
   const steps = [seen()]
   await choose(0, "1.5"); steps.push(seen())
   await choose(1, "3"); steps.push(seen())
+  await choose(2, "3"); steps.push(seen())
+  await choose(2, "2")
   found(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(seen())
   const answer = document.createElement("pre"); answer.id = "answer"
   answer.textContent = JSON.stringify(steps); document.body.append(answer)
@@ -209,14 +261,50 @@ def test_choosing_a_case_changes_the_curve(folder):
     head, _, _ = text.rpartition("</body>")
     driven.write_text(f"{head}{DRIVE}</body></html>", encoding="utf-8")
     answer = re.search(r'<pre id="answer">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
-    start, rough, finer, hidden = json.loads(answer.group(1))
+    start, rough, finer, longer, hidden = json.loads(answer.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
     assert start["chosen"] == ["1.25", "5", "2", "1", "case0"]
     assert rough["compliance"] == pytest.approx(2 + LOADS)
     assert finer["compliance"] == pytest.approx(3 + LOADS)
     assert finer["resistance"] == pytest.approx(6 + LOADS)
     assert finer["chosen"] == ["1.5", "3", "2", "1", "case2"]
-    assert (finer["visible"], hidden["visible"]) == ([True, True], [False, True])
+    assert finer["visible"] == finer["named"] == [True, True]
+    assert longer["compliance"] == pytest.approx(4 + LOADS)
+    assert longer["visible"] == longer["named"] == [False, True]  # there is no such curve
+    assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
+
+
+# How wide the page becomes, and where what is on it ends; told to the page that frames it.
+MEASURE = """<script>
+const found = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? found(each.shadowRoot, kind) : [])])
+const measure = () => {
+  if (found(document, "canvas").length < 2) return setTimeout(measure, 200)
+  const ends = found(document, "select, canvas, input, img").map((each) => each.getBoundingClientRect().right)
+  const { clientWidth, scrollWidth } = document.documentElement
+  parent.postMessage({ window: clientWidth, page: scrollWidth, ends }, "*")
+}
+setTimeout(measure, 1000)
+</script>"""
+
+# A browser's own window has a least width.
+FRAME = """<iframe src="measured.html" width="420" height="1400" style="border: 0"></iframe>
+<pre id="answer"></pre><script>
+onmessage = (event) => { document.getElementById("answer").textContent = JSON.stringify(event.data) }
+</script>"""
+
+
+def test_a_narrow_window_is_wide_enough(folder):
+    head, _, _ = (folder / "page.html").read_text(encoding="utf-8").rpartition("</body>")
+    (folder / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
+    (folder / "frame.html").write_text(FRAME)
+    answer = re.search(
+        r'<pre id="answer">(.*?)</pre>', browse(folder, "--dump-dom", (folder / "frame.html").as_uri())
+    )
+    found = json.loads(answer.group(1))
+    assert found["page"] == found["window"] <= 420  # the frame, less a bar to scroll up and down
+    assert len(found["ends"]) >= 8
+    assert max(found["ends"]) <= found["window"]
 
 
 def test_the_browser_would_tell_of_an_error(folder):

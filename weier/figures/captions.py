@@ -1,5 +1,17 @@
 """What each kind of figure shows, in the words under it on a page: plain text with the paper's symbols."""
 
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+from weier.curves import ESTIMATES
+from weier.figures.style import METHODS, PANELS
+from weier.limits import NUMERICAL
+from weier.scene import Scene
+
+# Where all methods stand beside each other, {drawn} tells them apart.
 CAPTIONS = {
     "borodich_galanov": (
         "Bounds on the stiffness, and with it the conductance, of the self-similar punch of Borodich and "
@@ -7,8 +19,7 @@ CAPTIONS = {
         "limit."
     ),
     "compliance": (
-        "Compliance over mean pressure: the estimates, and the numerical solutions as a solid line and points. "
-        "All curves of one profile meet at full contact, h = sum g_n."
+        "Compliance over mean pressure{drawn}. All curves of one profile meet at full contact, h = sum g_n."
     ),
     "contact_tree": (
         "The profile and, below it, where it touches over mean pressure: contacts are born as points, grow, and "
@@ -29,8 +40,8 @@ CAPTIONS = {
     ),
     "profiles": "The profiles over two of their longest waves.",
     "resistance": (
-        "Contact resistance over mean pressure: the estimates, and the numerical solutions as a solid line and "
-        "points. At each birth and merger of contacts the exact curve has a kink."
+        "Contact resistance over mean pressure{drawn}. At each birth and merger of contacts the exact curve has a "
+        "kink."
     ),
     "truncated_compliance": (
         "What further terms change in the compliance, counted from the mean plane that series of all lengths "
@@ -47,6 +58,31 @@ CAPTIONS = {
 }
 
 
-def caption(kind: str, name: str, title: str = "") -> tuple[str, str]:
-    """The name of a figure for people, and the words below it: its title, if any, and what its kind shows."""
-    return name.replace("_", " ").capitalize(), " ".join(filter(None, [title and f"{title}.", CAPTIONS[kind]]))
+class Caption(NamedTuple):
+    """Of one figure: its name for people, the words below it, and what it is to who cannot see it."""
+
+    name: str
+    text: str
+    alternative: str
+
+
+def caption(scene: Scene, name: str) -> Caption:
+    """The caption of a figure of a scene: its title, if any, and what its kind shows of these studies."""
+    figure = scene.figures[name]
+    methods = [case.methods for study in figure.studies for case in scene.study_named(study)]
+    shows = CAPTIONS[figure.draw].format(drawn=_drawn(methods))
+    named = name.replace("_", " ").capitalize()
+    subject, *_ = re.split(r"[:.;] ?", shows)
+    return Caption(named, " ".join(filter(None, [figure.title and f"{figure.title}.", shows])), f"{named}: {subject}")
+
+
+def _drawn(cases: Sequence[Collection[str]]) -> str:
+    """How methods are told apart where all stand beside each other; cases by their methods."""
+    if len(cases) > PANELS:
+        return ": a thin line for each profile, and a thick one for the median of each method"
+    methods = {method for case in cases for method in case}
+    numerical = [METHODS[method].label for method in NUMERICAL if method in methods]
+    looks = ("as a solid black line", "as circles")  # of the more accurate first
+    estimates = ["the estimates in colours"] * bool(methods.intersection(ESTIMATES))
+    words = [*estimates, *(" ".join(each) for each in zip(numerical, looks, strict=False))]
+    return "".join([": " * bool(words), ", ".join(words)])

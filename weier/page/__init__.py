@@ -29,15 +29,23 @@ HOLDS = {0: "no", 1: "yes", 2: "not measured"}
 LARGEST = {
     "residual": "largest residual, g_0",
     "compliance_error": "largest expected error of h, g_0",
-    "resistance_error": "of R, g_0/p_0*",
+    "resistance_error": "largest expected error of R, g_0/p_0*",
 }
+NUMBERS = "numbers"
 PLACE = ID("curves")
+CURVES = f"""<div id="{PLACE}" role="group"
+aria-label="Plots of compliance and of resistance over mean pressure, with choices of case and method"></div>
+<noscript><p>These curves need JavaScript; all else does without.</p></noscript>"""
 STYLE = """
-body { font-family: Georgia, serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #111; }
-h1, h2 { font-weight: normal; } h2 { border-bottom: 1px solid #bbb; margin-top: 2.5rem; }
-table { border-collapse: collapse; font-size: 0.9rem; } td, th { padding: 0.25rem 0.7rem 0.25rem 0; text-align: left;
-vertical-align: top; border-bottom: 1px solid #ddd; } figure { display: inline-block; width: 46%; margin: 1rem 1%;
-vertical-align: top; } img { width: 100%; } figcaption { font-size: 0.9rem; }
+body { font-family: Georgia, serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #111;
+line-height: 1.4; } h1, h2, h3 { font-weight: normal; line-height: 1.2; }
+h2 { border-bottom: 1px solid #bbb; margin-top: 2.5rem; }
+.table { overflow-x: auto; }
+table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; }
+td, th { padding: 0.25rem 1.2rem 0.25rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd; }
+th { vertical-align: bottom; } td { white-space: pre-line; } .numbers :is(td, th) + :is(td, th) { text-align: right; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr)); gap: 2rem; }
+figure { margin: 0; max-width: 30rem; } figure img { width: 100%; } figcaption { font-size: 0.9rem; }
 pre { background: #f4f4f4; padding: 1rem; overflow-x: auto; font-size: 0.8rem; }
 """
 
@@ -74,8 +82,8 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequen
     count = data.sizes["case"]
     shown = f"the first {MOST_CASES} of {count}" if count > MOST_CASES else f"all {count}"
     sections = {
-        f"Curves, {shown} cases": f'<div id="{PLACE}"></div>',
-        "Figures": "".join(_figure(scene, path) for path in figures) or "<p>This scene draws no figures.</p>",
+        f"Curves, {shown} cases": CURVES,
+        "Figures": _figures(scene, figures),
         "Claims": _claims(data),
         "Errors": _errors(data),
         "Cost": _costs(costs),
@@ -87,24 +95,32 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequen
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(explorer(data.isel(case=slice(MOST_CASES)).load()), PLACE)).replace("</", "<\\/")
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>\n'
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>\n'
         f'<link rel="icon" href="data:,"><style>{STYLE}</style>\n{library}</head>\n'
         f"<body><h1>{title}</h1>\n<p>{escape(dataset.NORMALISED)}</p>\n{body}\n"
         f"<script>Bokeh.embed.embed_item({item})</script>\n</body></html>\n"
     )
 
 
+def _figures(scene: Scene, paths: Sequence[Path]) -> str:
+    if not paths:
+        return "<p>This scene draws no figures.</p>"
+    return f'<div class="figures">{"".join(_figure(scene, path) for path in paths)}</div>'
+
+
 def _figure(scene: Scene, path: Path) -> str:
-    figure = scene.figures[path.stem]
-    name, text = map(escape, caption(figure.draw, path.stem, figure.title))
+    name, text, seen = map(escape, caption(scene, path.stem))
     picture = f"data:image/png;base64,{b64encode(path.read_bytes()).decode()}"
-    return f'<figure><img alt="{name}" src="{picture}"><figcaption><b>{name}.</b> {text}</figcaption></figure>\n'
+    return f'<figure><img alt="{seen}" src="{picture}"><figcaption><b>{name}.</b> {text}</figcaption></figure>\n'
 
 
-def _table(header: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
+def _table(header: Iterable[str], rows: Iterable[Iterable[object]], kind: str = "words") -> str:
+    """A table, its columns but the first to the right if they are numbers; a narrow window scrolls it alone."""
+    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
     lines = ("".join(f"<td>{escape(str(cell))}</td>" for cell in row) for row in rows)
-    return f"<table><tr>{head}</tr>" + "".join(f"<tr>{line}</tr>\n" for line in lines) + "</table>"
+    body = "".join(f"<tr>{line}</tr>\n" for line in lines)
+    return f'<div class="table"><table class="{kind}"><tr>{head}</tr>{body}</table></div>'
 
 
 def _claims(data: xr.Dataset) -> str:
@@ -117,14 +133,14 @@ def _claims(data: xr.Dataset) -> str:
 
 def _errors(data: xr.Dataset) -> str:
     """What became of the cases by each method, the largest violation of a contact condition, and errors expected."""
-    measures = {name: heading for name, heading in LARGEST.items() if name in data.variables}
+    measures = {name: heading for name, heading in LARGEST.items() if name in data and data[name].notnull().any()}
     rows = []
     for row, method in enumerate(data["method"].values.tolist()):
         status = data["status"][:, row].values
         counts = [int((status == each).sum()) for each in Status]
         rows.append([method, *counts, *(_largest(data[name][:, row].values) for name in measures)])
     names = [each.name.replace("_", " ") for each in Status]
-    return _table(["method", *names, *measures.values()], rows)
+    return _table(["method", *names, *measures.values()], rows, NUMBERS)
 
 
 def _largest(values: np.ndarray) -> str:
@@ -143,16 +159,17 @@ def _costs(costs: Sequence[xr.Dataset]) -> str:
         for method, each in seconds.items()
         if each
     ]
-    return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows)
+    return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows, NUMBERS)
 
 
 def _plans(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:
     """What was planned against what came of it: a section of scenes with a tolerance."""
     rows = plans.rows(scene, data, costs)
-    return {"Plan and cost": f"<p>{escape(plans.NOTE)}</p>{_table(plans.HEADER, rows)}"} if rows else {}
+    return {"Plan and cost": f"<p>{escape(plans.NOTE)}</p>{_table(plans.HEADER, rows, NUMBERS)}"} if rows else {}
 
 
 def _provenance(data: xr.Dataset) -> str:
-    names = ("source", "git_commit", "date_created", "history", "references", "license")
+    names = ("source", "git_commit", "date_created", "comment", "history", "references", "license")
     rows = [[name, data.attrs[name]] for name in names if name in data.attrs]
-    return _table(["what", ""], rows) + f"<h3>The scene</h3><pre>{escape(data.attrs.get('scene', ''))}</pre>"
+    text = f'<h3>The scene</h3><pre tabindex="0">{escape(data.attrs.get("scene", ""))}</pre>'
+    return _table(["attribute of the dataset", "value"], rows) + text

@@ -8,18 +8,22 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from bokeh.layouts import column, row
-from bokeh.models import Column, ColumnDataSource, CustomJS, HoverTool
+from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, HoverTool, IndexFilter
 from bokeh.models.widgets import CheckboxGroup, Select
 from bokeh.plotting import figure
 
-from weier.figures.style import METHODS
+from weier.figures import style
+from weier.limits import NUMERICAL
 
 MOST_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last tells apart cases of different settings
+TITLES = {"phase": "phase, rad"}
+WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 13, "key": 13}  # rem, at least
 QUANTITIES = {"compliance": "compliance h/g_0", "resistance": "resistance (dh/dp) p_0*/g_0"}
-DASHES = {"archard": "dashed", "demelio": "dashdot", "layer": "dotted", "patches": "dotdash"}
-COLORS = {name: line.color for name, line in METHODS.items()} | {"patches": "#56B4E9"}  # apart from the elements
-OTHER = "#E69F00"
+LEGENDS: dict[str, Any] = {"compliance": "top_left", "resistance": "bottom_left"}  # where no curve goes
+MOST_POINTS = 30
+LINE_WIDTH = 2  # pixels
+WRAP: dict[str, Any] = {"flex-wrap": "wrap", "gap": "0.5rem 1rem"}
 
 
 def explorer(data: xr.Dataset) -> Column:
@@ -30,27 +34,45 @@ def explorer(data: xr.Dataset) -> Column:
              for quantity in QUANTITIES for number, method in enumerate(methods)}  # fmt: skip
     every = ColumnDataSource(table, name="every")
     sources = [_source(data, number, method) for number, method in enumerate(methods)]
-    plots = [_plot(quantity, methods, sources) for quantity in QUANTITIES]
-    selects = [Select(title=name, name=name, value=labels[name][0], options=[], width=110) for name in LABELS]
-    chosen = [
+    solved = [
         number for number, method in enumerate(methods) if np.isfinite(data["compliance"].values[:, number]).any()
     ]
-    boxes = CheckboxGroup(labels=[_name(method) for method in methods], active=chosen, name="method")
+    plots = [_plot(quantity, methods, sources, _second([methods[number] for number in solved]))
+             for quantity in QUANTITIES]  # fmt: skip
+    selects = [_select(name, labels[name][0]) for name in LABELS]
+    boxes = CheckboxGroup(labels=[_name(method) for method in methods], active=solved, name="method", inline=True)
     for plot in plots:
-        for number, line in enumerate(plot.renderers):
-            line.visible = number in chosen
+        for number, item in enumerate(plot.legend.items):
+            item.visible = item.renderers[0].visible = _there(data, number)
     _fill_options(selects, labels)
-    lines = [line for plot in plots for line in plot.renderers]
     choose = CustomJS(
         args={"selects": selects, "labels": labels, "every": every, "sources": sources, "methods": methods,
-              "loads": data.sizes["mean_pressure"]},
+              "loads": data.sizes["mean_pressure"], "boxes": boxes, "legends": [plot.legend[0] for plot in plots]},
         code=files("weier.page").joinpath("choose.js").read_text(encoding="utf-8"),
     )  # fmt: skip
     for select in selects:
         select.js_on_change("value", choose)
-    show = "lines.forEach((line, i) => { line.visible = boxes.active.includes(i % count) })"
-    boxes.js_on_change("active", CustomJS(args={"lines": lines, "boxes": boxes, "count": len(methods)}, code=show))
-    return column(row(*selects, boxes), row(*plots))
+    boxes.js_on_change("active", choose)
+    stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}
+    return column(row(*selects, styles=WRAP, **stretched), boxes, row(*plots, styles=WRAP, **stretched), **stretched)
+
+
+def _there(data: xr.Dataset, number: int) -> bool:
+    """Whether the first case has a curve by this method."""
+    return bool(np.isfinite(data["compliance"].values[0, number]).any())
+
+
+def _second(methods: list[str]) -> str | None:
+    """The numerical method that is drawn as points, as in the figures, where a more accurate one is the line."""
+    solved = [method for method in NUMERICAL if method in methods]
+    return solved[1] if len(solved) > 1 else None
+
+
+def _select(name: str, value: str) -> Select:
+    width = f"{WIDTHS[name]}rem"
+    grow: dict[str, Any] = {"flex": f"1 1 {width}", "min-width": width}
+    title = TITLES.get(name, name)
+    return Select(title=title, name=name, value=value, options=[], sizing_mode="stretch_width", styles=grow)
 
 
 def _labels(data: xr.Dataset, name: str) -> list[str]:
@@ -76,6 +98,7 @@ def _fill_options(selects: list[Select], labels: dict[str, list[str]]) -> None:
         values = labels[str(select.name)]
         select.update(options=list(dict.fromkeys(values[case] for case in rows)))
         rows = [case for case in rows if values[case] == select.value]
+    selects[-1].visible = len(selects[-1].options) > 1
 
 
 def _source(data: xr.Dataset, number: int, method: str) -> ColumnDataSource:
@@ -84,28 +107,40 @@ def _source(data: xr.Dataset, number: int, method: str) -> ColumnDataSource:
 
 
 def _name(method: str) -> str:
-    return METHODS[method].label if method in METHODS else method
+    return str(style.line(method)["label"])
 
 
-def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource]) -> Any:
+def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], second: str | None) -> Any:
     plot = figure(
-        width=470, height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
+        height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
         x_axis_label="mean pressure p/p_0*", y_axis_label=QUANTITIES[quantity], tools="pan,wheel_zoom,box_zoom,reset",
-        name=quantity,
+        name=quantity, sizing_mode="stretch_width", styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
     )  # fmt: skip
     for method, source in zip(methods, sources, strict=True):
-        look: dict[str, Any] = {
-            "color": COLORS.get(method, OTHER),
-            "line_dash": DASHES.get(method, "solid"),
-            "line_width": 2,
-        }
-        line = plot.line("mean_pressure", quantity, source=source, legend_label=_name(method), **look)
+        line = (_draw_points if method == second else _draw_line)(plot, method, quantity, source)
         tips = [
             ("method", _name(method)),
             ("mean pressure", "@mean_pressure{0.0000e+0}"),
             (quantity, f"@{quantity}{{0.00000}}"),
         ]
         plot.add_tools(HoverTool(renderers=[line], tooltips=tips, mode="mouse"))
-    plot.legend.location = "bottom_right" if quantity == "compliance" else "bottom_left"
+    plot.legend.location = LEGENDS[quantity]
+    plot.legend.name = f"names of {quantity}"
     plot.legend.background_fill_alpha = 0.6
     return plot
+
+
+def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> Any:
+    look = style.line(method)
+    dash = [] if look["linestyle"] == "-" else [round(LINE_WIDTH * length) for length in look["linestyle"][1]]
+    return plot.line("mean_pressure", quantity, source=source, legend_label=look["label"], color=look["color"],
+                     line_dash=dash, line_width=LINE_WIDTH)  # fmt: skip
+
+
+def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> Any:
+    """Some of the loads, evenly spread, so that circles do not hide what lies below them."""
+    count = len(source.data["mean_pressure"])
+    some = CDSView(filter=IndexFilter(indices=list(range(0, count, -(-count // MOST_POINTS)))))
+    look = style.line(method)
+    return plot.scatter("mean_pressure", quantity, source=source, view=some, legend_label=look["label"],
+                        line_color=look["color"], fill_color="white", size=6)  # fmt: skip

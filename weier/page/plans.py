@@ -74,7 +74,7 @@ def _error(case: xr.Dataset, quantity: str) -> float:
 def _row(way: str, found: Sequence[Outcome]) -> list[object]:
     planned, took, *errors = np.array([each[1:] for each in found]).T
     sums = np.nansum(planned), np.nansum(took)
-    ratio = f"{sums[1] / sums[0]:.2g}" if all(sums) else ""
+    ratio = f"{float(f'{sums[1] / sums[0]:.2g}'):g}" if all(sums) else ""
     return [way, len(found), *(f"{each:.3g}" for each in sums), ratio, *map(_largest, errors)]
 
 
