@@ -78,8 +78,9 @@ def _preface(data: xr.Dataset) -> list[str]:
     loads = data["mean_pressure"].values
     repeats = data.sizes["repeat"]
     return [
-        f"# Side by side: {loads.size} loads in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*",
+        "# Benchmarks",
         "",
+        f"The same curve by several programs: {loads.size} loads in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, "
         f"D = {about['D']:g}, gamma = {about['gamma']}, m = {about['m']}. {about['machine']}; one thread; "
         f"{about['packages']}. Medians of {repeats} runs, taken in turn; seconds for the whole curve, from the "
         "heaviest load down, each load from the one before.",
