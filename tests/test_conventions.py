@@ -86,7 +86,7 @@ def checked(files, convention, folder):
     output = folder / f"{convention.partition(':')[0]}.json"
     environment = os.environ | dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
     command = ["cchecker.py", "-t", convention, "-c", "strict", "-f", "json_new", "-o", output, *files]
-    done = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True, timeout=300)
     assert "exceptions occurred" not in done.stdout + done.stderr, done.stdout + done.stderr
     answers = json.loads(output.read_text(encoding="utf-8"))
     assert set(answers) == set(map(str, files))

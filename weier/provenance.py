@@ -14,7 +14,10 @@ from typing import NamedTuple
 from weier.sources import PACKAGE
 from weier.version import VERSION
 
-NORMALISED = "Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0."
+NORMALISED = (
+    "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
+    "and resistance, dh/dp, in g_0/p_0*."
+)
 AUTHORS = ("M. Ciavarella", "G. Murolo", "G. Demelio", "J. R. Barber")
 PAPER = (
     f"{', '.join(AUTHORS)}, Elastic contact stiffness and contact resistance for the "
