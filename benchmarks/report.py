@@ -41,7 +41,7 @@ def median(data: xr.Dataset) -> xr.DataArray:
 
 def table(data: xr.Dataset) -> str:
     """The whole comparison as Markdown: who takes how long, times of ours, and whether the answer is right."""
-    head = ("N", "program", "seconds", f"/ {OURS}", "work a load", "residual", "error of h", "loads wrong")
+    head = ("N", "program", "seconds", f"times {OURS}", "work a load", "residual", "error of h", "loads wrong")
     rows = []
     for points in data["points"].values:
         for program in data["program"].values:

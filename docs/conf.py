@@ -109,10 +109,18 @@ def after_napoleon(app, what, name, obj, options, lines):
     lines[:] = [line.replace(COLON, ":") for line in lines]
 
 
+def mark_numbers(app, doctree):
+    """Numbers in tables have a class, for the style sheet."""
+    for entry in doctree.findall(nodes.entry):
+        if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?|inf|nan", entry.astext()):
+            entry["classes"].append("number")
+
+
 def setup(app: Sphinx) -> None:
     """What is not in the lists above."""
     app.add_config_value("scene_figures", str(ROOT / "results/paper/figures"), "env", str)
     app.add_directive("scene-figures", SceneFigures)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
+    app.connect("doctree-read", mark_numbers)
     app.connect("autodoc-process-docstring", before_napoleon, priority=100)
     app.connect("autodoc-process-docstring", after_napoleon, priority=900)

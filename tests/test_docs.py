@@ -90,6 +90,12 @@ def test_figures_and_captions_of_the_scene_are_there(site):
     assert "<strong>Figure 7. </strong>What further terms change" in text
 
 
+def test_pictures_have_words_and_numbers_stay_whole(site):
+    assert 'alt="Figure 1: The profiles over two of their longest waves"' in page(site, "gallery")
+    assert re.search(r'<td class="number"><p>6\.7e-04</p></td>', page(site, "benchmark"))
+    assert re.search(r"<td><p>tamaas</p></td>", page(site, "benchmark"))
+
+
 def test_the_tutorial_drew_its_figures(site):
     drawn = re.findall(r'<img[^>]*src="(_images/tutorial[^"]*)"', page(site, "tutorial"))
     assert len(drawn) == 2
