@@ -7,6 +7,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
 from weier import dataset, page, plan, provenance, scene
@@ -101,6 +102,15 @@ def test_costs_and_states_are_counted(folder):
     assert "<td>bem</td><td>4</td><td>0</td><td>0</td><td>0</td>" in text
 
 
+def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
+    data, cost = dataset.blank(1, METHODS, LOADS, 3), dataset.blank_cost(1, METHODS[::-1])
+    cost["seconds"].values[:] = 1234.5, 2.5e-5  # bem, demelio
+    assert re.findall(r"<td>(.*?)</td>", page._costs(data, [cost])) == [
+        *("demelio", "1", "2.5e-05", "2.5e-05", "2.5e-05"),
+        *("bem", "1", "1200", "1200", "1230"),
+    ]
+
+
 def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
     data = dataset.blank(2, METHODS, LOADS, 3)
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]
@@ -125,7 +135,9 @@ def test_a_method_looks_as_in_the_figures():
         data = dataset.blank(1, methods, loads, 3)
         data["compliance"].values[:] = data["resistance"].values[:] = 1.0
         data["key"].values[:] = "case"
-        plot = curves.explorer(data).select_one({"name": "compliance"})
+        made = curves.explorer(data)
+        json_item(made)  # what is drawn can be written, too
+        plot = made.select_one({"name": "compliance"})
         return {
             item.label.value: (line.glyph, line) for item, line in zip(plot.legend.items, plot.renderers, strict=True)
         }
@@ -217,6 +229,7 @@ const seen = () => {
     visible: model("compliance").renderers.map((line) => line.visible),
     named: model("names of resistance").items.map((item) => item.visible),
     chosen: ["D", "gamma", "m", "phase", "key"].map((name) => model(name).value),
+    keyed: model("key").visible,
   }
 }
 const pause = () => new Promise((done) => setTimeout(done, 200))
@@ -264,6 +277,7 @@ def test_choosing_a_case_changes_the_curve(folder):
     start, rough, finer, longer, hidden = json.loads(answer.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
     assert start["chosen"] == ["1.25", "5", "2", "1", "case0"]
+    assert not start["keyed"]  # the other labels tell all cases apart
     assert rough["compliance"] == pytest.approx(2 + LOADS)
     assert finer["compliance"] == pytest.approx(3 + LOADS)
     assert finer["resistance"] == pytest.approx(6 + LOADS)
@@ -294,16 +308,21 @@ onmessage = (event) => { document.getElementById("answer").textContent = JSON.st
 </script>"""
 
 
-def test_a_narrow_window_is_wide_enough(folder):
-    head, _, _ = (folder / "page.html").read_text(encoding="utf-8").rpartition("</body>")
-    (folder / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
-    (folder / "frame.html").write_text(FRAME)
-    answer = re.search(
-        r'<pre id="answer">(.*?)</pre>', browse(folder, "--dump-dom", (folder / "frame.html").as_uri())
-    )
-    found = json.loads(answer.group(1))
+def test_a_narrow_window_is_wide_enough(folder, tmp_path):
+    """With all methods, random phases, and cases that only their keys tell apart."""
+    data = dataset.blank(2, list(style.METHODS), LOADS, 6)
+    data["compliance"].values[:] = data["resistance"].values[:] = 1.0
+    data["phase"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
+    data["key"].values[:] = "0123456789ab", "ba9876543210"
+    dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
+    page.write(load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], [], tmp_path / "page.html")
+    head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
+    (tmp_path / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
+    (tmp_path / "frame.html").write_text(FRAME)
+    answer = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
+    found = json.loads(re.search(r'<pre id="answer">(.*?)</pre>', answer).group(1))
     assert found["page"] == found["window"] <= 420  # the frame, less a bar to scroll up and down
-    assert len(found["ends"]) >= 8
+    assert len(found["ends"]) > 5 + len(style.METHODS) + 2  # drop-downs, boxes, plots
     assert max(found["ends"]) <= found["window"]
 
 

@@ -80,13 +80,13 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
 def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequence[xr.Dataset]) -> str:
     title = escape(data.attrs.get("title", "A scene"))
     count = data.sizes["case"]
-    shown = f"the first {MOST_CASES} of {count}" if count > MOST_CASES else f"all {count}"
+    cases = f"the first {MOST_CASES} of {count} cases" if count > MOST_CASES else f"all {count} cases"
     sections = {
-        f"Curves, {shown} cases": CURVES,
+        f"Curves, {cases if count > 1 else 'one case'}": CURVES,
         "Figures": _figures(scene, figures),
         "Claims": _claims(data),
         "Errors": _errors(data),
-        "Cost": _costs(costs),
+        "Cost": _costs(data, costs),
         **_plans(scene, data, costs),
         "Provenance": _provenance(data),
     }
@@ -148,18 +148,23 @@ def _largest(values: np.ndarray) -> str:
     return f"{known.max():.1e}" if known.size else ""
 
 
-def _costs(costs: Sequence[xr.Dataset]) -> str:
-    seconds: dict[str, list[float]] = {}
-    for data in costs:
-        for row, method in enumerate(data["method"].values.tolist()):
-            known = data["seconds"].values[:, row]
-            seconds.setdefault(method, []).extend(known[np.isfinite(known)].tolist())
+def _costs(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> str:
+    seconds: dict[str, list[float]] = {method: [] for method in data["method"].values.tolist()}
+    for cost in costs:
+        for row, method in enumerate(cost["method"].values.tolist()):
+            known = cost["seconds"].values[:, row]
+            seconds[method].extend(known[np.isfinite(known)].tolist())
     rows = [
-        [method, len(each), f"{np.median(each):.2g}", f"{max(each):.2g}", f"{sum(each):.3g}"]
+        [method, len(each), _digits(np.median(each), 2), _digits(max(each), 2), _digits(sum(each), 3)]
         for method, each in seconds.items()
         if each
     ]
     return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows, NUMBERS)
+
+
+def _digits(value: float, count: int) -> str:
+    """So many digits, and no exponent where zeros will do."""
+    return f"{float(f'{value:.{count}g}'):g}"
 
 
 def _plans(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:

@@ -18,12 +18,18 @@ from weier.limits import NUMERICAL
 MOST_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last tells apart cases of different settings
 TITLES = {"phase": "phase, rad"}
-WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 13, "key": 13}  # rem, at least
+WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "key": 9}  # rem, at least
 QUANTITIES = {"compliance": "compliance h/g_0", "resistance": "resistance (dh/dp) p_0*/g_0"}
 LEGENDS: dict[str, Any] = {"compliance": "top_left", "resistance": "bottom_left"}  # where no curve goes
 MOST_POINTS = 30
 LINE_WIDTH = 2  # pixels
 WRAP: dict[str, Any] = {"flex-wrap": "wrap", "gap": "0.5rem 1rem"}
+WRAP_BOXES = """
+.bk-input-group { display: flex; flex-wrap: wrap; gap: 0.3rem 0.8rem; }
+.bk-input-group.bk-inline > *:not(:first-child) { margin-left: 0; }
+"""
+SMALL: dict[str, Any] = {"label_text_font_size": "12px", "label_height": 17, "glyph_height": 17, "spacing": 0}
+SMALL |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}  # on a narrow window, too, beside the curves
 
 
 def explorer(data: xr.Dataset) -> Column:
@@ -40,7 +46,9 @@ def explorer(data: xr.Dataset) -> Column:
     plots = [_plot(quantity, methods, sources, _second([methods[number] for number in solved]))
              for quantity in QUANTITIES]  # fmt: skip
     selects = [_select(name, labels[name][0]) for name in LABELS]
-    boxes = CheckboxGroup(labels=[_name(method) for method in methods], active=solved, name="method", inline=True)
+    stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}
+    boxes = CheckboxGroup(labels=[_name(method) for method in methods], active=solved, name="method", inline=True,
+                          stylesheets=[WRAP_BOXES], **stretched)  # fmt: skip
     for plot in plots:
         for number, item in enumerate(plot.legend.items):
             item.visible = item.renderers[0].visible = _there(data, number)
@@ -53,7 +61,6 @@ def explorer(data: xr.Dataset) -> Column:
     for select in selects:
         select.js_on_change("value", choose)
     boxes.js_on_change("active", choose)
-    stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}
     return column(row(*selects, styles=WRAP, **stretched), boxes, row(*plots, styles=WRAP, **stretched), **stretched)
 
 
@@ -70,7 +77,7 @@ def _second(methods: list[str]) -> str | None:
 
 def _select(name: str, value: str) -> Select:
     width = f"{WIDTHS[name]}rem"
-    grow: dict[str, Any] = {"flex": f"1 1 {width}", "min-width": width}
+    grow: dict[str, Any] = {"flex": f"{WIDTHS[name]} 1 {width}", "min-width": width}
     title = TITLES.get(name, name)
     return Select(title=title, name=name, value=value, options=[], sizing_mode="stretch_width", styles=grow)
 
@@ -88,7 +95,7 @@ def _phase(phase: Any) -> str:
     if phase.size < 2:
         return "any" if phase.size == 0 or phase[0] == 0 else f"{phase[0]:.4g}"
     alike = phase[0] == 0 and np.ptp(phase[1:]) == 0
-    return f"{phase[1]:.4g}" if alike else ", ".join(f"{value:.4g}" for value in phase)
+    return f"{phase[1]:.4g}" if alike else ", ".join(f"{value:.3g}" for value in phase)
 
 
 def _fill_options(selects: list[Select], labels: dict[str, list[str]]) -> None:
@@ -126,7 +133,7 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], se
         plot.add_tools(HoverTool(renderers=[line], tooltips=tips, mode="mouse"))
     plot.legend.location = LEGENDS[quantity]
     plot.legend.name = f"names of {quantity}"
-    plot.legend.background_fill_alpha = 0.6
+    plot.legend[0].update(**SMALL)
     return plot
 
 
