@@ -102,7 +102,7 @@ def curve(
         start = np.ones(points)
         influence = influence_coefficients(points, profile.period)
         answer = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
-    checked_residual(answer.residual, partial, points, tolerance)
+    check_residual(answer.residual, partial, points, tolerance)
     _check_resistance(answer.resistance, partial, points)
 
     def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
@@ -161,7 +161,7 @@ def flattening_load(profile: Profile, points: int) -> float:
     return float(-pressure.min())
 
 
-def checked_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
+def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
     """Refuse a solution with a residual above the tolerance, in g_0, or without one.
 
     Raises

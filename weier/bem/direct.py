@@ -18,7 +18,15 @@ ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding node
 
 
 class Settled(NamedTuple):
-    """One load: the last solution, on the nodes in contact, and whether another round would change them."""
+    """One load: the last solution, on the nodes in contact, and whether another round would change them.
+
+    flat : height of the rigid flat above the mean plane, in g_0
+    resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
+    pressure : of the nodes, shape (N,), in p_0*, free of tension
+    contact : whether a node is in contact, shape (N,)
+    rounds : dense solutions so far
+    settled : whether the last one changed no node
+    """
 
     flat: float
     resistance: float

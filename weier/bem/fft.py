@@ -15,31 +15,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem.contact import Answer, count, count_patches, no_answer
+from weier.bem.edges import Edges, Flags, find_edges, run_in, run_out
 from weier.bem.grids import Grid, Hierarchy, part_of_hierarchy, refine, superpose
 from weier.bem.transform import Spectrum, circulant_product
 from weier.jit import kernel
 
 Array = NDArray[np.float64]
 
-# How far a residual runs out of its contact, in widths of the contact, if the gap is as wide. Cut off at the edge it
-# would be a jump, which A^-1 takes for a logarithmically large force: the condition number of the preconditioned
-# matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
-REACH = 2
 RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
 STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
 
 
 class State(NamedTuple):
-    """Pressure p, deformed surface z - A p, contact and its edges, and the arrays of the conjugate gradients."""
+    """The solution on a grid of N nodes, and the arrays of the conjugate gradients.
+
+    pressure : p, shape (N,), in p_0*
+    deformed : deformed surface z - A p, shape (N,), in g_0
+    direction : of the search, shape (N,), in p_0*; 0 outside contact
+    product : preconditioned residual, then A times the direction, shape (N,), in p_0*, then g_0
+    residual : z - A p - H in contact, run out into the gaps, shape (N,), in g_0
+    spectrum : of what is being multiplied, shape (N//2 + 1,)
+    contact : whether a node is in contact, shape (N,)
+    edge : space for the edges of contact, shape (N + 2,)
+    """
 
     pressure: Array
     deformed: Array
     direction: Array
     product: Array
-    scratch: Array
+    residual: Array
     spectrum: Spectrum
-    contact: NDArray[np.bool_]
-    edge: NDArray[np.int64]
+    contact: Flags
+    edge: Edges
 
 
 @kernel
@@ -56,7 +63,7 @@ def part_of_state(state: State, points: int) -> State:
     """The leading part of every array, for a grid of `points` nodes."""
     return State(
         state.pressure[:points], state.deformed[:points], state.direction[:points], state.product[:points],
-        state.scratch[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
+        state.residual[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
         state.edge[: points + 2],
     )  # fmt: skip
 
@@ -71,7 +78,7 @@ def _dot(a: Array, b: Array) -> float:
 
 
 @kernel
-def _mean_in_contact(values: Array, contact: NDArray[np.bool_]) -> float:
+def _mean_in_contact(values: Array, contact: Flags) -> float:
     total = 0.0
     nodes = 0
     for i in range(values.size):
@@ -83,7 +90,7 @@ def _mean_in_contact(values: Array, contact: NDArray[np.bool_]) -> float:
 
 @kernel
 def _deform(height: Array, grid: Grid, state: State) -> None:
-    """The deformed surface z - A p from scratch."""
+    """The deformed surface z - A p afresh."""
     circulant_product(grid.sinking, state.pressure, state.spectrum, state.deformed)
     for i in range(height.size):
         state.deformed[i] = height[i] - state.deformed[i]
@@ -98,6 +105,13 @@ def _balance(pressure: Array, load: float) -> None:
         total += pressure[i]
     for i in range(pressure.size):
         pressure[i] *= load * pressure.size / total
+
+
+@kernel
+def _refresh(load: float, grid: Grid, state: State) -> None:
+    """Free the pressure of tension, let it carry the load, and apply the operator afresh."""
+    _balance(state.pressure, load)
+    _deform(grid.height, grid, state)
 
 
 @kernel
@@ -131,80 +145,32 @@ def _correct_contact(flat: float, state: State) -> bool:
 
 
 @kernel
-def _find_edges(state: State) -> int:
-    """Nodes where contact begins or ends, in state.edge[1:]; how many. The outer two stand again a period on."""
-    contact, edge = state.contact, state.edge
-    edges = 0
-    for i in range(contact.size):
-        if contact[i] != contact[i - 1]:
-            edges += 1
-            edge[edges] = i
-    if edges:
-        edge[0] = edge[edges] - contact.size
-        edge[edges + 1] = edge[1] + contact.size
-    return edges
-
-
-@kernel
-def _way_out(which: int, state: State) -> tuple[int, int, int]:
-    """From the last node in contact at this edge into the gap: the node, the direction, and how far to go."""
-    before, here, after = state.edge[which - 1], state.edge[which], state.edge[which + 1]
-    if state.contact[here]:
-        return here, -1, min(here - before + 1, REACH * (after - here))
-    # A negative index counts from the end, so that the way leads across the end of the period.
-    node = here - 1 - state.contact.size if here > 0 else -1
-    return node, 1, min(after - here + 1, REACH * (here - before))
-
-
-@kernel
-def _run_out(values: Array, edges: int, state: State) -> None:
-    """From each edge into the gap, add the value there, falling to 0 in a straight line."""
-    for which in range(1, edges + 1):
-        node, side, reach = _way_out(which, state)
-        fall = values[node] / reach
-        for step in range(1, reach):
-            values[node + side * step] += fall * (reach - step)
-
-
-@kernel
-def _run_in(values: Array, edges: int, state: State) -> None:
-    """The transpose: to the value at each edge, add those in the gap, with weights that fall in a straight line."""
-    for which in range(1, edges + 1):
-        node, side, reach = _way_out(which, state)
-        total = 0.0
-        for step in range(1, reach):
-            total += values[node + side * step] * (reach - step)
-        values[node] += total / reach
-
-
-@kernel
-def _conjugate_step(flat: float, steepness: float, edges: int, grid: Grid, state: State) -> float:
+def _conjugate_step(flat: float, edge: Edges, restart: bool, last_energy: float, grid: Grid, state: State) -> float:
     """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
 
-    `steepness` is what the last step returned, or 0 for a first step on this contact with so many `edges`.
+    Returns the energy r.M^-1 r of the residual r before the step, M the preconditioner: `last_energy` of the next.
+    `restart` forgets it, and the last direction with it: they were of another contact.
     """
-    p, deformed, direction, product, residual, contact = (
-        state.pressure, state.deformed, state.direction, state.product, state.scratch, state.contact,
-    )  # fmt: skip
-    for i in range(p.size):
-        residual[i] = deformed[i] - flat if contact[i] else 0.0
-    _run_out(residual, edges, state)
-    circulant_product(grid.inverse, residual, state.spectrum, product)
-    _run_in(product, edges, state)
-    shift = _mean_in_contact(product, contact)
-    steepness_now = 0.0
-    for i in range(p.size):
-        if contact[i]:
-            steepness_now += residual[i] * (product[i] - shift)
-    turn = steepness_now / steepness if steepness > 0 else 0.0
-    for i in range(p.size):
-        direction[i] = product[i] - shift + turn * direction[i] if contact[i] else 0.0
-    circulant_product(grid.sinking, direction, state.spectrum, product)
-    length = steepness_now / _dot(direction, product) if steepness_now > 0 else 0.0  # 0 on a single node
-    for i in range(p.size):
-        p[i] += length * direction[i]
-        deformed[i] -= length * product[i]
-    return steepness_now
+    points = state.pressure.size
+    for i in range(points):
+        state.residual[i] = state.deformed[i] - flat if state.contact[i] else 0.0
+    run_out(state.residual, edge, state.contact)
+    circulant_product(grid.inverse, state.residual, state.spectrum, state.product)
+    run_in(state.product, edge, state.contact)
+    shift = _mean_in_contact(state.product, state.contact)
+    energy = 0.0
+    for i in range(points):
+        if state.contact[i]:
+            energy += state.residual[i] * (state.product[i] - shift)
+    turn = energy / last_energy if last_energy > 0 and not restart else 0.0
+    for i in range(points):
+        state.direction[i] = state.product[i] - shift + turn * state.direction[i] if state.contact[i] else 0.0
+    circulant_product(grid.sinking, state.direction, state.spectrum, state.product)
+    length = energy / _dot(state.direction, state.product) if energy > 0 else 0.0  # 0 on a single node
+    for i in range(points):
+        state.pressure[i] += length * state.direction[i]
+        state.deformed[i] -= length * state.product[i]
+    return energy
 
 
 @kernel
@@ -214,31 +180,28 @@ def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int
     Converged means so on a freshly applied operator, with the pressure free of tension and scaled to the load;
     otherwise the residual stays above the tolerance.
     """
-    pairs = 0
-    fresh = True
-    steepness = 0.0
-    edges = 0
-    patience = 1
+    pairs, patience, energy = 0, 1, 0.0
+    fresh = restart = True
+    edge = find_edges(state.contact, state.edge)
     for _ in range(STEPS):
         if fresh:
-            _balance(state.pressure, load)
-            _deform(grid.height, grid, state)
+            _refresh(load, grid, state)
             pairs += 1
-        if steepness == 0:
-            edges = _find_edges(state)
         flat = _mean_in_contact(state.deformed, state.contact)
         inside, wrong = _violations(flat, grid, state)
         solved = max(inside, wrong) <= grid.tolerance
         if solved and fresh:
             break
+        # Correct the contact when its violations outweigh the error on it, each time more patiently.
         if not fresh and (solved or wrong > patience * inside):
             fresh = _correct_contact(flat, state) or solved
+            edge = find_edges(state.contact, state.edge)
             patience += 1
-            steepness = 0.0
+            restart = True
         else:
-            steepness = _conjugate_step(flat, steepness, edges, grid, state)
+            energy = _conjugate_step(flat, edge, restart, energy, grid, state)
             pairs += 2
-            fresh = False
+            fresh = restart = False
     return flat, max(inside, wrong), pairs
 
 
@@ -248,23 +211,20 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
 
     The pressure in `state` becomes the pressure per load, q, and the rate is the energy q.Aq.
     """
-    edges = _find_edges(state)
+    edge = find_edges(state.contact, state.edge)
     nodes = count(state.contact)
     for i in range(state.pressure.size):
         state.pressure[i] = state.pressure.size / nodes if state.contact[i] else 0.0
     _deform(np.zeros(state.pressure.size), grid, state)
-    pairs = 1
-    steepness = 0.0
+    pairs, restart, energy = 1, True, 0.0
     for _ in range(STEPS):
         flat = _mean_in_contact(state.deformed, state.contact)
-        inside = 0.0
-        for i in range(state.pressure.size):
-            if state.contact[i]:
-                inside = max(inside, abs(flat - state.deformed[i]))
+        inside = _violations(flat, grid, state)[0]
         if inside <= tolerance:
             break
-        steepness = _conjugate_step(flat, steepness, edges, grid, state)
+        energy = _conjugate_step(flat, edge, restart, energy, grid, state)
         pairs += 2
+        restart = False
     if not inside <= tolerance:
         return np.inf, pairs
     return -_dot(state.pressure, state.deformed) / state.pressure.size, pairs
@@ -293,7 +253,7 @@ def descend(load: float, hierarchy: Hierarchy, start: Array, whole: State) -> tu
         else:
             refine(points // 2, state.pressure)
             for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
-                superpose(wave, hierarchy.waves, state.pressure, state.scratch)
+                superpose(wave, hierarchy.waves, state.pressure, state.residual)
         _touch(state)
         flat, residual, here = solve_load(load, part_of_hierarchy(hierarchy, level), state)
         pairs += here * points / hierarchy.points[finest]

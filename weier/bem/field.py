@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem import fft
-from weier.bem.curve import check_tolerance, checked_points, checked_residual
+from weier.bem.curve import check_residual, check_tolerance, checked_points
 from weier.bem.grids import full_contact, nested_grids
 from weier.profile import Profile
 
@@ -46,6 +46,6 @@ def field(profile: Profile, mean_pressure: float, points: int | None = None, tol
     state = fft.make_state(points)
     start = full_contact(hierarchy, mean_pressure)
     flat, residual, _ = fft.descend(mean_pressure, hierarchy, start, state)
-    checked_residual(np.array([residual]), np.array([mean_pressure]), points, tolerance)
+    check_residual(np.array([residual]), np.array([mean_pressure]), points, tolerance)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     return Field(x, state.pressure, flat - state.deformed, profile.sampled_height(points) - state.deformed)

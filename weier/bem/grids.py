@@ -41,7 +41,8 @@ class Hierarchy(NamedTuple):
     points : nodes of each grid, shape (grids,)
     terms : waves that each carries, from the coarsest wave on, shape (grids,)
     height : profile of these waves, shape (sum of points,), in g_0
-    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,)
+    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
+        in g_0/p_0* and p_0*/g_0
     tolerance : residual to reach on each grid, shape (grids,), in g_0
     node_sinking : A_ii of each grid, shape (grids,), in g_0/p_0*
     waves : all waves of the profile
@@ -58,7 +59,13 @@ class Hierarchy(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """One grid of the hierarchy: its part of each array."""
+    """One grid of N nodes: its part of each array of the hierarchy.
+
+    height : profile of the waves that it carries, shape (N,), in g_0
+    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
+    tolerance : residual to reach, in g_0
+    node_sinking : A_ii, in g_0/p_0*
+    """
 
     height: Array
     sinking: Array
