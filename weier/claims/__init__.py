@@ -10,8 +10,9 @@ import xarray as xr
 
 from weier import curves, dataset, markdown
 from weier.claims import measures
-from weier.claims.measures import Measured, MissingError
+from weier.claims.measures import Measured
 from weier.claims.paper import CLAIMS
+from weier.claims.readings import MissingError
 from weier.files import write_text
 from weier.scene import Scene
 from weier.study import gather, keys_of

@@ -65,7 +65,7 @@ CLAIMS = {
         "approximation consistently overestimates it, by as much as 30%; the non-linear layer is best, its largest "
         "error an overestimate of about 12% at intermediate loads (5.4).",
         "largest relative error of the resistance by the non-linear layer",
-        0.12,
+        measures.LAYER_ERROR,
         measures.resistance_errors,
     ),
     "boundary_elements": Claim(
