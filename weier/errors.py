@@ -1,4 +1,4 @@
-"""The one exception of weier that is not a ValueError."""
+"""What weier raises where a solver stops short; who asks for what cannot be is told so by a ValueError."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ import xarray as xr
 from weier import bem, patches
 from weier.dataset import NORMALISED
 from weier.limits import check_resolvable
-from weier.loads import checked_loads
+from weier.loads import checked_load
 from weier.profile import Profile
 
 ATTRIBUTES = {
@@ -70,7 +70,7 @@ def fields(profile: Profile, mean_pressure: float, method: str = "patches", poin
     ('x',) mean gap 0.784
 
     """
-    load = _one_load(mean_pressure)
+    load = checked_load(mean_pressure)
     check_resolvable(profile)
     if method == "bem":
         found = bem.field(profile, load, points)
@@ -127,13 +127,6 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
     check_resolvable(profile)
     found = patches.events(profile, low, high)._asdict()
     return _dataset(("event",), found | {"birth": found["birth"].astype("i1")})
-
-
-def _one_load(mean_pressure: float) -> float:
-    loads = checked_loads(mean_pressure)
-    if loads.size != 1:
-        raise ValueError(f"mean_pressure must be one load, got {loads.size}: ask for the fields of each by itself")
-    return float(loads[0])
 
 
 def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:

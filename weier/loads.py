@@ -28,3 +28,18 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
         at = int(falls.argmax())
         raise ValueError(f"mean_pressure must increase, got {loads[at]} before {loads[at + 1]}: sort the loads")
     return loads
+
+
+def checked_load(mean_pressure: float) -> float:
+    """One load, if it is positive and finite.
+
+    Raises
+    ------
+    ValueError
+        If it is not, or there are several.
+
+    """
+    loads = checked_loads(mean_pressure)
+    if loads.size != 1:
+        raise ValueError(f"mean_pressure must be one load, got {loads.size}: ask for the fields of each by itself")
+    return float(loads[0])

@@ -21,9 +21,8 @@ def errors(reference: Reference, per_wave: int) -> np.ndarray:
     return np.abs(curve(seen.profile, seen.mean_pressure, points=points).compliance - seen.compliance)
 
 
-def order(reference: Reference) -> float:
+def order(worst: list[float]) -> float:
     """Fitted exponent of the largest error over the grids."""
-    worst = [errors(reference, per_wave).max() for per_wave in POINTS_PER_WAVE]
     return float(-np.polyfit(np.log(POINTS_PER_WAVE), np.log(worst), 1)[0])
 
 
@@ -34,15 +33,22 @@ def test_compliance_meets_the_reference(reference):
 
 
 def test_compliance_converges_almost_as_the_square_of_the_grid():
-    orders = [order(reference) for reference in REFERENCES]
+    worst = [[errors(reference, per_wave).max() for per_wave in POINTS_PER_WAVE] for reference in REFERENCES]
+    orders = [order(row) for row in worst]
     for reference, fitted in zip(REFERENCES, orders, strict=True):
         print(f"{reference}: order {fitted:.2f}")
     assert min(orders) >= 1.6
     assert np.mean(orders) >= 1.8
+    by_grid = dict(zip(POINTS_PER_WAVE, np.max(worst, axis=0), strict=True))
+    assert f"{by_grid[64]:.1e}" == "6.2e-04"  # told in the README, as is the fifteenth
+    assert by_grid[64] / by_grid[256] == pytest.approx(15, rel=0.1)
 
 
 def test_resistance_is_close_but_where_contacts_are_born():
-    """The derivative of the discrete curve: edges move by whole nodes, so single loads may be far off."""
+    """The derivative of the discrete curve: edges move by whole nodes, so single loads may be far off.
+
+    Half of the errors are below 0.7 %, and the largest is 29 %: told in the README.
+    """
     relative = []
     for reference in REFERENCES:
         seen = reference.above(1e-3)
@@ -51,7 +57,8 @@ def test_resistance_is_close_but_where_contacts_are_born():
         relative += list(np.abs(found[partial] / seen.resistance[partial] - 1))
         assert np.all(found[~partial] == 0)
     print(f"resistance: median error {np.median(relative):.2%}, largest {np.max(relative):.1%}")
-    assert np.median(relative) <= 0.02
+    assert np.median(relative) < 0.007
+    assert f"{np.max(relative):.0%}" == "29%"
 
 
 @pytest.mark.parametrize("reference", REFERENCES, ids=str)
@@ -182,6 +189,8 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
         ({"points": 99.5}, "whole number"),
         ({"points": "a"}, "whole number"),
         ({"points": np.nan}, "whole number"),
+        ({"points": 1e300}, r"at most 10000000, got 1e\+300"),
+        ({"points": 10001, "solver": "direct"}, 'at most 10000, got 10001: take solver "fft"'),
         ({"tolerance": -1.0}, "positive"),
         ({"tolerance": np.nan}, "positive"),
         ({"solver": "lu"}, '"fft" or "direct"'),
@@ -190,6 +199,39 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
 def test_bad_settings_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
         curve(THREE_WAVES, np.array([0.1]), **settings)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+@pytest.mark.parametrize(
+    ("loads", "message"),
+    [
+        ([0.3, 0.1], "must increase, got 0.3 before 0.1"),
+        ([9.0, 0.1], "must increase, got 9.0 before 0.1"),  # the one is known without a solver
+        ([], "must be a list of loads"),
+        ([[0.1, 0.3]], "must be a list of loads"),
+        ([np.nan, 0.3], "must be finite"),
+        ([0.0, 0.3], "must be positive"),
+    ],
+)
+def test_bad_loads_are_refused(solver, loads, message):
+    with pytest.raises(ValueError, match=message):
+        curve(THREE_WAVES, loads, points=60, solver=solver)
+
+
+@pytest.mark.parametrize("load", [0.0, -1.0, np.nan, np.inf, [0.1, 0.3]])
+def test_bad_loads_have_no_fields(load):
+    with pytest.raises(ValueError, match="mean_pressure must be"):
+        field(THREE_WAVES, load, points=60)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_loads_of_any_kind_are_the_same_loads(solver):
+    loads = np.array([0.125, 0.25, 3.0])
+    wanted = curve(THREE_WAVES, loads, points=60, solver=solver)
+    for same in (loads.astype(np.float32), loads.tolist(), np.repeat(loads, 2)[::2]):
+        found = curve(THREE_WAVES, same, points=60, solver=solver)
+        assert [column.tolist() for column in found[:-1]] == [column.tolist() for column in wanted[:-1]]
+    assert curve(THREE_WAVES, 0.25, points=60, solver=solver).compliance.shape == (1,)
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])

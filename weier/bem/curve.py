@@ -7,7 +7,7 @@ from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from weier.bem import direct, fft
 from weier.bem.contact import no_answer
@@ -15,6 +15,7 @@ from weier.bem.grids import full_contact, inverse, nested_grids
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
 from weier.limits import check_points, check_resolvable
+from weier.loads import checked_loads
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -45,7 +46,7 @@ class Curve(NamedTuple):
 
 def curve(
     profile: Profile,
-    mean_pressure: Array,
+    mean_pressure: ArrayLike,
     solver: str = "fft",
     points: int | None = None,
     tolerance: float = 1e-10,
@@ -57,8 +58,8 @@ def curve(
     ----------
     profile : Profile
         With a finite number of terms.
-    mean_pressure : array, shape (loads,)
-        Increasing, in p_0*.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*.
     solver : "fft" or "direct"
         The fast solver, or the paper's dense one: the same discrete system, equal to rounding.
     points : int, optional
@@ -76,7 +77,8 @@ def curve(
     Raises
     ------
     ValueError
-        If `solver` is unknown or `points` too few for the finest wave, or too many.
+        If the loads are not positive and increasing, `solver` is unknown, or `points` are too few for the finest
+        wave, or too many.
     ConvergenceError
         If a load misses the tolerance.
 
@@ -86,12 +88,13 @@ def curve(
     linear as long as no node changes side; it converges as 1/N, since the edges of contact move by whole nodes.
 
     """
+    loads = checked_loads(mean_pressure)
     points = checked_points(profile, points)
     check_tolerance(tolerance)
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
     check_points(points, dense=solver == "direct")
-    partial = mean_pressure[mean_pressure < flattening_load(profile, points)]
+    partial = loads[loads < flattening_load(profile, points)]
     if partial.size == 0:
         answer = no_answer(0)
     elif solver == "fft":
@@ -106,7 +109,7 @@ def curve(
     _check_resistance(answer.resistance, partial, points)
 
     def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
-        return np.concatenate([values, np.full(mean_pressure.size - partial.size, flattened)])
+        return np.concatenate([values, np.full(loads.size - partial.size, flattened)])
 
     return Curve(
         whole(profile.total_amplitude - answer.flat, profile.total_amplitude),
@@ -137,7 +140,7 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
             f"points must be a whole number above {2 * finest}, two for each of the {finest} finest waves in a "
             f"period, got {points}; {POINTS_PER_WAVE * finest} is the default"
         )
-    check_points(int(points))
+    check_points(points)
     return int(points)
 
 

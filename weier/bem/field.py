@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from weier.bem import fft
 from weier.bem.curve import check_residual, check_tolerance, checked_points
 from weier.bem.grids import full_contact, nested_grids
+from weier.loads import checked_load
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -35,17 +36,18 @@ def field(profile: Profile, mean_pressure: float, points: int | None = None, tol
     Raises
     ------
     ValueError
-        If `points` are too few for the finest wave.
+        If the load is not one positive number, or `points` are too few for the finest wave.
     ConvergenceError
         If the solution misses the tolerance.
 
     """
+    load = checked_load(mean_pressure)
     points = checked_points(profile, points)
     check_tolerance(tolerance)
     hierarchy = nested_grids(profile, points, tolerance)
     state = fft.make_state(points)
-    start = full_contact(hierarchy, mean_pressure)
-    flat, residual, _ = fft.descend(mean_pressure, hierarchy, start, state)
-    check_residual(np.array([residual]), np.array([mean_pressure]), points, tolerance)
+    start = full_contact(hierarchy, load)
+    flat, residual, _ = fft.descend(load, hierarchy, start, state)
+    check_residual(np.array([residual]), np.array([load]), points, tolerance)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     return Field(x, state.pressure, flat - state.deformed, profile.sampled_height(points) - state.deformed)
