@@ -229,3 +229,12 @@ def test_methods_differ_without_colour() -> None:
     assert len({line.color for line in estimates}) == len({str(line.linestyle) for line in estimates}) == 4
     grey = [np.dot(look["color"][:3], [0.299, 0.587, 0.114]) for look in style.family(8)]
     assert np.all(np.diff(grey) < -0.03)
+
+
+def test_legend_of_the_contact_tree_stands_between_its_panels(studies: dict[str, xr.Dataset]) -> None:
+    figure = sketch("contact_tree", [studies["one"]])
+    (legend,) = (found for axes in figure.axes if (found := axes.get_legend()))
+    assert [text.get_text() for text in legend.get_texts()] == ["contact"]
+    top, tree = (axes.get_window_extent() for axes in figure.axes)
+    assert tree.y1 <= legend.get_window_extent().y0 + 1e-6
+    assert legend.get_window_extent().y1 <= top.y0

@@ -54,9 +54,12 @@ def _profile(axes: Axes, case: xr.Dataset) -> None:
 def _tree(axes: Axes, case: xr.Dataset) -> None:
     period, loads = curves.profile(case).period, case["mean_pressure"].values
     edges = case["contact_edge"].values.reshape(loads.size, -1, 2)
-    axes.add_collection(PolyCollection(_bars(edges, loads, period), facecolors=style.BLUE, edgecolors="none"))
+    bars = PolyCollection(_bars(edges, loads, period), facecolors=style.BLUE, edgecolors="none", label="contact")
+    axes.add_collection(bars)
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
+    # Above the axes: contacts may be born anywhere within.
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0, handlelength=1)
 
 
 def _bars(edges: Array, loads: Array, period: float) -> list[Array]:
