@@ -1,1 +1,1 @@
-"""Side by side, `python -m benchmarks`: weier, the paper's dense inversion, tamaas and ContactMechanics."""
+"""Side by side, `python -m benchmarks`: weier, the paper's dense inversion, tamaas, ContactMechanics and slippy."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.reference import REFERENCES, Reference
+from weier import markdown
 from weier.bem import curve
 
 Array = NDArray[np.float64]
@@ -30,10 +31,11 @@ def main() -> None:
     seen = [reference.above(LIGHTEST) for reference in REFERENCES]
     schemes = {"active set": by_active_set}
     schemes |= {f"differences, delta = {s}": (lambda r, s=s: by_differences(r, s)) for s in STEPS}
-    print("| scheme | median | 90 % | largest |\n|---|---|---|---|")
+    rows = []
     for name, scheme in schemes.items():
         errors = np.concatenate([relative_errors(reference, scheme(reference)) for reference in seen])
-        print(f"| {name} | {np.median(errors):.2%} | {np.quantile(errors, 0.9):.1%} | {errors.max():.0%} |")
+        rows.append([name, f"{np.median(errors):.2%}", f"{np.quantile(errors, 0.9):.1%}", f"{errors.max():.0%}"])
+    print(markdown.table(["scheme", "median", "90 %", "largest"], rows))
 
 
 def relative_errors(reference: Reference, resistance: Array) -> Array:
