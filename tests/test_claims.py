@@ -80,7 +80,10 @@ def test_phase_spread() -> None:
     assert holds("phase_spread", phases(5, 0.01), phases(2, 0.3))
     assert holds("phase_spread", phases(2, 0.3), phases(5, 0.1)) is False
     assert holds("phase_spread", phases(2, 0.3, between=0.2), phases(5, 0.01)) is False
-    assert claims.evaluate("phase_spread", [phases(2, 0.3), phases(5, 0.1)]).value == pytest.approx(0.1, rel=0.01)
+    found = claims.evaluate("phase_spread", [phases(2, 0.3), phases(5, 0.1)])
+    assert found.value == pytest.approx(0.1, rel=0.01)
+    first = LOADS[LOADS >= 0.1][0]
+    assert f"({0.3 * (1 - first) * TOTAL:.2g} g_0 from 0.1 p_0* on)" in found.text
 
 
 def test_archard_above() -> None:
