@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier.limits import NUMERICAL
+from weier.methods import NUMERICAL
 from weier.profile import Profile
 
 Array = NDArray[np.float64]

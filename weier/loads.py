@@ -1,4 +1,4 @@
-"""What a list of loads must be."""
+"""What a list of loads must be: anywhere, and in a scene or a command."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+
+MOST_LOADS = 10_000  # of a scene or a command
+RANGE = 1e-12, 1e12  # p_0*
 
 
 def checked_loads(mean_pressure: ArrayLike) -> Array:
@@ -43,3 +46,18 @@ def checked_load(mean_pressure: float) -> float:
     if loads.size != 1:
         raise ValueError(f"mean_pressure must be one load, got {loads.size}: ask for the fields of each by itself")
     return float(loads[0])
+
+
+def check_range(loads: Array) -> None:
+    """Refuse loads so many, light or heavy that no number is left of them.
+
+    Raises
+    ------
+    ValueError
+        If a load or their count is out of range.
+
+    """
+    if loads.size > MOST_LOADS:
+        raise ValueError(f"there must be at most {MOST_LOADS} loads, got {loads.size}")
+    if loads[0] < RANGE[0] or loads[-1] > RANGE[1]:
+        raise ValueError(f"loads must lie in [{RANGE[0]:g}, {RANGE[1]:g}] p_0*, got {loads[0]:g} to {loads[-1]:g}")

@@ -8,10 +8,11 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
+from weier.methods import PLANNED
 from weier.plan import OutOfReachError, Plan
 from weier.plan import plan as plan_profile
 from weier.profile import Profile
-from weier.scene import PLANNED, Case, Scene
+from weier.scene import Case, Scene
 
 
 @dataclass(frozen=True)

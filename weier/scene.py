@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -17,18 +18,28 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import limits
-from weier.loads import checked_loads
-from weier.profile import Profile, random_phases
+from weier import plain_yaml
+from weier.limits import check_resolvable
+from weier.loads import check_range, checked_loads
+from weier.methods import NUMERICAL, PLANNED
+from weier.plain_yaml import number
+from weier.profile import Profile, RandomPhases, random_phases
 from weier.solve import check_settings
 from weier.variables import VARIABLES
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
-PLANNED = "planned"  # the method that a scene with a tolerance runs
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 BATCH = 25  # cases a job: some seconds of work for one or two of start-up
+
+# What a scene or a command may ask for, so that a slip of the pen ends in a sentence and not in a lost night.
+MOST_CASES = 10_000  # by default
+MOST_RANGE = 10**6
+MOST_TERMS = 1000  # of a finite series: the closed forms add them one by one
+MOST_GAMMA = 10**6
+MOST_PHASE = 1e6  # radians: a float of more has lost the digits that matter
+MOST_BYTES = 4 * 2**30  # of one batch
 
 
 class SceneError(ValueError):
@@ -57,10 +68,29 @@ class Case:
     def profile(self) -> Profile:
         """The profile of this case."""
         p = self.parameters
-        phases = (
-            random_phases(p["seed"]) if "seed" in p else p.get("phases", limits.number("phase", p.get("phase", 0.0)))
-        )
-        return Profile(limits.number("D", p["D"]), p["gamma"], limits.number("m", p["m"]), phases)
+        phases = random_phases(p["seed"]) if "seed" in p else p.get("phases", number("phase", p.get("phase", 0.0)))
+        return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
+
+    def check(self) -> None:
+        """Refuse a series that no computer holds.
+
+        Raises
+        ------
+        ValueError
+            If it has too many terms or waves, or is no series at all.
+        """
+        profile = self.profile
+        if profile.gamma > MOST_GAMMA:
+            raise ValueError(f"gamma must be at most {MOST_GAMMA}, got {_short(profile.gamma)}")
+        if math.isinf(profile.m):
+            return
+        if profile.m > MOST_TERMS:
+            raise ValueError(f"m must be at most {MOST_TERMS}, or inf, got {profile.m:g}")
+        drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
+        if not drawn and (largest := np.abs(profile.phase).max()) > MOST_PHASE:
+            raise ValueError(f"phases must lie in [-{MOST_PHASE:g}, {MOST_PHASE:g}], got {largest:g}")
+        if any(method in NUMERICAL for method in self.methods):
+            check_resolvable(profile)
 
 
 class Layout(NamedTuple):
@@ -197,7 +227,7 @@ def load(path: str | Path) -> Scene:
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
-        raw = limits.safe_yaml(text)
+        raw = plain_yaml.load(text)
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
     _check_schema(raw, path)
@@ -229,8 +259,8 @@ def _check_schema(raw: Any, path: Path) -> None:
 
 
 def _scene(raw: dict[str, Any], path: Path) -> Scene:
-    loads = _checked("loads", path, lambda: checked_loads([limits.number("a load", v) for v in _axis(raw["loads"])]))
-    _checked("loads", path, lambda: limits.check_loads(loads))
+    loads = _checked("loads", path, lambda: checked_loads([number("a load", v) for v in _axis(raw["loads"])]))
+    _checked("loads", path, lambda: check_range(loads))
     _checked("studies", path, lambda: _check_count(raw))
     studies = {name: tuple(_cases(study, raw, name, path)) for name, study in raw["studies"].items()}
     figures = {
@@ -254,8 +284,7 @@ def _scene(raw: dict[str, Any], path: Path) -> Scene:
         raw.get("contact_edges", False),
     )
     largest = max(map(len, made.batches.values()))
-    sizes = largest, len(made.layout.methods), loads.size, made.layout.edges, len(VARIABLES)
-    _checked("batch", path, lambda: limits.check_memory(*sizes))
+    _checked("batch", path, lambda: _check_memory(largest, loads.size, made.layout))
     return made
 
 
@@ -264,14 +293,14 @@ def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) ->
     settings = study.get("settings", raw.get("settings", {}))
     if "tolerance" in raw:
         wanted = {"quantity": raw["quantity"]} if "quantity" in raw else {}
-        wanted["tolerance"] = _checked("tolerance", path, lambda: limits.number("tolerance", raw["tolerance"]))
+        wanted["tolerance"] = _checked("tolerance", path, lambda: number("tolerance", raw["tolerance"]))
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: wanted} | settings
     for method in methods:
         _checked(f"studies.{name}", path, lambda m=method: check_settings(m, settings.get(m, {})))
     for product in study.get("cases", [study.get("product")]):
         for parameters in _checked(f"studies.{name}", path, lambda p=product: list(_combinations(p))):
             case = Case(parameters, methods, {m: s for m, s in settings.items() if m in methods})
-            _checked(f"studies.{name}", path, lambda c=case: limits.check_profile(c.profile, methods))
+            _checked(f"studies.{name}", path, lambda c=case: c.check())
             yield case
 
 
@@ -283,13 +312,29 @@ def _combinations(product: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 def _check_count(raw: Mapping[str, Any]) -> None:
     """Count the cases before any is made."""
-    most = int(raw.get("most_cases", limits.MOST_CASES))
+    most = int(raw.get("most_cases", MOST_CASES))
     products = [each for study in raw["studies"].values() for each in study.get("cases", [study.get("product")])]
     count = sum(math.prod(_length(values) for values in product.values()) for product in products)
     if count > most:
         raise ValueError(
             f"a scene must have at most {most} cases, got {count}: say most_cases: {count} if you mean it"
         )
+
+
+def _check_memory(cases: int, loads: int, layout: Layout) -> None:
+    """Refuse batches of so many cases that do not fit into memory."""
+    needed = 8 * cases * loads * (len(layout.methods) * len(VARIABLES) + layout.edges)
+    if needed > MOST_BYTES:
+        raise ValueError(
+            f"a batch must fit into {MOST_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, fewer loads, "
+            "or contact_edges: false"
+        )
+
+
+def _short(ratio: Fraction) -> str:
+    """A ratio in a few characters, be it too large for a float."""
+    digits = math.log10(ratio.numerator) - math.log10(ratio.denominator)
+    return f"{float(ratio):.15g}" if digits < 300 else f"about 1e{digits:.0f}"
 
 
 def _length(values: Any) -> int:
@@ -302,9 +347,9 @@ def _axis(values: Any) -> list[Any]:
         return values
     if not isinstance(values, dict):
         return [values]
-    if values["count"] > limits.MOST_RANGE:
-        raise ValueError(f"a range must have at most {limits.MOST_RANGE} values, got {values['count']}")
-    ends = limits.number("from", values["from"]), limits.number("to", values["to"])
+    if values["count"] > MOST_RANGE:
+        raise ValueError(f"a range must have at most {MOST_RANGE} values, got {values['count']}")
+    ends = number("from", values["from"]), number("to", values["to"])
     if values.get("spacing") == "log" and not min(ends) > 0:
         raise ValueError(f"a range in equal ratios must lie above 0, got {min(ends):g}")
     if not np.isfinite(ends[1] - ends[0]):

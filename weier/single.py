@@ -12,16 +12,15 @@ import xarray as xr
 import yaml
 from numpy.typing import NDArray
 
-from weier import dataset, limits
+from weier import dataset
 from weier.batch import solve_batch
 from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.files import write_text
-from weier.limits import MOST_LOADS
-from weier.loads import checked_loads
+from weier.loads import MOST_LOADS, check_range, checked_loads
+from weier.methods import PLANNED as PLANNED_METHOD
 from weier.plan import Plan
 from weier.plan_scene import plan
-from weier.scene import PLANNED as PLANNED_METHOD
 from weier.scene import Case, Scene
 from weier.solve import check_settings
 from weier.variables import PLANNED
@@ -120,14 +119,14 @@ def solve_one(
         If a solver misses its tolerance.
 
     """
-    limits.check_loads(loads)
+    check_range(loads)
     for method in methods:
         check_settings(method, settings.get(method, {}))
     foreign = [method for method in settings if method not in methods]
     if foreign:
         raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")
     case = Case(parameters, tuple(methods), settings)
-    limits.check_profile(case.profile, methods)
+    case.check()
     title = f"Weierstrass profile, {case.profile.describe()}"
     scene = Scene("one", title, loads, {"one": (case,)}, {}, {}, 1, False, _text(title, case, loads))
     data, cost = solve_batch(scene, [case])
@@ -158,9 +157,9 @@ def plan_one(
         If a parameter, load or tolerance is out of range, or no method can be that accurate.
 
     """
-    limits.check_loads(loads)
+    check_range(loads)
     case = Case(parameters, (PLANNED_METHOD,), {})
-    limits.check_profile(case.profile, case.methods)
+    case.check()
     return plan(case.profile, loads, tolerance, quantity)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from weier import dataset, laws, netcdf, provenance
 from weier.bounds import compliance_bounds, resistance_bounds
 from weier.files import replacing
-from weier.limits import NUMERICAL
+from weier.methods import NUMERICAL
 from weier.profile import Profile
 
 BLOCK = 64  # cases in memory: the bounds take loads^2 numbers for each

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from weier import curves
 from weier.figures import style
-from weier.limits import NUMERICAL
+from weier.methods import NUMERICAL
 
 
 def compare(

@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from weier.methods import PLANNED
 from weier.plan import QUANTITIES, OutOfReachError
 from weier.plan_scene import plan
-from weier.scene import PLANNED, Scene
+from weier.scene import Scene
 
 EXACT = "patches"  # what measures the error, where a scene runs it beside its plans
 NOTE = (

@@ -1,0 +1,72 @@
+"""YAML as plain values: what a hand writes, and nothing that runs, grows without end or hides a second meaning."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+MOST_TEXT = 10**6  # characters of a file
+MOST_NODES = 10**6  # values of one, after each alias is written out
+KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
+
+
+def load(text: str) -> Any:
+    """A YAML text as plain values: no objects, no keys given twice, no alias that grows without bound.
+
+    Raises
+    ------
+    ValueError
+        If it is not YAML, or not plain.
+
+    """
+    if len(text) > MOST_TEXT:
+        raise ValueError(f"a scene must have at most {MOST_TEXT} characters, got {len(text)}")
+    try:
+        node = yaml.compose(text, yaml.SafeLoader)
+        if node is not None:
+            _size(node, {})
+        return yaml.safe_load(text)
+    except RecursionError:
+        raise ValueError("the values are nested too deep, or contain themselves") from None
+    except yaml.YAMLError as error:
+        raise ValueError(str(error)) from None
+
+
+def number(name: str, value: Any) -> float:
+    """A number, be it written as text: YAML takes 1e-3 for a word.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or too large for a float.
+
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        shown = f"{value!s:.40}" if not isinstance(value, int) else "a number of too many digits"
+        raise ValueError(f"{name} must be a number, got {shown!r}") from None
+
+
+def _size(node: yaml.Node, known: dict[int, int]) -> int:
+    """How many values a node stands for, each alias written out; a node within itself never ends."""
+    if id(node) not in known:
+        children = _children(node)
+        known[id(node)] = 1 + sum(_size(child, known) for child in children)
+    if known[id(node)] > MOST_NODES:
+        raise ValueError(f"the scene must have at most {MOST_NODES} values, each alias written out: got more")
+    return known[id(node)]
+
+
+def _children(node: yaml.Node) -> list[yaml.Node]:
+    if isinstance(node, yaml.MappingNode):
+        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        twice = [key for key in keys if keys.count(key) > 1] if len(keys) > len(set(keys)) else []
+        if twice:
+            raise ValueError(f"the key {twice[0]!r} stands twice in one place")
+        odd = [key.start_mark.line + 1 for key, _ in node.value if key.tag not in KEY_TAGS]
+        if odd:
+            raise ValueError(f"a key must be a word, got another kind of value in line {odd[0]}")
+        return [child for pair in node.value for child in pair]
+    return node.value if isinstance(node, yaml.SequenceNode) else []
