@@ -124,8 +124,8 @@ def test_bounds_stand_around_the_exact_methods_only(waves):
 
 
 def test_seconds_are_kept_apart(solved):
-    _, cost = solved[0]
-    assert "seconds" not in dataset.VARIABLES
+    data, cost = solved[0]
+    assert "seconds" not in data
     assert float(cost.seconds.min()) > 0
 
 

@@ -18,7 +18,7 @@ from weier.errors import ConvergenceError
 from weier.limits import resolvable
 from weier.scene import Case, Scene
 from weier.solve import NotApplicableError, all_settings, answer
-from weier.variables import PLANNED
+from weier.variables import VARIABLES
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -53,7 +53,7 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         case = cases[number]
         describe_case(data, number, case)
         for method in case.methods:
-            _solve_into(curves, costs, (number, methods.index(method)), case, method)
+            _solve_into(curves, costs, {"case": number, "method": methods.index(method)}, case, method)
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
         seconds = np.nansum(costs["seconds"][number])
@@ -85,23 +85,28 @@ def _fitting(text: str) -> str:
     return text
 
 
-def _solve_into(curves: Arrays, costs: Arrays, place: tuple[int, int], case: Case, method: str) -> None:
+def _solve_into(curves: Arrays, costs: Arrays, place: Mapping[str, int], case: Case, method: str) -> None:
     """One curve, or why there is none, into its row of each array."""
+    run = _row("status", place)
     given = case.settings.get(method, {})
-    curves["settings"][place] = _fitting(json.dumps(all_settings(method, given), sort_keys=True))
+    curves["settings"][run] = _fitting(json.dumps(all_settings(method, given), sort_keys=True))
     try:
         found, seconds = answer(case.profile, curves["mean_pressure"], method, given)
     except NotApplicableError:
-        curves["status"][place] = Status.not_applicable
+        curves["status"][run] = Status.not_applicable
         return
     except ConvergenceError as error:
         print(f"{case.profile.describe()}, {method}: {error}", file=sys.stderr)
-        curves["status"][place] = Status.not_converged
+        curves["status"][run] = Status.not_converged
         return
     for name, values in found._asdict().items():
-        if name == "contact_edge" and name in curves:
-            curves[name][place[0], :, : values.shape[1]] = values
-        elif name in curves:
-            curves[name][place[0] if name in PLANNED else place] = values
-    curves["status"][place] = Status.solved
-    costs["seconds"][place] = seconds
+        if name in curves:
+            curves[name][_row(name, place, np.shape(values))] = values
+    curves["status"][run] = Status.solved
+    costs["seconds"][run] = seconds
+
+
+def _row(name: str, place: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:
+    """Where values of this shape go in the array of a variable: the first of those of a case and method."""
+    sizes = iter(shape)
+    return tuple(place[dim] if dim in place else slice(next(sizes, None)) for dim in VARIABLES[name].dims)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from weier import netcdf, provenance, variables
 from weier.files import replacing
 from weier.provenance import NORMALISED, PAPER
-from weier.variables import COORDINATES, COST, CURVE, PLANNED, RUN, VARIABLES, Status, Variable
+from weier.variables import COORDINATES, COST, CURVE, RUN, VARIABLES, Status, Variable
 
 __all__ = [
     "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
@@ -43,7 +43,7 @@ def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) 
 def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0) -> xr.Dataset:
     """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet."""
     sizes = {"case": cases, "method": len(methods), "mean_pressure": loads.size, "term": terms, "edge": edges}
-    names = [*VARIABLES, *(["contact_edge"] if edges else []), *(PLANNED if "planned" in methods else [])]
+    names = variables.of_curves(methods, edges > 0)
     data = xr.Dataset({name: variables.blank(name, sizes) for name in names}).set_coords(COORDINATES)
     data["status"].values[:] = Status.not_requested
     return data.assign_coords(
@@ -160,4 +160,4 @@ def _damaged(path: str | Path, error: Exception) -> ValueError:
 
 
 def _over_loads(name: str) -> tuple[str, ...]:
-    return tuple(dim for dim in variables.variable(name).dims if dim not in RUN)
+    return tuple(dim for dim in VARIABLES[name].dims if dim not in RUN)

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier.variables import PLANNED, VARIABLES
+from weier.variables import VARIABLES
 
 CHUNK_CASES = 256
 CHUNK_BYTES = 2**19  # a case of many contact edges is large by itself
@@ -63,7 +63,7 @@ def text_widths(data: xr.Dataset) -> dict[str, int]:
 
 
 def _table_width(name: str) -> int:
-    dtype = (VARIABLES | PLANNED)[name].dtype if name in VARIABLES or name in PLANNED else ""
+    dtype = VARIABLES[name].dtype if name in VARIABLES else ""
     return int(dtype[1:]) if dtype.startswith("U") else 0
 
 

@@ -25,7 +25,7 @@ from weier.methods import NUMERICAL, PLANNED
 from weier.plain_yaml import number
 from weier.profile import Profile, RandomPhases, random_phases
 from weier.solve import check_settings
-from weier.variables import VARIABLES
+from weier.variables import of_curves
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -323,7 +323,7 @@ def _check_count(raw: Mapping[str, Any]) -> None:
 
 def _check_memory(cases: int, loads: int, layout: Layout) -> None:
     """Refuse batches of so many cases that do not fit into memory."""
-    needed = 8 * cases * loads * (len(layout.methods) * len(VARIABLES) + layout.edges)
+    needed = 8 * cases * loads * (len(layout.methods) * len(of_curves(layout.methods, edges=False)) + layout.edges)
     if needed > MOST_BYTES:
         raise ValueError(
             f"a batch must fit into {MOST_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, fewer loads, "

@@ -18,12 +18,12 @@ from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.files import write_text
 from weier.loads import MOST_LOADS, check_range, checked_loads
-from weier.methods import PLANNED as PLANNED_METHOD
+from weier.methods import PLANNED
 from weier.plan import Plan
 from weier.plan_scene import plan
 from weier.scene import Case, Scene
 from weier.solve import check_settings
-from weier.variables import PLANNED
+from weier.variables import VARIABLES
 
 Array = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ def plan_one(
 
     """
     check_range(loads)
-    case = Case(parameters, (PLANNED_METHOD,), {})
+    case = Case(parameters, (PLANNED,), {})
     case.check()
     return plan(case.profile, loads, tolerance, quantity)
 
@@ -186,7 +186,7 @@ def as_json(data: xr.Dataset) -> str:
 def _of(case: xr.Dataset, method: str) -> xr.Dataset:
     """What belongs to a method."""
     run = case.sel({"method": method})
-    return run if method == PLANNED_METHOD else run.drop_vars(PLANNED, errors="ignore")
+    return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].only_with not in ("", method)])
 
 
 def _curves(run: xr.Dataset) -> dict[str, Any]:
