@@ -137,6 +137,17 @@ def test_a_written_file_is_read_back_and_written_the_same(waves, tmp_path):
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["a.nc", "b.nc"]
 
 
+def test_a_variable_without_values_takes_no_chunk(waves, tmp_path):
+    path, blank = tmp_path / "a.nc", tmp_path / "b.nc"
+    dataset.write(waves, path, "test")
+    dataset.write(waves.assign(work=waves.work * np.nan), blank, "test")
+    assert path.stat().st_size - blank.stat().st_size > 3000
+    again = dataset.read(blank)
+    assert again.work.isnull().all()
+    assert again.work.attrs == waves.work.attrs
+    assert again.drop_vars("work").identical(dataset.read(path).drop_vars("work"))
+
+
 def test_netcdf4_alone_finds_everything(waves, tmp_path):
     path = tmp_path / "a.nc"
     dataset.write(waves, path, "test")
