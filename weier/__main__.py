@@ -316,7 +316,7 @@ def endless_command(scene_file: Path, path: Path, terms: int) -> None:
     Best estimates and bounds of the cases of a scene.
     """
     loaded = scene.load(scene_file)
-    profiles = [case.profile for study in loaded.studies.values() for case in study]
+    profiles = [case.profile for case in loaded.cases.values()]
     found = endless.convergence(profiles, loaded.loads, terms)
     dataset.write(found, path, loaded.title, "solved", loaded.text)
 

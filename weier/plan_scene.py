@@ -103,8 +103,8 @@ def plan(
 
 
 def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:
-    every = {case.key: case for study in scene.studies.values() for case in study}
-    cases = every if "tolerance" in wanted else {key: case for key, case in every.items() if PLANNED in case.methods}
+    every = "tolerance" in wanted
+    cases = {key: case for key, case in scene.cases.items() if every or PLANNED in case.methods}
     if not cases:
         raise ValueError(f"scene {scene.name} has no tolerance to plan for: add one, such as tolerance: 1.0e-3")
     return ScenePlan({key: _plan_case(case, loads, wanted) for key, case in cases.items()})

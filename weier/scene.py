@@ -139,9 +139,14 @@ class Scene:
     text: str = ""
 
     @cached_property
+    def cases(self) -> dict[str, Case]:
+        """Every case by its key, each once, in order of appearance."""
+        return {case.key: case for study in self.studies.values() for case in study}
+
+    @cached_property
     def layout(self) -> Layout:
         """What the arrays of all cases must hold."""
-        return self.layout_of([case for cases in self.studies.values() for case in cases])
+        return self.layout_of(self.cases.values())
 
     def layout_of(self, cases: Collection[Case]) -> Layout:
         """What the arrays of some cases must hold, which is nothing that other cases need."""
@@ -173,15 +178,13 @@ class Scene:
     @cached_property
     def batches(self) -> dict[str, tuple[Case, ...]]:
         """Every case once, by batch: cases of the same studies together, so that a study is a set of batches."""
-        homes: dict[str, list[str]] = {}
-        cases: dict[str, Case] = {}
+        homes: dict[str, dict[str, None]] = {key: {} for key in self.cases}  # a study once, in the order of the file
         for study, members in self.studies.items():
             for case in members:
-                cases[case.key] = case
-                homes.setdefault(case.key, []).append(study)
+                homes[case.key][study] = None
         groups: dict[str, list[Case]] = {}
         for key, home in homes.items():
-            groups.setdefault("+".join(dict.fromkeys(home)), []).append(cases[key])
+            groups.setdefault("+".join(home), []).append(self.cases[key])
         return {
             f"{group}-{start // self.batch}": tuple(members[start : start + self.batch])
             for group, members in groups.items()

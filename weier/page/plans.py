@@ -45,9 +45,9 @@ def rows(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[li
 def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[Outcome]:
     seconds = {key: took for cost in costs for key, took in _seconds(cost)}
     numbers = {key: number for number, key in enumerate(data["key"].values.tolist())}
-    cases = {case.key: case for cases in scene.studies.values() for case in cases if PLANNED in case.methods}
-    for key, made in plan(scene).cases.items() if cases else ():
-        wanted = cases[key].settings[PLANNED]
+    planned = any(PLANNED in case.methods for case in scene.cases.values())
+    for key, made in plan(scene).cases.items() if planned else ():
+        wanted = scene.cases[key].settings[PLANNED]
         measured = _error(data.isel(case=numbers[key]), wanted.get("quantity", QUANTITIES[0]))
         if isinstance(made, OutOfReachError):
             yield Outcome(OUT_OF_REACH, np.nan, np.nan, wanted["tolerance"], np.nan, np.nan)

@@ -43,7 +43,7 @@ def measure(scene: Scene) -> xr.Dataset:
         which has none of its own. NaN where a contender would need too many points, or did not converge.
 
     """
-    cases = list({case.key: case for study in scene.studies.values() for case in study}.values())
+    cases = list(scene.cases.values())
     names = _names(cases)
     data = dataset.blank(len(cases), names, scene.loads, scene.layout.terms)
     data["seconds"] = variables.blank("seconds", {"case": len(cases), "method": len(names)})
