@@ -16,7 +16,7 @@ from weier import dataset
 from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.limits import resolvable
-from weier.scene import Case, Scene
+from weier.scene.cases import Case, Scene
 from weier.solve import NotApplicableError, all_settings, answer
 from weier.variables import VARIABLES
 

@@ -128,7 +128,8 @@ def solve_one(
     case = Case(parameters, tuple(methods), settings)
     case.check()
     title = f"Weierstrass profile, {case.profile.describe()}"
-    scene = Scene("one", title, loads, {"one": (case,)}, {}, {}, 1, False, _text(title, case, loads))
+    text = _text(title, case, loads)
+    scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch=1, text=text)
     data, cost = solve_batch(scene, [case])
     _check_solved(data)
     return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)

@@ -1,45 +1,31 @@
-"""From a scene file to its cases: read, check, expand, and cut into batches."""
+"""A scene and its cases, and how they are cut into batches."""
 
 from __future__ import annotations
 
 import hashlib
-import itertools
 import json
 import math
-import re
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from importlib.resources import files
-from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import plain_yaml
 from weier.limits import check_resolvable
-from weier.loads import check_range, checked_loads
-from weier.methods import NUMERICAL, PLANNED
+from weier.methods import NUMERICAL
 from weier.plain_yaml import number
 from weier.profile import Profile, RandomPhases, random_phases
-from weier.solve import check_settings
-from weier.variables import of_curves
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
-NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-BATCH = 25  # cases a job: some seconds of work for one or two of start-up
-
 # What a scene or a command may ask for, so that a slip of the pen ends in a sentence and not in a lost night.
-MOST_CASES = 10_000  # by default
-MOST_RANGE = 10**6
 MOST_TERMS = 1000  # of a finite series: the closed forms add them one by one
 MOST_GAMMA = 10**6
 MOST_PHASE = 1e6  # radians: a float of more has lost the digits that matter
-MOST_BYTES = 4 * 2**30  # of one batch
 
 
 class SceneError(ValueError):
@@ -122,8 +108,8 @@ class Scene:
     name, title : of the file and for people
     loads : mean pressures, shape (loads,), in p_0*
     studies : cases of each study, in the order of the file
-    figures, claims : what is made from the studies
     batch : most cases in one job
+    figures, claims : what is made from the studies
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
     """
@@ -132,10 +118,10 @@ class Scene:
     title: str
     loads: Array
     studies: Mapping[str, tuple[Case, ...]]
-    figures: Mapping[str, Figure]
-    claims: Mapping[str, tuple[str, ...]]
     batch: int
-    contact_edges: bool
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    contact_edges: bool = False
     text: str = ""
 
     @cached_property
@@ -218,155 +204,7 @@ class Scene:
         return hashlib.sha256(definition.encode()).hexdigest()
 
 
-def load(path: str | Path) -> Scene:
-    """Read and check a scene file.
-
-    Raises
-    ------
-    SceneError
-        If the file is missing, is not YAML, has an unknown key, or a value out of range.
-
-    """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-        raw = plain_yaml.load(text)
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
-    _check_schema(raw, path)
-    return replace(_scene(raw, path), text=text)
-
-
-def named(name: str) -> Scene:
-    """The scene of this name in config/scenes.
-
-    Raises
-    ------
-    SceneError
-        If the name could lead elsewhere, or the scene is not sound.
-
-    """
-    if not re.fullmatch(NAME, name):
-        raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
-    return load(Path("config/scenes", f"{name}.yaml"))
-
-
-def _check_schema(raw: Any, path: Path) -> None:
-    import jsonschema  # takes longer than the rest of a scene, and no one needs it but a scene
-
-    schema = json.loads(files("weier").joinpath("scene.schema.json").read_text(encoding="utf-8"))
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(raw))
-    if error is not None:
-        where = ".".join(str(part) for part in error.absolute_path) or "the top level"
-        raise SceneError(f"{path}: {where}: {_one_line(error.message)}")
-
-
-def _scene(raw: dict[str, Any], path: Path) -> Scene:
-    loads = _checked("loads", path, lambda: checked_loads([number("a load", v) for v in _axis(raw["loads"])]))
-    _checked("loads", path, lambda: check_range(loads))
-    _checked("studies", path, lambda: _check_count(raw))
-    studies = {name: tuple(_cases(study, raw, name, path)) for name, study in raw["studies"].items()}
-    figures = {
-        name: Figure(figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""))
-        for name, figure in raw.get("figures", {}).items()
-    }
-    claims = {name: tuple(wanted) for name, wanted in raw.get("claims", {}).items()}
-    for what, users in (("figures", {k: f.studies for k, f in figures.items()}), ("claims", claims)):
-        for name, wanted in users.items():
-            for study in wanted:
-                if study not in studies:
-                    raise SceneError(f"{path}: {what}.{name}: there is no study {study!r}, only {', '.join(studies)}")
-    made = Scene(
-        path.stem,
-        raw["title"],
-        loads,
-        studies,
-        figures,
-        claims,
-        int(raw.get("batch", BATCH)),
-        raw.get("contact_edges", False),
-    )
-    largest = max(map(len, made.batches.values()))
-    _checked("batch", path, lambda: _check_memory(largest, loads.size, made.layout))
-    return made
-
-
-def _cases(study: dict[str, Any], raw: dict[str, Any], name: str, path: Path) -> Iterator[Case]:
-    methods = tuple(study.get("methods", raw.get("methods", ())))
-    settings = study.get("settings", raw.get("settings", {}))
-    if "tolerance" in raw:
-        wanted = {"quantity": raw["quantity"]} if "quantity" in raw else {}
-        wanted["tolerance"] = _checked("tolerance", path, lambda: number("tolerance", raw["tolerance"]))
-        methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: wanted} | settings
-    for method in methods:
-        _checked(f"studies.{name}", path, lambda m=method: check_settings(m, settings.get(m, {})))
-    for product in study.get("cases", [study.get("product")]):
-        for parameters in _checked(f"studies.{name}", path, lambda p=product: list(_combinations(p))):
-            case = Case(parameters, methods, {m: s for m, s in settings.items() if m in methods})
-            _checked(f"studies.{name}", path, lambda c=case: c.check())
-            yield case
-
-
-def _combinations(product: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    axes = {name: values if name == "phases" else _axis(values) for name, values in product.items()}
-    for combination in itertools.product(*axes.values()):
-        yield dict(zip(axes, combination, strict=True))
-
-
-def _check_count(raw: Mapping[str, Any]) -> None:
-    """Count the cases before any is made."""
-    most = int(raw.get("most_cases", MOST_CASES))
-    products = [each for study in raw["studies"].values() for each in study.get("cases", [study.get("product")])]
-    count = sum(math.prod(_length(values) for values in product.values()) for product in products)
-    if count > most:
-        raise ValueError(
-            f"a scene must have at most {most} cases, got {count}: say most_cases: {count} if you mean it"
-        )
-
-
-def _check_memory(cases: int, loads: int, layout: Layout) -> None:
-    """Refuse batches of so many cases that do not fit into memory."""
-    needed = 8 * cases * loads * (len(layout.methods) * len(of_curves(layout.methods, edges=False)) + layout.edges)
-    if needed > MOST_BYTES:
-        raise ValueError(
-            f"a batch must fit into {MOST_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, fewer loads, "
-            "or contact_edges: false"
-        )
-
-
 def _short(ratio: Fraction) -> str:
     """A ratio in a few characters, be it too large for a float."""
     digits = math.log10(ratio.numerator) - math.log10(ratio.denominator)
     return f"{float(ratio):.15g}" if digits < 300 else f"about 1e{digits:.0f}"
-
-
-def _length(values: Any) -> int:
-    return int(values["count"]) if isinstance(values, dict) else len(values) if isinstance(values, list) else 1
-
-
-def _axis(values: Any) -> list[Any]:
-    """A number, a list or a range, as a list."""
-    if isinstance(values, list):
-        return values
-    if not isinstance(values, dict):
-        return [values]
-    if values["count"] > MOST_RANGE:
-        raise ValueError(f"a range must have at most {MOST_RANGE} values, got {values['count']}")
-    ends = number("from", values["from"]), number("to", values["to"])
-    if values.get("spacing") == "log" and not min(ends) > 0:
-        raise ValueError(f"a range in equal ratios must lie above 0, got {min(ends):g}")
-    if not np.isfinite(ends[1] - ends[0]):
-        raise ValueError(f"a range must have finite ends, got {ends[0]:g} and {ends[1]:g}")
-    space = np.geomspace if values.get("spacing") == "log" else np.linspace
-    return [int(v) if v.is_integer() else v for v in space(*ends, int(values["count"])).tolist()]
-
-
-def _checked(where: str, path: Path, make: Any) -> Any:
-    try:
-        return make()
-    except ValueError as error:
-        raise SceneError(f"{path}: {where}: {_one_line(error)}") from None
-
-
-def _one_line(error: object) -> str:
-    return " ".join(str(error).split())

@@ -1,0 +1,170 @@
+"""From a scene file to a scene: read, check and expand. What is wrong is told with the file and the key."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier import plain_yaml
+from weier.loads import check_range, checked_loads
+from weier.methods import PLANNED
+from weier.plain_yaml import number
+from weier.scene.cases import Case, Figure, Scene, SceneError
+from weier.scene.products import MOST_CASES, axis, check_count, combinations
+from weier.solve import check_settings
+from weier.variables import of_curves
+
+NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
+BATCH = 25  # cases a job: some seconds of work for one or two of start-up
+MOST_BYTES = 4 * 2**30  # of one batch
+
+Raw = Mapping[str, Any]  # of the file, as the schema has it
+
+
+def load(path: str | Path) -> Scene:
+    """Read and check a scene file.
+
+    Raises
+    ------
+    SceneError
+        If the file is missing, is not YAML, has an unknown key, or a value out of range.
+
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+        raw = plain_yaml.load(text)
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
+    _check_schema(raw, path)
+    return _scene(raw, text, path)
+
+
+def named(name: str) -> Scene:
+    """The scene of this name in config/scenes.
+
+    Raises
+    ------
+    SceneError
+        If the name could lead elsewhere, or the scene is not sound.
+
+    """
+    if not re.fullmatch(NAME, name):
+        raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
+    return load(Path("config/scenes", f"{name}.yaml"))
+
+
+def _check_schema(raw: Any, path: Path) -> None:
+    import jsonschema  # takes longer than the rest of a scene, and no one needs it but a scene
+
+    schema = json.loads(files("weier").joinpath("scene.schema.json").read_text(encoding="utf-8"))
+    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(raw))
+    if error is not None:
+        where = ".".join(str(part) for part in error.absolute_path) or "the top level"
+        raise SceneError(f"{path}: {where}: {_one_line(error.message)}")
+
+
+def _scene(raw: Raw, text: str, path: Path) -> Scene:
+    with _naming(path, "loads"):
+        loads = _loads(raw)
+    with _naming(path, "studies"):
+        check_count(raw["studies"], int(raw.get("most_cases", MOST_CASES)))
+    with _naming(path, "tolerance"):
+        plan = _plan(raw)
+    studies = {}
+    for name, study in raw["studies"].items():
+        with _naming(path, f"studies.{name}"):
+            studies[name] = tuple(_cases(study, raw, plan))
+    scene = Scene(
+        name=path.stem,
+        title=raw["title"],
+        loads=loads,
+        studies=studies,
+        batch=int(raw.get("batch", BATCH)),
+        figures=_figures(raw),
+        claims={name: tuple(wanted) for name, wanted in raw.get("claims", {}).items()},
+        contact_edges=raw.get("contact_edges", False),
+        text=text,
+    )
+    _check_references(scene, path)
+    with _naming(path, "batch"):
+        _check_memory(scene)
+    return scene
+
+
+def _loads(raw: Raw) -> NDArray[np.float64]:
+    loads = checked_loads([number("a load", value) for value in axis(raw["loads"])])
+    check_range(loads)
+    return loads
+
+
+def _plan(raw: Raw) -> dict[str, Any]:
+    """Settings of the method planned, for all studies of a scene with a tolerance; else none."""
+    if "tolerance" not in raw:
+        return {}
+    quantity = {"quantity": raw["quantity"]} if "quantity" in raw else {}
+    return quantity | {"tolerance": number("tolerance", raw["tolerance"])}
+
+
+def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
+    methods = tuple(study.get("methods", raw.get("methods", ())))
+    settings = study.get("settings", raw.get("settings", {}))
+    if plan:
+        methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
+    for method in methods:
+        check_settings(method, settings.get(method, {}))
+    own = {method: values for method, values in settings.items() if method in methods}
+    for parameters in combinations(study):
+        case = Case(parameters, methods, own)
+        case.check()
+        yield case
+
+
+def _figures(raw: Raw) -> dict[str, Figure]:
+    return {
+        name: Figure(figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""))
+        for name, figure in raw.get("figures", {}).items()
+    }
+
+
+def _check_references(scene: Scene, path: Path) -> None:
+    """Refuse figures and claims of studies that are not there."""
+    users = {f"figures.{name}": figure.studies for name, figure in scene.figures.items()}
+    users |= {f"claims.{name}": wanted for name, wanted in scene.claims.items()}
+    for where, wanted in users.items():
+        for study in wanted:
+            if study not in scene.studies:
+                raise SceneError(f"{path}: {where}: there is no study {study!r}, only {', '.join(scene.studies)}")
+
+
+def _check_memory(scene: Scene) -> None:
+    """Refuse batches that do not fit into memory."""
+    methods, _, edges = scene.layout
+    cases = max(map(len, scene.batches.values()))
+    needed = 8 * cases * scene.loads.size * (len(methods) * len(of_curves(methods, edges=False)) + edges)
+    if needed > MOST_BYTES:
+        raise ValueError(
+            f"a batch must fit into {MOST_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, fewer loads, "
+            "or contact_edges: false"
+        )
+
+
+@contextmanager
+def _naming(path: Path, where: str) -> Iterator[None]:
+    """What is found wrong meanwhile is told with the file and the key."""
+    try:
+        yield
+    except ValueError as error:
+        raise SceneError(f"{path}: {where}: {_one_line(error)}") from None
+
+
+def _one_line(error: object) -> str:
+    return " ".join(str(error).split())

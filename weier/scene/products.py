@@ -1,0 +1,81 @@
+"""Products of a scene: the numbers, lists and ranges that each parameter takes, and every combination of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from weier.plain_yaml import number
+
+MOST_CASES = 10_000  # by default
+MOST_RANGE = 10**6
+
+Product = Mapping[str, Any]
+
+
+def combinations(study: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The parameters of each case of a study.
+
+    Raises
+    ------
+    ValueError
+        If a range is too long or has no such values.
+
+    """
+    for product in _products(study):
+        axes = {name: values if name == "phases" else axis(values) for name, values in product.items()}
+        for combination in itertools.product(*axes.values()):
+            yield dict(zip(axes, combination, strict=True))
+
+
+def check_count(studies: Mapping[str, Any], most: int) -> None:
+    """Count the cases before any is made.
+
+    Raises
+    ------
+    ValueError
+        If there are too many.
+
+    """
+    products = [product for study in studies.values() for product in _products(study)]
+    count = sum(math.prod(_length(values) for values in product.values()) for product in products)
+    if count > most:
+        raise ValueError(
+            f"a scene must have at most {most} cases, got {count}: say most_cases: {count} if you mean it"
+        )
+
+
+def axis(values: Any) -> list[Any]:
+    """A number, a list or a range, as a list.
+
+    Raises
+    ------
+    ValueError
+        If it is a range too long, or without such values.
+
+    """
+    if isinstance(values, list):
+        return values
+    if not isinstance(values, dict):
+        return [values]
+    if values["count"] > MOST_RANGE:
+        raise ValueError(f"a range must have at most {MOST_RANGE} values, got {values['count']}")
+    ends = number("from", values["from"]), number("to", values["to"])
+    if values.get("spacing") == "log" and not min(ends) > 0:
+        raise ValueError(f"a range in equal ratios must lie above 0, got {min(ends):g}")
+    if not np.isfinite(ends[1] - ends[0]):
+        raise ValueError(f"a range must have finite ends, got {ends[0]:g} and {ends[1]:g}")
+    space = np.geomspace if values.get("spacing") == "log" else np.linspace
+    return [int(v) if v.is_integer() else v for v in space(*ends, int(values["count"])).tolist()]
+
+
+def _products(study: Mapping[str, Any]) -> list[Product]:
+    return study["cases"] if "cases" in study else [study["product"]]
+
+
+def _length(values: Any) -> int:
+    return int(values["count"]) if isinstance(values, dict) else len(values) if isinstance(values, list) else 1
