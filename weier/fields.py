@@ -41,7 +41,7 @@ def fields(profile: Profile, mean_pressure: float, method: str = "patches", poin
     method : "patches" or "bem"
         Exact contact edges, or boundary elements.
     points : int, optional
-        Positions x in one period, the nodes of "bem"; 64 for each of the finest waves unless told.
+        Positions x in one period, the nodes of "bem"; by default, 64 for each of the finest waves.
 
     Returns
     -------
