@@ -16,12 +16,12 @@ from weier.claims.readings import MissingError
 from weier.files import write_text
 from weier.scene import Scene
 from weier.study import gather, keys_of
+from weier.variables import flags
+from weier.verdict import Verdict
 
 __all__ = ["CLAIMS", "Measured", "evaluate", "write"]
 
 CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
-HOLDS = {False: 0, True: 1, None: 2}
-HOLDS_MEANINGS = {0: "no", 1: "yes", 2: "not_measured"}
 
 
 def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: str | Path) -> None:
@@ -83,7 +83,7 @@ def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
         "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
         "claim_measured_value": ([measured.value for measured in found.values()], "value of the quantity here"),
         "claim_holds": (
-            np.array([HOLDS[measured.holds] for measured in found.values()], "i1"),
+            np.array([Verdict.of(measured.holds) for measured in found.values()], "i1"),
             "whether the statement of the paper fits what is measured here",
         ),
     }
@@ -91,10 +91,7 @@ def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
         name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
         for name, (values, long_name) in columns.items()
     }
-    variables["claim_holds"].attrs |= {
-        "flag_values": np.array(list(HOLDS_MEANINGS), "i1"),
-        "flag_meanings": " ".join(HOLDS_MEANINGS.values()),
-    }
+    variables["claim_holds"].attrs |= flags(Verdict)
     return xr.Dataset(variables).set_coords("claim")
 
 
@@ -104,7 +101,7 @@ def _markdown(title: str, found: Mapping[str, Measured]) -> str:
     rows = [
         [
             *map(markdown.plain, (name, CLAIMS[name].statement, measured.text)),
-            HOLDS_MEANINGS[HOLDS[measured.holds]].replace("_", " "),
+            Verdict.of(measured.holds).text,
         ]
         for name, measured in found.items()
     ]

@@ -2,7 +2,8 @@
 
 from weier.extremes.cases import Extreme, extremes
 from weier.extremes.examine import Examined, Outcome, examine
-from weier.extremes.measure import Verdict, measure
+from weier.extremes.measure import measure
 from weier.extremes.report import failures, write_table
+from weier.verdict import Verdict
 
 __all__ = ["Examined", "Extreme", "Outcome", "Verdict", "examine", "extremes", "failures", "measure", "write_table"]

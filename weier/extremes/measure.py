@@ -21,20 +21,13 @@ from weier.extremes.examine import Examined, Outcome, examine
 from weier.extremes.truth import truth
 from weier.profile import Profile
 from weier.tradeoff.contenders import Contender
-from weier.variables import CURVE, RUN
+from weier.variables import CURVE, RUN, flags
+from weier.verdict import Verdict
 
 KEPT = (
     "total_amplitude", "tail_amplitude", "first_contact", "compliance", "resistance", "compliance_error", "points",
     "settings",
 )  # fmt: skip
-
-
-class Verdict(IntEnum):
-    """Whether a curve is as it should be."""
-
-    no = 0
-    yes = 1
-    not_measured = 2
 
 
 VERDICTS = {
@@ -97,12 +90,9 @@ def _finite_terms(profile: Profile) -> int:
     return profile.terms if np.isfinite(profile.m) else 1
 
 
-def _about(long_name: str, flags: type[IntEnum] | None = None) -> dict[str, Any]:
+def _about(long_name: str, meanings: type[IntEnum] | None = None) -> dict[str, Any]:
     about: dict[str, Any] = {"long_name": long_name, "units": "1", "coverage_content_type": "qualityInformation"}
-    if flags is not None:
-        about["flag_values"] = np.array(list(flags), "i1")
-        about["flag_meanings"] = " ".join(flag.name for flag in flags)
-    return about
+    return about | (flags(meanings) if meanings else {})
 
 
 def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Contender) -> None:

@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from weier.extremes.examine import Outcome
-from weier.extremes.measure import VERDICTS, Verdict
+from weier.extremes.measure import VERDICTS
 from weier.files import write_text
 from weier.markdown import plain, table
+from weier.verdict import Verdict
 
 HEAD = [
     "extreme", "method", "loads", "outcome", "rises", "concave", "in bounds", "digits of h", "of R", "error of h",

@@ -24,8 +24,8 @@ from weier.files import write_text
 from weier.page import plans
 from weier.page.curves import MOST_CASES, explorer
 from weier.scene import Scene
+from weier.verdict import Verdict
 
-HOLDS = {0: "no", 1: "yes", 2: "not measured"}
 LARGEST = {
     "residual": "largest residual, g_0",
     "compliance_error": "largest expected error of h, g_0",
@@ -126,7 +126,7 @@ def _table(header: Iterable[str], rows: Iterable[Iterable[object]], kind: str = 
 def _claims(data: xr.Dataset) -> str:
     if "claim" not in data.variables:
         return "<p>This scene checks no claims.</p>"
-    holds = [HOLDS[number] for number in data["claim_holds"].values.tolist()]
+    holds = [Verdict(number).text for number in data["claim_holds"].values.tolist()]
     columns = [data[name].values.tolist() for name in ("claim", "claim_statement", "claim_measured")]
     return _table(["claim", "the paper says", "measured here", "holds"], zip(*columns, holds, strict=True))
 

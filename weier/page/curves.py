@@ -13,7 +13,7 @@ from bokeh.models.widgets import CheckboxGroup, Select
 from bokeh.plotting import figure
 
 from weier.figures import style
-from weier.limits import NUMERICAL
+from weier.methods import NUMERICAL
 
 MOST_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last tells apart cases of different settings

@@ -1,0 +1,23 @@
+"""Whether something is as it should be: a claim of the paper, a curve at the extremes."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Verdict(IntEnum):
+    """The flags of a file, and their names in its attributes."""
+
+    no = 0
+    yes = 1
+    not_measured = 2
+
+    @classmethod
+    def of(cls, holds: bool | None) -> Verdict:
+        """The verdict on what holds, does not, or could not be measured (None)."""
+        return cls.not_measured if holds is None else cls(holds)
+
+    @property
+    def text(self) -> str:
+        """In words for people."""
+        return self.name.replace("_", " ")
