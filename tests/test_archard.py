@@ -6,7 +6,7 @@ import pytest
 from tests.extreme_series import CORNERS, assert_accurate, extreme_cases
 from weier import archard
 from weier.extremes import exact
-from weier.profile import leading_amplitude, tail_amplitude
+from weier.series import leading_amplitude, tail_amplitude
 
 
 @pytest.mark.parametrize(("seed", "terms"), [(1, [1, 2, 3, 12, 13, 100]), (2, [1000]), (3, [np.inf])])

@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from weier import westergaard
 from weier.bounds import compliance_bounds, resistance_bounds
-from weier.profile import amplitude, tail_amplitude
+from weier.series import amplitude, tail_amplitude
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "contact.json").read_text(encoding="utf-8"))
 D, GAMMA = 1.25, 5

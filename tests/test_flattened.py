@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.extreme_series import ACCURACY, EPS, TINY, extreme_cases
 from weier import archard, demelio, flattened, westergaard
 from weier.extremes import exact
-from weier.profile import full_contact_pressure, leading_amplitude, tail_amplitude
+from weier.series import full_contact_pressure, leading_amplitude, tail_amplitude
 
 either = pytest.mark.parametrize("estimate", [archard, demelio])
 

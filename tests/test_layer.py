@@ -16,7 +16,7 @@ from weier.layer.certificate import cosines, violation
 from weier.layer.law import Layer
 from weier.layer.stack import ACCURACY, POINTS, TOLERANCE, Recursion, _scaling, _tables
 from weier.layer.wave import midpoints, trace
-from weier.profile import leading_amplitude, tail_amplitude
+from weier.series import leading_amplitude, tail_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]
 REFERENCE = json.loads((Path(__file__).parent / "data" / "contact.json").read_text())

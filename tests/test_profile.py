@@ -8,17 +8,10 @@ from pathlib import Path
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from weier.profile import (
-    Profile,
-    amplitude,
-    full_contact_pressure,
-    leading_amplitude,
-    random_phases,
-    tail_amplitude,
-)
+from weier.phases import random_phases
+from weier.profile import Profile
+from weier.series import leading_amplitude, tail_amplitude
 
 EPS = np.finfo(float).eps
 REFERENCE = json.loads((Path(__file__).parent / "data" / "contact.json").read_text(encoding="utf-8"))
@@ -41,31 +34,6 @@ def series(profile, x, derivative=0):
             * mp.cos(k[n] * at + mp.mpf(float(profile.phase[n])) + derivative * mp.pi / 2)
             for n in range(profile.terms)
         )
-
-
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(st.floats(1e-9, 1 - 1e-9), st.floats(-6, 6), st.integers(0, 1000))
-def test_powers_keep_their_last_digits(a, size, n):
-    D, gamma = 1 + a, 1 + 10.0**size
-    with mp.workdps(40):
-        g, pressure = (mp.mpf(gamma) ** ((mp.mpf(D) - e) * n) for e in (2, 1))
-    if g > 1e-300:
-        assert amplitude(n, D, gamma) == pytest.approx(float(g), rel=4 * EPS)
-    if pressure < 1e300:
-        assert full_contact_pressure(n, D, gamma) == pytest.approx(float(pressure), rel=4 * EPS)
-
-
-@pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1 + 1e-9, 1e6), (2 - 1e-9, 1 + 1e-6), (1.5, 2)])
-@pytest.mark.parametrize("m", [0, 1, 4, 1000, np.inf])
-def test_sums_of_amplitudes_against_mpmath(D, gamma, m):
-    with mp.workdps(60):
-        ratio = mp.mpf(gamma) ** (mp.mpf(D) - 2)
-        first = mp.fsum(ratio**n for n in range(m)) if m < np.inf else 1 / (1 - ratio)
-        rest = ratio**m / (1 - ratio) if m < np.inf else mp.mpf(0)
-    # ratio^m magnifies the rounding of its exponent m (2 - D) ln gamma
-    rounding = (4 + abs(float(mp.log(ratio)) * min(m, 1000))) * EPS
-    assert leading_amplitude(m, D, gamma) == pytest.approx(float(first), rel=4 * EPS)
-    assert tail_amplitude(m, D, gamma) == pytest.approx(float(rest), rel=rounding, abs=1e-300)
 
 
 def test_profile_and_functions_agree_on_the_sums():
@@ -155,24 +123,6 @@ def test_ratio_may_be_written_in_many_ways():
 def test_one_phase_shifts_every_term_but_the_first():
     np.testing.assert_array_equal(Profile(1.5, 5, 3, 0.7).phase, [0, 0.7, 0.7])
     np.testing.assert_array_equal(Profile(1.5, 5, 2, [0.7, 0.1]).phase, [0.7, 0.1])
-
-
-@given(st.integers(0, 2**63), st.integers(1, 50), st.integers(1, 50))
-@settings(deadline=None, derandomize=True)
-def test_random_phases_of_a_longer_series_extend_the_shorter(seed, m, more):
-    shorter, longer = (Profile(1.5, 5, terms, random_phases(seed)).phase for terms in (m, m + more))
-    np.testing.assert_array_equal(longer[:m], shorter)
-    assert np.all((longer >= 0) & (longer < 2 * np.pi))
-
-
-def test_random_phases_differ_between_seeds():
-    assert np.all(random_phases(1).first(5) != random_phases(2).first(5))
-
-
-@pytest.mark.parametrize("seed", [-1, 1.5, True, "1", None])
-def test_random_phases_refuse_what_is_no_seed(seed):
-    with pytest.raises(ValueError, match="seed must be a non-negative integer, got"):
-        random_phases(seed)
 
 
 @pytest.mark.parametrize(

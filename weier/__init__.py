@@ -4,8 +4,9 @@ from weier.conduction import Interface
 from weier.contact import Contact, open
 from weier.errors import ConvergenceError
 from weier.fields import events, fields
+from weier.phases import random_phases
 from weier.plan_scene import plan
-from weier.profile import Profile, random_phases
+from weier.profile import Profile
 from weier.solve import solve
 from weier.version import VERSION
 

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
 from weier.jit import kernel
-from weier.profile import full_contact_pressure
+from weier.series import full_contact_pressure
 
 Array = NDArray[np.float64]
 

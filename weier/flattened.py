@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier.jit import kernel
-from weier.profile import amplitude, full_contact_pressure, leading_amplitude
+from weier.series import amplitude, full_contact_pressure, leading_amplitude
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""The Weierstrass series (1): its waves, their full-contact pressures, its tail, its heights and slopes.
+"""The Weierstrass series (1) with its phases: waves, tail, heights and slopes.
 
 Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0.
 """
@@ -14,71 +14,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from weier import series
+from weier.phases import Phases, RandomPhases, checked_phases
 from weier.summits import sampled, summits
 
 Array = NDArray[np.float64]
 
 LARGEST_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
-
-
-def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
-    """Amplitude g_n = gamma^((D-2) n) of term n, in g_0 (20). Broadcasts."""
-    return _power(gamma, np.asarray(D, float) - 2, n)
-
-
-def full_contact_pressure(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
-    """Mean pressure p_n* = gamma^((D-1) n) that flattens term n alone, in p_0* (16). Broadcasts."""
-    return _power(gamma, np.asarray(D, float) - 1, n)
-
-
-def leading_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
-    """Sum of the amplitudes of the first m terms, in g_0 (22). Broadcasts; m = inf has its limit."""
-    exponent = (np.asarray(D, float) - 2) * np.log(gamma)
-    return np.asarray(np.expm1(exponent * m) / np.expm1(exponent))
-
-
-def tail_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
-    """Sum G_m of the amplitudes of all terms n >= m, in g_0 (22), (27). Broadcasts; 0 for m = inf."""
-    exponent = (np.asarray(D, float) - 2) * np.log(gamma)
-    return np.exp(exponent * m) / -np.expm1(exponent)
-
-
-def _power(gamma: ArrayLike, exponent: Array, n: ArrayLike) -> Array:
-    """gamma^(exponent n) to the last digits."""
-    # A rounded product exponent * n would cost the power up to 700 units in the last place. The leading
-    # 29 bits of the exponent times n < 2^24 are exact, and what they leave is too small to magnify anything.
-    n, leading = np.asarray(n, float), np.trunc(exponent * 2.0**29) / 2.0**29
-    return np.asarray(np.power(gamma, leading * n, dtype=float) * np.exp((exponent - leading) * n * np.log(gamma)))
-
-
-@dataclass(frozen=True)
-class RandomPhases:
-    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of one endless sequence."""
-
-    seed: int
-
-    def first(self, m: int) -> Array:
-        """The first m phases, shape (m,), in radians."""
-        return np.random.default_rng(self.seed).uniform(0, 2 * np.pi, m)
-
-
-def random_phases(seed: int) -> RandomPhases:
-    """Phases drawn from `seed`; a longer series extends a shorter one of the same seed.
-
-    Raises
-    ------
-    ValueError
-        If `seed` is not a non-negative integer.
-
-    Examples
-    --------
-    >>> import weier
-    >>> weier.Profile(D=1.25, gamma=5, m=2, phases=weier.random_phases(7)).phase.round(3)
-    array([3.928, 5.637])
-    """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise ValueError(f"seed must be a non-negative integer, got {seed!r}")
-    return RandomPhases(int(seed))
 
 
 @dataclass(frozen=True)
@@ -112,8 +54,9 @@ class Profile:
     D: float
     gamma: Fraction
     m: float
-    phases: float | tuple[float, ...] | RandomPhases = 0.0
+    phases: Phases = 0.0
 
+    # Its own, since it takes more types than the fields keep.
     def __init__(
         self,
         D: float,
@@ -122,10 +65,10 @@ class Profile:
         phases: float | Sequence[float] | Array | RandomPhases = 0.0,
     ) -> None:
         for name, value in (
-            ("D", checked_dimension(D)),
+            ("D", series.checked_dimension(D)),
             ("gamma", _checked_ratio(gamma)),
-            ("m", checked_terms(m)),
-            ("phases", _checked_phases(phases, m)),
+            ("m", series.checked_terms(m)),
+            ("phases", checked_phases(phases, m)),
         ):
             object.__setattr__(self, name, value)
 
@@ -145,12 +88,12 @@ class Profile:
     @cached_property
     def amplitude(self) -> Array:
         """Amplitudes g_n, shape (m,), in g_0 (20)."""
-        return amplitude(np.arange(self.terms), self.D, float(self.gamma))
+        return series.amplitude(np.arange(self.terms), self.D, float(self.gamma))
 
     @cached_property
     def full_contact_pressure(self) -> Array:
         """Full-contact pressures p_n*, shape (m,), in p_0* (16)."""
-        return full_contact_pressure(np.arange(self.terms), self.D, float(self.gamma))
+        return series.full_contact_pressure(np.arange(self.terms), self.D, float(self.gamma))
 
     @cached_property
     def phase(self) -> Array:
@@ -165,13 +108,13 @@ class Profile:
     def total_amplitude(self) -> float:
         """Sum of all g_n, in g_0: the compliance at full contact (22)."""
         if math.isinf(self.m):
-            return float(tail_amplitude(0, self.D, float(self.gamma)))
+            return float(series.tail_amplitude(0, self.D, float(self.gamma)))
         return math.fsum(self.amplitude)
 
     @property
     def tail_amplitude(self) -> float:
         """Sum G_m of the amplitudes that the truncation leaves out, in g_0 (27)."""
-        return float(tail_amplitude(self.m, self.D, float(self.gamma)))
+        return float(series.tail_amplitude(self.m, self.D, float(self.gamma)))
 
     @property
     def period(self) -> int:
@@ -225,13 +168,6 @@ class Profile:
         return total
 
 
-def checked_dimension(D: float) -> float:
-    """D, if it is a fractal dimension of a profile."""
-    if not 1 < D < 2:
-        raise ValueError(f"D must lie in (1, 2), got {D}")
-    return float(D)
-
-
 def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
     try:
         ratio = Fraction(gamma)
@@ -248,27 +184,3 @@ def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
     if ratio <= 1:
         raise ValueError(f"gamma must exceed 1, so that each term is finer than the one before, got {gamma}")
     return ratio
-
-
-def checked_terms(m: float) -> float:
-    """m, if it is a number of terms: an integer, or inf."""
-    if isinstance(m, bool) or not m >= 1 or (math.isfinite(m) and m != int(m)):
-        raise ValueError(f"m must be a whole number of terms, at least 1, or inf, got {m}")
-    return m if math.isinf(m) else int(m)
-
-
-def _checked_phases(
-    phases: float | Sequence[float] | Array | RandomPhases, m: float
-) -> float | tuple[float, ...] | RandomPhases:
-    if isinstance(phases, RandomPhases):
-        return phases
-    values = np.asarray(phases, float)
-    if values.ndim > 1 or not np.all(np.isfinite(values)):
-        raise ValueError(f"phases must be finite numbers in radians, got {phases!r}")
-    if values.ndim == 0:
-        return float(values)
-    if values.size != m:
-        raise ValueError(
-            f"phases must be one number for all terms or one for each of the m = {m} terms, got {values.size} values"
-        )
-    return tuple(values.tolist())

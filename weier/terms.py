@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from weier.profile import Profile, RandomPhases
+from weier.phases import RandomPhases
+from weier.profile import Profile
 
 
 def truncated(profile: Profile, terms: int) -> Profile:

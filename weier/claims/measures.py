@@ -33,7 +33,7 @@ from weier.claims.readings import (
     span,
     total_of,
 )
-from weier.profile import tail_amplitude
+from weier.series import tail_amplitude
 
 Cases = Sequence[xr.Dataset]
 

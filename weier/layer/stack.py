@@ -22,7 +22,7 @@ from weier.errors import ConvergenceError
 from weier.layer.certificate import violations
 from weier.layer.law import Layer, compressions
 from weier.layer.wave import Mesh, depths, midpoints, trace
-from weier.profile import checked_dimension, checked_terms
+from weier.series import checked_dimension, checked_terms
 
 Array = NDArray[np.float64]
 Law = Callable[[Array], tuple[Array, Array]]  # W and dW/dxi at increasing ln xi

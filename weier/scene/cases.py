@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from weier.limits import check_resolvable
 from weier.methods import NUMERICAL
+from weier.phases import RandomPhases, random_phases
 from weier.plain_yaml import number
-from weier.profile import Profile, RandomPhases, random_phases
+from weier.profile import Profile
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import bem, laws, patches, planned
+from weier.phases import random_phases
 from weier.plan import QUANTITIES
-from weier.profile import Profile, random_phases
+from weier.profile import Profile
 from weier.terms import truncated
 
 Array = NDArray[np.float64]
