@@ -5,7 +5,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from weier import dataset, figures, laws, scene, tradeoff
+from weier import Profile, dataset, figures, laws, scene, tradeoff
 from weier.solve import checked_method
 from weier.tradeoff import report
 from weier.tradeoff.errors import worst_over_loads
@@ -54,7 +54,7 @@ def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
 
 
 def test_every_contender_is_a_method_with_its_settings(measured):
-    for contender in tradeoff.contenders(scene.Profile(1.25, 5, 2)):
+    for contender in tradeoff.contenders(Profile(1.25, 5, 2)):
         checked_method(contender.method, contender.settings)
         assert len(contender.name) <= 16
 
