@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from weier.curves import ESTIMATES
 from weier.figures.style import METHODS, PANELS
-from weier.limits import NUMERICAL
+from weier.methods import NUMERICAL
 from weier.scene import Scene
 
 # Where all methods stand beside each other, {drawn} tells them apart.
