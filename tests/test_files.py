@@ -29,14 +29,26 @@ def test_a_text_makes_its_folder(tmp_path):
     assert [path.read_bytes().decode("utf-8") for path in (tmp_path / "new").iterdir()] == ["p → 0"]
 
 
-def test_what_cannot_be_written_is_told_by_its_own_name(tmp_path):
-    """A folder stands there, or the place for it is none: the file beside it is nobody's concern."""
+@pytest.mark.parametrize(
+    ("name", "why"), [("a", "it is a folder"), ("file/b", "file is not a folder"), ("pipe", "it is a device")]
+)
+def test_what_cannot_be_written_is_told_by_its_own_name(tmp_path, name, why):
+    """The file beside it is nobody's concern."""
     (tmp_path / "a").mkdir()
-    for path, why in ((tmp_path / "a", "Is a directory"), (tmp_path / "none" / "a", "No such file or directory")):
-        with pytest.raises(OSError, match=why) as refused, replacing(path) as beside:
-            beside.write_text("new")
-        assert str(refused.value) == f"{path} cannot be written: {why}; mend that and run again"
-    assert [path.name for path in tmp_path.rglob("*")] == ["a"]
+    (tmp_path / "file").touch()
+    os.mkfifo(tmp_path / "pipe")
+    path = tmp_path / name
+    with pytest.raises(OSError, match=why) as refused, replacing(path) as beside:
+        beside.write_text("new")
+    assert str(refused.value).startswith(f"{path} cannot be written (")
+    assert {path.name for path in tmp_path.rglob("*")} == {"a", "file", "pipe"}
+
+
+def test_a_link_is_followed(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "folder" / "file")
+    write_text(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "folder" / "file").read_text() == "new"
 
 
 def test_leftovers_go_when_their_process_is_gone(tmp_path):

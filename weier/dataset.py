@@ -97,8 +97,6 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
 
     """
     data = data.assign_attrs(provenance.attributes(title, step, scene))
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
         netcdf.create(file, data, {}, netcdf.text_widths(data))
         netcdf.fill(file, data)
@@ -156,6 +154,8 @@ def open_lazily(path: str | Path) -> xr.Dataset:
 
 
 def _damaged(path: str | Path, error: Exception) -> ValueError:
+    if not Path(path).is_file():
+        return ValueError(f"there is no file {path}: make it first")
     return ValueError(f"{path} is not a whole netCDF file: delete it and make it again ({error})")
 
 

@@ -18,14 +18,21 @@ PROBE = 2**20  # bytes that show why a file could not be written
 def replacing(path: str | Path) -> Iterator[Path]:
     """A path to write beside the real one, which it replaces when all went well and leaves alone otherwise.
 
+    The folder is made where there is none; a link is followed.
+
     Raises
     ------
     OSError
-        If the disk is full or closed to writing.
+        If there can be no such file, or the disk is full or closed to writing.
 
     """
-    path = Path(path)
+    check_target(path)
+    path = Path(os.path.realpath(path))
     beside = path.with_name(f".{path.name}.{_host()}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _unwritable(path, error) from None
     try:
         yield beside
         os.replace(beside, path)
@@ -48,10 +55,35 @@ def write_text(path: str | Path, text: str) -> None:
         If the disk is full or closed to writing.
 
     """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
+
+
+def check_target(path: str | Path) -> None:
+    """Refuse a file that cannot be, such as one in the place of a folder or of a device, or in no folder.
+
+    Raises
+    ------
+    OSError
+        If there can be no such file.
+
+    """
+    path = Path(path)
+    try:
+        folder = next(place for place in path.absolute().parents if place.exists())
+        if path.is_dir():
+            wrong = "it is a folder"
+        elif path.exists() and not path.is_file():
+            wrong = "it is a device"  # which a file would replace
+        elif not folder.is_dir():
+            wrong = f"{folder} is not a folder"
+        elif not os.access(folder, os.W_OK):
+            wrong = f"{folder} is closed to writing"
+        else:
+            return
+    except OSError as error:  # such as a name that is too long
+        wrong = f"{error.strerror}"
+    raise OSError(f"{path} cannot be written ({wrong}): name another file, in a folder that you can write to")
 
 
 def check_writable(folder: str | Path) -> None:

@@ -64,8 +64,6 @@ def gather(
     like, histories = _layout(files, set(keys))
     whole = like.merge(more) if more is not None else like
     whole = whole.assign_attrs(provenance.attributes(title, step, scene, histories))
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
         netcdf.create(file, whole, {"case": len(keys)}, netcdf.text_widths(whole))
         netcdf.fill(file, whole.drop_dims("case"))

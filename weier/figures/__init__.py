@@ -25,7 +25,12 @@ KINDS = (
     "truncated_resistance",
 )
 
-MEASURES = ("endless", "extremes", "work_precision")  # of other files than those of a scene
+# Of other files than those of a scene: the command that writes such a file, and what it alone has.
+MEASURES = {
+    "endless": ("endless", "points"),
+    "extremes": ("extremes", "compliance_digits"),
+    "work_precision": ("tradeoff", "seconds"),
+}
 
 # No dates: the same data make the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
@@ -48,11 +53,15 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
     Raises
     ------
     ValueError
-        If there is no such kind, or nothing in the studies that it could show.
+        If there is no such kind, the studies are of another, or there is nothing in them that it could show.
 
     """
     if kind not in (*KINDS, *MEASURES):
-        raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(KINDS)}")
+        raise ValueError(f"there is no figure {kind!r}: choose from {', '.join((*KINDS, *MEASURES))}")
+    if kind in MEASURES:
+        command, own = MEASURES[kind]
+        if [own in study for study in studies] != [True]:
+            raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
     # The reset keeps the matplotlibrc of whoever draws out of the figure.
     with matplotlib.style.context(style.RC, after_reset=True):
         save(import_module(f"weier.figures.{kind}").draw(studies, title), path)
@@ -61,7 +70,6 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
 def save(figure: Figure, path: str | Path) -> None:
     """Save a figure in the style that is set, as PDF, SVG and PNG beside each other."""
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
     for suffix, metadata in METADATA.items():

@@ -68,7 +68,7 @@ class Caption(NamedTuple):
 
 def caption(scene: Scene, name: str) -> Caption:
     """The caption of a figure of a scene: its title, if any, and what its kind shows of these studies."""
-    figure = scene.figures[name]
+    figure = scene.figure_named(name)
     methods = [case.methods for study in figure.studies for case in scene.study_named(study)]
     shows = CAPTIONS[figure.draw].format(drawn=_drawn(methods))
     named = name.replace("_", " ").capitalize()

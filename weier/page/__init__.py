@@ -73,8 +73,15 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
 
     """
     with dataset.reading(contact) as data:
-        text = _page(scene, data, figures, [dataset.read(cost) for cost in costs])
+        text = _page(scene, data, figures, [_cost(path) for path in costs])
     write_text(path, text)
+
+
+def _cost(path: Path) -> xr.Dataset:
+    cost = dataset.read(path)
+    if "seconds" not in cost:
+        raise ValueError(f"{path} has no seconds: take the file of costs that `weier batch` wrote")
+    return cost
 
 
 def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequence[xr.Dataset]) -> str:
