@@ -4,6 +4,7 @@ import doctest
 import pkgutil
 from importlib import import_module
 
+import numpy as np
 import pytest
 
 import weier
@@ -28,7 +29,7 @@ def test_the_public_interface_has_examples(name):
 def test_examples_are_true(name, tmp_path):
     path = tmp_path / "contact.nc"
     parameters = {"D": 1.25, "gamma": 5, "m": 2, "phase": 1.0}
-    single.write(single.solve_one(parameters, single.parsed_loads("0.1,1"), ["demelio"], {}), path)
+    single.write(single.solve_one(parameters, np.array([0.1, 1.0]), ["demelio"], {}), path)
     result = doctest.testmod(import_module(name), extraglobs={"path": path})
     assert result.attempted > 0
     assert result.failed == 0

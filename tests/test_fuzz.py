@@ -13,7 +13,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from weier import __main__, scene
+from weier import cli, scene
+from weier.solve import METHODS as ALL_METHODS
 
 FEW = settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=3400, derandomize=False, database=None)  # of three tests at least: 10^4
@@ -49,7 +50,7 @@ SCENE_KEYS = [
     "tolerance",
     "quantity",
 ]
-METHODS = ["archard", "demelio", "layer", "bem", "patches", "planned"]
+METHODS = [method for method in ALL_METHODS if method != "westergaard"]  # for one wave only
 SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance", "quantity"]
 
 
@@ -139,7 +140,7 @@ def check_arguments(folder, given):
     sys.argv = ["weier", *given]
     try:
         with redirect_stdout(out), redirect_stderr(err), pytest.raises(SystemExit) as stopped:
-            __main__.main()
+            cli.main()
     finally:
         sys.argv = before
     assert stopped.value.code in (None, 0, 1, 2)
@@ -239,8 +240,11 @@ def test_many_cases_want_an_explicit_word(tmp_path):
         ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 10**400}}}}, "m must be a number"),
         ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 2, "phase": 1e15}}}}, "phases must lie in"),
         ({"settings": {"bem": {"points": 10**9}}}, r"points of bem must lie in \[1, 10000000\]"),
-        ({"settings": {"bem": {"tolerance": "x"}}}, "tolerance of bem must be float, got 'x'"),
-        ({"settings": {"bem": {"points": True}}}, r"points of bem must be int \| None, got True"),
+        ({"settings": {"bem": {"tolerance": "x"}}}, "tolerance of bem must be a number, got 'x'"),
+        (
+            {"settings": {"bem": {"points": True}}},
+            "must be a whole number such as 512, or null, got True",
+        ),
     ],
 )
 def test_what_no_computer_holds_is_refused(tmp_path, changes, message):

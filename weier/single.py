@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,12 @@ from weier.batch import solve_batch
 from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.files import write_text
-from weier.loads import MOST_LOADS, check_range, checked_loads
+from weier.loads import check_range
 from weier.methods import PLANNED
 from weier.plan import Plan
 from weier.plan_scene import plan
 from weier.scene import Case, Scene
-from weier.solve import check_settings
+from weier.solve import checked_settings
 from weier.variables import VARIABLES
 
 Array = NDArray[np.float64]
@@ -32,67 +32,6 @@ WHY = {
     Status.not_applicable: "says nothing about this profile: choose another method",
     Status.not_converged: "missed its tolerance, as said above: move the loads or the tolerance",
 }
-
-
-def parsed_loads(text: str) -> Array:
-    """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40".
-
-    Raises
-    ------
-    ValueError
-        If the text is neither, or the loads are not positive and increasing.
-
-    """
-    try:
-        if ":" not in text:
-            return checked_loads([float(part) for part in text.split(",")])
-        first, last, count = text.split(":")
-        ends, number = (float(first), float(last)), int(count)
-    except ValueError as error:
-        if "mean_pressure" in str(error):
-            raise
-        raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r}') from None
-    if not 2 <= number <= MOST_LOADS:
-        raise ValueError(f"the count of loads must lie in [2, {MOST_LOADS}], got {number}")
-    checked_loads(ends)
-    return checked_loads(np.geomspace(*ends, number))
-
-
-def parsed_phases(text: str | None) -> list[float] | None:
-    """Phases from "0,1,2", or None from None.
-
-    Raises
-    ------
-    ValueError
-        If they are not numbers.
-
-    """
-    try:
-        return None if text is None else [float(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f'phases must read "0,1,2", got {text!r}') from None
-
-
-def parsed_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Settings of methods from texts such as "bem.points=512".
-
-    Raises
-    ------
-    ValueError
-        If a text does not read so.
-
-    """
-    found: dict[str, dict[str, Any]] = {}
-    for text in texts:
-        name, _, value = text.partition("=")
-        method, _, setting = name.partition(".")
-        if not (method and setting and value):
-            raise ValueError(f'a setting must read "method.name=value", such as bem.points=512, got {text!r}')
-        try:
-            found.setdefault(method, {})[setting] = yaml.safe_load(value)
-        except yaml.YAMLError:
-            raise ValueError(f"the value of a setting must be a number or a word, got {value!r}") from None
-    return found
 
 
 def solve_one(
@@ -120,12 +59,11 @@ def solve_one(
 
     """
     check_range(loads)
-    for method in methods:
-        check_settings(method, settings.get(method, {}))
     foreign = [method for method in settings if method not in methods]
     if foreign:
         raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")
-    case = Case(parameters, tuple(methods), settings)
+    checked = {method: checked_settings(method, settings.get(method, {})) for method in methods}
+    case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
     case.check()
     title = f"Weierstrass profile, {case.profile.describe()}"
     text = _text(title, case, loads)

@@ -1,4 +1,4 @@
-"""One profile, one method, many loads: the public way in, and the only place that knows every method."""
+"""One profile, one method, many loads: the public way in, and the table of all methods."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
 from time import perf_counter
-from types import ModuleType
+from types import ModuleType, NoneType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,17 +18,26 @@ from weier import archard, bem, dataset, demelio, layer, patches, planned, weste
 from weier.jit import compiling_seconds
 from weier.limits import MOST_POINTS, check_resolvable
 from weier.loads import checked_loads
+from weier.plain_yaml import number
 from weier.plan import OutOfReachError
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
 
-KINDS: dict[str, Any] = {
-    "int": (Integral,),
-    "float": (Real,),
-    "bool": (bool,),
-    "str": (str,),
-    "int | None": (Integral, type(None)),
+
+class Kind(NamedTuple):
+    """What values a setting takes, and that in words."""
+
+    types: tuple[Any, ...]
+    words: str
+
+
+KINDS = {  # by the annotation of a solver's keyword
+    "int": Kind((Integral,), "a whole number such as 512"),
+    "int | None": Kind((Integral, NoneType), "a whole number such as 512, or null"),
+    "float": Kind((Real,), "a number"),
+    "bool": Kind((bool,), "true or false"),
+    "str": Kind((str,), "a word"),
 }
 
 
@@ -170,8 +179,10 @@ def checked_method(name: str, settings: Iterable[str] = ()) -> Method:
     return METHODS[name]
 
 
-def check_settings(method: str, settings: Mapping[str, Any]) -> None:
-    """Refuse a setting of the wrong kind, before a solver meets it.
+def checked_settings(method: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings, if the method takes them: of the right kind and within range, before a solver meets them.
+
+    Numbers may be written as text: YAML takes 1e-9 for a word.
 
     Raises
     ------
@@ -180,14 +191,24 @@ def check_settings(method: str, settings: Mapping[str, Any]) -> None:
 
     """
     parameters = inspect.signature(checked_method(method, settings).solver).parameters
-    for name, value in settings.items():
-        kind = str(parameters[name].annotation)
-        if not isinstance(value, KINDS[kind]) or (isinstance(value, bool) and kind != "bool"):
-            raise ValueError(f"{name} of {method} must be {kind}, got {f'{value!r:.40}'}")
-        if kind == "float" and not 1e-15 <= value < 1:
-            raise ValueError(f"{name} of {method} must lie in [1e-15, 1), got {f'{value!r:.40}'}")
-        if kind.startswith("int") and value is not None and not 1 <= value <= MOST_POINTS:
-            raise ValueError(f"{name} of {method} must lie in [1, {MOST_POINTS}], got {f'{value!r:.40}'}")
+    return {
+        name: _checked_setting(f"{name} of {method}", str(parameters[name].annotation), value)
+        for name, value in settings.items()
+    }
+
+
+def _checked_setting(name: str, kind: str, value: Any) -> Any:
+    shown = f"{value!r:.40}"
+    if kind == "float" and isinstance(value, str):
+        value = number(name, value)
+    types, words = KINDS[kind]
+    if not isinstance(value, types) or (isinstance(value, bool) and kind != "bool"):
+        raise ValueError(f"{name} must be {words}, got {shown}")
+    if kind == "float" and not 1e-15 <= value < 1:
+        raise ValueError(f"{name} must lie in [1e-15, 1), got {shown}")
+    if kind.startswith("int") and value is not None and not 1 <= value <= MOST_POINTS:
+        raise ValueError(f"{name} must lie in [1, {MOST_POINTS}], got {shown}")
+    return value
 
 
 def all_settings(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:

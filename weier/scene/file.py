@@ -19,7 +19,7 @@ from weier.methods import PLANNED
 from weier.plain_yaml import number
 from weier.scene.cases import Case, Figure, Scene, SceneError
 from weier.scene.products import MOST_CASES, axis, check_count, combinations
-from weier.solve import check_settings
+from weier.solve import checked_settings
 from weier.variables import of_curves
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
@@ -119,9 +119,8 @@ def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
     settings = study.get("settings", raw.get("settings", {}))
     if plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
-    for method in methods:
-        check_settings(method, settings.get(method, {}))
-    own = {method: values for method, values in settings.items() if method in methods}
+    checked = {method: checked_settings(method, settings.get(method, {})) for method in methods}
+    own = {method: values for method, values in checked.items() if method in settings}
     for parameters in combinations(study):
         case = Case(parameters, methods, own)
         case.check()

@@ -1,0 +1,104 @@
+"""The command line as a whole: help whose examples run, exit codes, completion, and files that cannot be written."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from weier.cli import cli
+
+PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
+FEW = ["--loads", "0.1,1"]  # the last word counts
+COMMANDS = [None, *cli.commands]
+
+
+def examples(text):
+    """The commands of a help text, without the words beside them."""
+    return [shlex.split(re.split(r"\s{2,}", line.strip())[0]) for line in text.splitlines() if "  weier " in line]
+
+
+def described(command):
+    return (cli if command is None else cli.commands[command]).help
+
+
+@pytest.mark.parametrize("command", ["solve", "plot", "plan"])
+def test_help_teaches_by_examples(run, command):
+    code, out, _ = run(command, "--help")
+    assert code == 0
+    assert len([found for found in examples(out) if found[:2] == ["weier", command]]) >= 2
+    assert examples(out) == examples(described(command))  # none is wrapped
+
+
+EXAMPLES = list(dict.fromkeys(shlex.join(found) for name in COMMANDS for found in examples(described(name))))
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
+    shutil.copytree("config/scenes", tmp_path / "config/scenes")
+    monkeypatch.chdir(tmp_path)
+    _, *arguments = shlex.split(example)
+    code, out, err = run(*arguments, *FEW)
+    assert code == 0, err
+    files = [word for word in arguments if re.search(r"\.(nc|json|png|pdf)$", word)]
+    assert all((tmp_path / name).stat().st_size > 0 for name in files)
+    assert files or out
+
+
+def test_help_names_every_command(run):
+    code, out, _ = run("--help")
+    assert code == 0
+    commands = out.partition("Commands:")[2].partition("Exit codes")[0]
+    assert "..." not in commands  # a line says it all
+    assert set(re.findall(r"^  (\w+) +\S", commands, re.M)) == set(cli.commands)
+
+
+def test_the_first_help_shows_the_commands_for_one_profile():
+    assert {command for _, command, *_ in examples(described(None))} == {"solve", "plot", "plan"}
+
+
+def test_the_package_is_the_command():
+    done = subprocess.run([sys.executable, "-m", "weier", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("weier, version")
+
+
+def test_the_shell_completes_commands_and_options(run, monkeypatch):
+    monkeypatch.setenv("_WEIER_COMPLETE", "bash_source")
+    assert "complete -o nosort" in run()[1]
+    monkeypatch.setenv("_WEIER_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "weier solve --me")
+    monkeypatch.setenv("COMP_CWORD", "2")
+    assert "--method" in run()[1]
+
+
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("/dev/null/x.nc", "/dev/null is not a folder"),
+        ("/dev/null", "it is a device"),
+        ("folder", "it is a folder"),
+        ("", "it is a folder"),
+        ("file/x.json", "file is not a folder"),
+        (f"{'a' * 300}.nc", "File name too long"),
+    ],
+)
+@pytest.mark.parametrize("command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE], ["extremes", "table.nc"]])
+def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").touch()
+    code, out, err = run(*command, path)
+    assert (code, out) == (1, "")
+    assert re.fullmatch(rf"weier: .* cannot be written \(.*{why}\): name another file, .*\n", err)
+    assert {each.name for each in tmp_path.iterdir()} == {"folder", "file"}
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_closed_folder_is_told_before_anything_is_solved(run, tmp_path):
+    (tmp_path / "closed").mkdir(mode=0o500)
+    code, _, err = run("solve", *PROFILE, "-o", tmp_path / "closed" / "x.nc")
+    assert code == 1
+    assert "closed is closed to writing" in err

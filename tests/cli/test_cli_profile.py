@@ -1,0 +1,92 @@
+"""`weier solve` and `weier plot`: one profile from the command line."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import weier
+from weier import scene
+
+PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phase", "1"]
+
+
+def test_json_is_what_solve_gives(run):
+    code, out, err = run("solve", *PROFILE, "--loads", "0.1,1", "--method", "demelio", "--method", "bem")
+    assert code == 0
+    assert "D = 1.25, gamma = 5, m = 2" in err
+    found = json.loads(out)
+    assert found["mean_pressure"] == [0.1, 1.0]
+    profile = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
+    for method in ("demelio", "bem"):
+        curve = weier.solve(profile, [0.1, 1.0], method)
+        assert found["methods"][method]["resistance"] == curve.resistance.values.tolist()
+    assert "contact_fraction" not in found["methods"]["demelio"]
+    assert found["methods"]["bem"]["seconds"] > 0
+    assert found["units"]["resistance"] == "g_0/p_0*"
+
+
+def test_json_tells_what_a_plan_took_of_the_plan_alone(run):
+    _, out, _ = run("solve", *PROFILE, "--loads", "0.1,20", "--method", "demelio", "--method", "planned")
+    methods = json.loads(out)["methods"]
+    assert methods["planned"]["planned_method"] == ["bem", "full contact"]
+    assert methods["planned"]["planned_terms"] == [2.0, 2.0]
+    assert methods["planned"]["planned_points"][1] is None
+    assert "planned_terms" not in methods["demelio"]
+
+
+def test_json_has_no_nan_and_no_infinity(run):
+    code, out, _ = run("solve", "-D", "1.25", "--gamma", "5/2", "-m", "inf", "--method", "demelio", "--loads", "0.1")
+    assert code == 0
+    assert json.loads(out, parse_constant=lambda name: pytest.fail(name))["m"] == "inf"
+
+
+@pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--seed", "3"], []])
+def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
+    path = tmp_path / "a folder" / "curves.nc"
+    series = ["-D", "1.5", "--gamma", "5/2", "-m", "2"]
+    code, out, _ = run("solve", *series, *phases, "--loads", "0.1:1:3", "--method", "demelio", "-o", path)
+    assert (code, out) == (0, "")
+    with xr.open_dataset(path) as data:
+        assert np.allclose(data.mean_pressure, np.geomspace(0.1, 1, 3))
+        (tmp_path / "again.yaml").write_text(data.attrs["scene"])
+        again = scene.load(tmp_path / "again.yaml").studies["one"][0].profile
+        assert again.phase == pytest.approx(data.phase.values[0])
+
+
+def test_settings_reach_the_method(run):
+    code, out, _ = run("solve", *PROFILE, "--loads", "1", "--set", "bem.points=40")
+    assert code == 0
+    assert json.loads(out)["methods"]["bem"]["points"] == 40
+
+
+def test_plot_leaves_three_files(run, tmp_path):
+    methods = ["--method", "demelio", "--method", "layer"]
+    code, _, _ = run("plot", *PROFILE, *methods, "--quantity", "resistance", tmp_path / "x.png")
+    assert code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"x.png", "x.pdf", "x.svg"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-D", "2.5", "--gamma", "5", "-m", "2"], "D must lie in (1, 2), got 2.5"),
+        (["-D", "1.5", "--gamma", "5", "-m", "nan"], "m must be a whole number"),
+        (["-D", "1.5", "--gamma", "1000000.5", "-m", "2"], "gamma must be at most 1000000, got 1000000.5"),
+        (["-D", "1.5", "--gamma", "1e4000", "-m", "2"], "gamma must be at most 1000000, got about 1e4000"),
+        (
+            [*PROFILE, "--set", "bem.points=1e9"],
+            "points of bem must be a whole number such as 512, or null, got '1e9'",
+        ),
+        ([*PROFILE, "--set", "bem.tolerance=nan"], "tolerance of bem must lie in [1e-15, 1), got 'nan'"),
+        ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not among the methods bem"),
+        ([*PROFILE, "--method", "westergaard"], "'westergaard' says nothing about this profile"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
+    code, out, err = run("solve", *arguments)
+    last = err.splitlines()[-1]
+    assert (code, out) == (1, "")
+    assert last.startswith("weier: ")
+    assert message in last

@@ -1,0 +1,177 @@
+"""The arguments and options that commands share, and what is read from their text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from weier.files import check_target
+from weier.loads import MOST_LOADS, checked_loads
+from weier.solve import METHODS
+
+Array = NDArray[np.float64]
+Command = Callable[..., Any]
+Option = Callable[[Command], Command]
+
+LOADS = "1e-3:4:40"
+
+
+def parsed_loads(text: str) -> Array:
+    """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40".
+
+    Raises
+    ------
+    ValueError
+        If the text is neither, or the loads are not positive and increasing.
+
+    """
+    try:
+        if ":" not in text:
+            return checked_loads([float(part) for part in text.split(",")])
+        first, last, count = text.split(":")
+        ends, number = (float(first), float(last)), int(count)
+    except ValueError as error:
+        if "mean_pressure" in str(error):
+            raise
+        raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r:.80}') from None
+    if not 2 <= number <= MOST_LOADS:
+        raise ValueError(f"the count of loads must lie in [2, {MOST_LOADS}], got {number}")
+    checked_loads(ends)
+    return checked_loads(np.geomspace(*ends, number))
+
+
+def parsed_phases(text: str) -> list[float]:
+    """Phases from "0,1,2".
+
+    Raises
+    ------
+    ValueError
+        If they are not numbers.
+
+    """
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f'phases must read "0,1,2", got {text!r:.80}') from None
+
+
+def parsed_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Settings of methods from texts such as "bem.points=512".
+
+    Raises
+    ------
+    ValueError
+        If a text does not read so.
+
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        method, _, setting = name.partition(".")
+        if not (method and setting and value):
+            raise ValueError(f'a setting must read "method.name=value", such as bem.points=512, got {text!r:.80}')
+        try:
+            found.setdefault(method, {})[setting] = yaml.safe_load(value)
+        except (yaml.YAMLError, ValueError, RecursionError):
+            raise ValueError(f"the value of a setting must be a number or a word, got {value!r:.80}") from None
+    return found
+
+
+def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Parameter, Any], Any]:
+    """A callback that hands on what is read from an option's text; where that cannot be read, the usage is wrong."""
+
+    def callback(context: click.Context, option: click.Parameter, text: Any) -> Any:
+        try:
+            return None if text is None else read(text)
+        except ValueError as error:
+            raise click.BadParameter(str(error)) from None
+
+    return callback
+
+
+def _writable(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
+    """The file to write, if it can be: said before anything is computed for it."""
+    if path is not None:
+        check_target(path)
+    return path
+
+
+FILE = click.Path(path_type=Path)
+SCENE = click.argument("scene_file", type=FILE)
+FILES = click.argument("files", nargs=-1, type=FILE)
+INTO = click.option(
+    "-o", "--output", type=FILE, callback=_writable, help="Write here: .json, or netCDF by any other name."
+)
+
+
+def output(name: str) -> Option:
+    """An argument that is a file to write."""
+    return click.argument(name, type=FILE, callback=_writable)
+
+
+def loads(default: str | None, help: str) -> Option:
+    """The option for mean pressures."""
+    return click.option("--loads", default=default, show_default=True, callback=_read(parsed_loads), help=help)
+
+
+def _series(required: bool) -> tuple[Option, ...]:
+    """The options that name a profile."""
+    return (
+        click.option("-D", "D", type=float, required=required, help="Fractal dimension, between 1 and 2."),
+        click.option("--gamma", required=required, help='Ratio of successive wavelengths: 5 or "5/2".'),
+        click.option(
+            "-m", "m", type=float, required=required,
+            help="Number of waves, or inf for the methods archard, demelio, layer and planned.",
+        ),
+        click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
+        click.option("--phases", callback=_read(parsed_phases), help="Phases of all m waves, as 0,1,2."),
+        click.option("--seed", type=int, help="Seed of random phases."),
+    )  # fmt: skip
+
+
+_SOLVED = (
+    loads(LOADS, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.'),
+    click.option(
+        "--method", "methods", multiple=True, type=click.Choice(list(METHODS)),
+        help="Once for each method [default: bem; plot: archard, demelio, layer and bem].",
+    ),
+    click.option(
+        "--set", "settings", multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parsed_settings),
+        help="A setting, such as bem.points=512.",
+    ),
+)  # fmt: skip
+
+
+def of_one_profile(command: Command) -> Command:
+    """The options that name a profile, its loads and the methods."""
+    return _with_options(command, *_series(required=True), *_SOLVED)
+
+
+def of_any_profile(command: Command) -> Command:
+    """The options that name a profile, for a command that can do without."""
+    return _with_options(command, *_series(required=False))
+
+
+def _with_options(command: Command, *options: Option) -> Command:
+    """The command with these options, in this order."""
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def parameters(
+    D: float, gamma: str, m: float, phase: float | None, phases: list[float] | None, seed: int | None
+) -> dict[str, Any]:
+    """The parameters of a profile, as a scene has them, from the options that name it."""
+    chosen = {"phase": phase, "phases": phases, "seed": seed}
+    given = {name: value for name, value in chosen.items() if value is not None}
+    if len(given) > 1:
+        options = " and ".join(f"--{name}" for name in given)
+        raise click.UsageError(f"a profile takes one of --phase, --phases and --seed, got {options}")
+    return {"D": D, "gamma": gamma, "m": m, **given}

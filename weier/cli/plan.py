@@ -1,0 +1,66 @@
+"""What a tolerance takes, of one profile or of a scene: `weier plan`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from weier import scene, single
+from weier.cli.options import FILE, LOADS, Array, loads, of_any_profile, parameters, parsed_loads
+from weier.plan import QUANTITIES, Plan
+from weier.plan_scene import ScenePlan
+from weier.plan_scene import plan as plan_scene
+
+NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
+
+
+@click.command()
+@click.argument("scene_file", metavar="[SCENE]", required=False, type=FILE)
+@of_any_profile
+@loads(None, f"Mean pressures, as of `weier solve` [default: of the scene; {LOADS}].")
+@click.option(
+    "--tolerance",
+    type=float,
+    help="Of the compliance in g_0, of the resistance relative "
+    "to the larger of itself and 1 g_0/p_0* [default: of the scene; 1e-3].",
+)
+@click.option("--quantity", type=click.Choice(QUANTITIES), help="[default: of the scene; compliance].")
+def plan(
+    scene_file: Path | None, loads: Array | None, tolerance: float | None, quantity: str | None, **series: Any
+) -> None:
+    """What a tolerance takes, and why.
+
+    Of one profile, or of each case of a scene: the cheapest methods, load by load, with their errors, seconds and
+    memory. Nothing is solved.
+
+    \b
+    weier plan -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --tolerance 1e-4
+    weier plan -D 1.5 --gamma 2 -m 6 --loads 1e-3:4:40 --tolerance 0.01 --quantity resistance
+    weier plan -D 1.1 --gamma 5 -m inf --loads 0.1,1
+    weier plan config/scenes/planned.yaml
+    weier plan config/scenes/planned.yaml --tolerance 1e-2
+    """  # noqa: D301 - click wants the character
+    given = any(value is not None for value in series.values())
+    if given == (scene_file is not None):
+        raise click.UsageError(
+            f"a plan is of a SCENE or of a profile (-D, --gamma, -m), got {'both' if given else 'neither'}"
+        )
+    wanted = loads, tolerance, quantity
+    click.echo(_of_profile(series, *wanted) if scene_file is None else _of_scene(scene_file, *wanted))
+
+
+def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, quantity: str | None) -> ScenePlan:
+    return plan_scene(scene.load(scene_file), loads, tolerance, quantity)
+
+
+def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | None, quantity: str | None) -> Plan:
+    missing = [option for option, name in NEEDED.items() if series[name] is None]
+    if missing:
+        raise click.UsageError(f"a profile takes -D, --gamma and -m, got no {' and no '.join(missing)}")
+    pressures = parsed_loads(LOADS) if loads is None else loads
+    return single.plan_one(parameters(**series), pressures, tolerance, quantity)
+
+
+COMMANDS = (plan,)

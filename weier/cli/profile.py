@@ -1,0 +1,61 @@
+"""One profile: `weier solve` and `weier plot`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import xarray as xr
+
+from weier import single
+from weier.cli.options import INTO, Array, of_one_profile, output, parameters
+from weier.plan import QUANTITIES
+
+PLOTTED = ("archard", "demelio", "layer", "bem")
+
+
+def _solved(loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any) -> xr.Dataset:
+    return single.solve_one(parameters(**series), loads, methods, settings)
+
+
+@click.command()
+@of_one_profile
+@INTO
+def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
+    """Compliance and resistance of one profile against mean pressure.
+
+    Prints JSON, and progress beside it; lengths along x are in lambda_0, heights in g_0, pressures in p_0*.
+
+    \b
+    weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
+    weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
+    weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
+    weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
+    weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points=6400
+    """  # noqa: D301 - click wants the character
+    data = _solved(methods=methods or ("bem",), **options)
+    if output is None:
+        click.echo(single.as_json(data))
+    else:
+        single.write(data, output)
+
+
+@click.command()
+@of_one_profile
+@click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
+@output("path")
+def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:
+    """Draw the curves of one profile, as PDF, SVG and PNG beside PATH.
+
+    \b
+    weier plot -D 1.25 --gamma 5 -m 3 --phase 1 curves.png
+    weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
+    """  # noqa: D301 - click wants the character
+    from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
+
+    draw(quantity, [_solved(methods=methods or PLOTTED, **options)], "", path)
+
+
+COMMANDS = (solve, plot)
