@@ -10,7 +10,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from weier import curves
 from weier.figures import style
+from weier.limits import NUMERICAL
 from weier.tradeoff.errors import worst_over_loads
 from weier.tradeoff.report import pareto, seconds_per_load, typical
 
@@ -19,7 +21,7 @@ LABELS = {
     "compliance": r"largest error of $h/g_0$",
     "resistance": r"largest error of $R$, in max$(R,\,g_0/p_0^{*})$",
 }
-FAMILIES = ("archard", "demelio", "layer", "bem", "patches")
+FAMILIES = (*curves.ESTIMATES, *reversed(NUMERICAL))
 MARKERS = dict(zip(FAMILIES, "v^sod", strict=True))  # told apart without colour
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5, "solid_capstyle": "round", "zorder": 1}
 
