@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from weier import curves
 from weier.figures import style
-from weier.limits import NUMERICAL
+from weier.methods import NUMERICAL
 from weier.tradeoff.errors import worst_over_loads
 from weier.tradeoff.report import pareto, seconds_per_load, typical
 
