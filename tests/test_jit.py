@@ -74,3 +74,13 @@ def test_seconds_of_compiling_are_those_of_the_thread_that_waits():
     (compiling, whole), (again, _) = seconds
     assert 0.5 * whole < compiling < whole
     assert again == 0
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_compiling_is_announced_once():
+    said = []
+    jit.announce_compiling(lambda: said.append("now"))
+    compiled = numba.njit(lambda x: x + 1)
+    assert said == []
+    assert compiled(1) + compiled(1.0) == 4
+    assert said == ["now"]

@@ -13,6 +13,19 @@ def test_plain_values_and_merged_keys_are_read():
 
 
 @pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *[("1e-3", 1e-3), ("-1E5", -1e5), ("+.5e1", 5.0), ("1.e2", 100.0), ("1.5e-3", 1.5e-3), ("12", 12)],
+        *[("1e", "1e"), ("e5", "e5"), ("1e5x", "1e5x"), ("'1e5'", "1e5")],
+    ],
+)
+def test_numbers_are_those_of_people(text, value):
+    found = plain_yaml.load(f"a: {text}")["a"]
+    assert found == value
+    assert type(found) is type(value)
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("a: 1\nb: {a: 1, a: 2}", "the key 'a' stands twice"),

@@ -92,12 +92,10 @@ def _solve_into(curves: Arrays, costs: Arrays, place: Mapping[str, int], case: C
     curves["settings"][run] = _fitting(json.dumps(all_settings(method, given), sort_keys=True))
     try:
         found, seconds = answer(case.profile, curves["mean_pressure"], method, given)
-    except NotApplicableError:
-        curves["status"][run] = Status.not_applicable
-        return
-    except ConvergenceError as error:
+    except (NotApplicableError, ConvergenceError) as error:
         print(f"{case.profile.describe()}, {method}: {error}", file=sys.stderr)
-        curves["status"][run] = Status.not_converged
+        missed = isinstance(error, ConvergenceError)
+        curves["status"][run] = Status.not_converged if missed else Status.not_applicable
         return
     for name, values in found._asdict().items():
         if name in curves:

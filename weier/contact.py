@@ -74,12 +74,12 @@ class Contact:
 
         """
         data = self.data
-        ratios = None if gamma is None else [float(Fraction(value)) for value in _list(gamma)]
+        ratios = None if gamma is None else [_ratio(value) for value in _list(gamma)]
         for name, wanted in (("D", D), ("gamma", ratios), ("m", m)):
             if wanted is not None:
-                data = _with_parameter(data, name, np.atleast_1d(np.asarray(wanted, float)))
+                data = _with_parameter(data, name, np.atleast_1d(_numbers(name, wanted)))
         if phase is not None:
-            data = _with_phase(data, np.asarray(phase, float))
+            data = _with_phase(data, _numbers("phase", phase))
         if method is not None:
             data = data.isel(method=_rows(data["method"].values, method, "method"))
         if mean_pressure is not None:
@@ -131,6 +131,22 @@ def open(path: str | Path) -> Contact:
 
 def _list(values: Any) -> list[Any]:
     return list(values) if isinstance(values, list | tuple | np.ndarray) else [values]
+
+
+def _numbers(name: str, wanted: Any) -> NDArray[np.float64]:
+    try:
+        return np.asarray(wanted, float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number or a list of numbers, got {wanted!r:.80}") from None
+
+
+def _ratio(wanted: Any) -> float:
+    try:
+        return float(Fraction(wanted))
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        raise ValueError(
+            f'gamma must be a ratio such as 2.5 or "5/2", or a list of them, got {wanted!r:.80}'
+        ) from None
 
 
 def _with_parameter(data: xr.Dataset, name: str, wanted: NDArray[np.float64]) -> xr.Dataset:

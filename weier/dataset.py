@@ -149,14 +149,14 @@ def open_lazily(path: str | Path) -> xr.Dataset:
         raise _damaged(path, error) from None
     if "key" not in data.variables:
         data.close()
-        raise ValueError(f"{path} is a netCDF file, but not of weier: delete it and make it again")
+        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
     return data
 
 
 def _damaged(path: str | Path, error: Exception) -> ValueError:
     if not Path(path).is_file():
         return ValueError(f"there is no file {path}: make it first")
-    return ValueError(f"{path} is not a whole netCDF file: delete it and make it again ({error})")
+    return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
 
 
 def _over_loads(name: str) -> tuple[str, ...]:

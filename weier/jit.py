@@ -95,6 +95,26 @@ def compiling_seconds() -> float:
     return _COMPILING.seconds()
 
 
+class _FirstCompiling(event.Listener):
+    """Calls `say` when the first kernel is compiled that the cache does not hold."""
+
+    def __init__(self, say: Callable[[], None]) -> None:
+        self.say: Callable[[], None] | None = say
+
+    def on_start(self, event: Any) -> None:
+        if self.say:
+            self.say()
+        self.say = None
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+def announce_compiling(say: Callable[[], None]) -> None:
+    """Have `say` called once, before seconds pass in silence: when the first kernel is compiled."""
+    event.register("numba:compile", _FirstCompiling(say))  # type: ignore[no-untyped-call]
+
+
 def kernel(function: Function) -> Function:
     """Compile `function` with numba on first call: arrays in, arrays out, IEEE division, no GIL."""
     with _cached_here():

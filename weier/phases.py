@@ -62,6 +62,6 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
         return float(values)
     if values.size != m:
         raise ValueError(
-            f"phases must be one number for all terms or one for each of the m = {m} terms, got {values.size} values"
+            f"phases must be one number for all terms or one for each of the m = {m:g} terms, got {values.size}"
         )
     return tuple(values.tolist())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import yaml
@@ -9,6 +10,15 @@ import yaml
 MOST_TEXT = 10**6  # characters of a file
 MOST_NODES = 10**6  # values of one, after each alias is written out
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
+
+
+class _Loader(yaml.SafeLoader):
+    """Plain values; and 1e-3 is a number, as in YAML 1.2 and to people, where PyYAML wants 1.0e-3."""
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
 
 
 def load(text: str) -> Any:
@@ -23,10 +33,10 @@ def load(text: str) -> Any:
     if len(text) > MOST_TEXT:
         raise ValueError(f"a scene must have at most {MOST_TEXT} characters, got {len(text)}")
     try:
-        node = yaml.compose(text, yaml.SafeLoader)
+        node = yaml.compose(text, _Loader)
         if node is not None:
             _size(node, {})
-        return yaml.safe_load(text)
+        return yaml.load(text, _Loader)
     except RecursionError:
         raise ValueError("the values are nested too deep, or contain themselves") from None
     except yaml.YAMLError as error:
@@ -34,7 +44,7 @@ def load(text: str) -> Any:
 
 
 def number(name: str, value: Any) -> float:
-    """A number, be it written as text: YAML takes 1e-3 for a word.
+    """A number, be it written as text.
 
     Raises
     ------

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 PROFILE = ("D", "gamma", "m", "phase", "total_amplitude", "tail_amplitude", "first_contact")
 WHY = {
-    Status.not_applicable: "says nothing about this profile: choose another method",
+    Status.not_applicable: "does not apply, as said above: choose another one",
     Status.not_converged: "missed its tolerance, as said above: move the loads or the tolerance",
 }
 

@@ -135,7 +135,9 @@ def _layer(profile: Profile, loads: Array, **settings: Any) -> Any:
 def _truncated(solver: Callable[..., Any]) -> Method:
     def run(profile: Profile, loads: Array, **settings: Any) -> Any:
         if math.isinf(profile.m):
-            raise NotApplicableError("m = inf has no finest wave to resolve: choose a finite m")
+            raise NotApplicableError(
+                "m = inf has no finest wave to resolve: choose a finite m, or archard, demelio, layer or planned"
+            )
         check_resolvable(profile)
         return solver(profile, loads, **settings)
 

@@ -77,11 +77,11 @@ def test_plot_leaves_three_files(run, tmp_path):
         (["-D", "1.5", "--gamma", "1e4000", "-m", "2"], "gamma must be at most 1000000, got about 1e4000"),
         (
             [*PROFILE, "--set", "bem.points=1e9"],
-            "points of bem must be a whole number such as 512, or null, got '1e9'",
+            "points of bem must be a whole number such as 512, or null, got 1000000000.0",
         ),
         ([*PROFILE, "--set", "bem.tolerance=nan"], "tolerance of bem must lie in [1e-15, 1), got 'nan'"),
         ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not among the methods bem"),
-        ([*PROFILE, "--method", "westergaard"], "'westergaard' says nothing about this profile"),
+        ([*PROFILE, "--method", "westergaard"], "'westergaard' does not apply, as said above"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
@@ -90,3 +90,26 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert (code, out) == (1, "")
     assert last.startswith("weier: ")
     assert message in last
+
+
+@pytest.mark.parametrize(
+    ("m", "method", "reason"),
+    [
+        ("inf", "bem", "choose a finite m, or archard, demelio, layer or planned"),
+        ("2", "westergaard", "is for one wave"),
+    ],
+)
+def test_what_does_not_apply_says_why(run, m, method, reason):
+    _, _, err = run("solve", "-D", "1.5", "--gamma", "5", "-m", m, "--method", method, "--loads", "1")
+    assert reason in err.splitlines()[0]
+
+
+@pytest.mark.parametrize(("command", "name"), [(["solve"], "x.md"), (["solve"], "x"), (["plot"], "x.jpg")])
+def test_a_file_of_another_kind_is_not_replaced(run, tmp_path, command, name):
+    path = tmp_path / name
+    path.write_text("mine")
+    into = ["-o", path] if command == ["solve"] else [path]
+    code, _, err = run(*command, *PROFILE, "--method", "demelio", *into)
+    assert code == 2
+    assert f"the name must end in one of .{'nc' if command == ['solve'] else 'pdf'}," in err
+    assert path.read_text() == "mine"

@@ -9,6 +9,7 @@ import click
 
 from weier.cli import measure, plan, profile, scene
 from weier.errors import ConvergenceError
+from weier.jit import announce_compiling
 from weier.version import VERSION
 
 EXIT = "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage."
@@ -40,6 +41,7 @@ for module in (profile, plan, scene, measure):
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
+    announce_compiling(lambda: click.echo("compiling, once for this installation: up to a minute", err=True))
     try:
         cli(prog_name="weier")
     except MemoryError:

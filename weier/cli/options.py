@@ -8,9 +8,9 @@ from typing import Any
 
 import click
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
+from weier import plain_yaml
 from weier.files import check_target
 from weier.loads import MOST_LOADS, checked_loads
 from weier.solve import METHODS
@@ -77,8 +77,8 @@ def parsed_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
         if not (method and setting and value):
             raise ValueError(f'a setting must read "method.name=value", such as bem.points=512, got {text!r:.80}')
         try:
-            found.setdefault(method, {})[setting] = yaml.safe_load(value)
-        except (yaml.YAMLError, ValueError, RecursionError):
+            found.setdefault(method, {})[setting] = plain_yaml.load(value)
+        except ValueError:
             raise ValueError(f"the value of a setting must be a number or a word, got {value!r:.80}") from None
     return found
 
@@ -95,24 +95,31 @@ def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Paramete
     return callback
 
 
-def _writable(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
-    """The file to write, if it can be: said before anything is computed for it."""
-    if path is not None:
-        check_target(path)
-    return path
+def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Path | None]:
+    """A callback that hands on the file to write, if it can be: said before anything is computed for it."""
+
+    def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
+        if path is not None:
+            check_target(path)
+            if suffixes and path.suffix not in suffixes:
+                known = ", ".join(filter(None, suffixes))
+                raise click.BadParameter(f"the name must end in one of {known}, got {path.name}")
+        return path
+
+    return callback
 
 
 FILE = click.Path(path_type=Path)
 SCENE = click.argument("scene_file", type=FILE)
 FILES = click.argument("files", nargs=-1, type=FILE)
 INTO = click.option(
-    "-o", "--output", type=FILE, callback=_writable, help="Write here: .json, or netCDF by any other name."
+    "-o", "--output", type=FILE, callback=_writable(".nc", ".json"), help="Write here: netCDF as .nc, or .json."
 )
 
 
-def output(name: str) -> Option:
-    """An argument that is a file to write."""
-    return click.argument(name, type=FILE, callback=_writable)
+def output(name: str, *suffixes: str) -> Option:
+    """An argument that is a file to write, by one of these suffixes if there are any."""
+    return click.argument(name, type=FILE, callback=_writable(*suffixes))
 
 
 def loads(default: str | None, help: str) -> Option:
@@ -174,4 +181,4 @@ def parameters(
     if len(given) > 1:
         options = " and ".join(f"--{name}" for name in given)
         raise click.UsageError(f"a profile takes one of --phase, --phases and --seed, got {options}")
-    return {"D": D, "gamma": gamma, "m": m, **given}
+    return {"D": D, "gamma": gamma, "m": int(m) if m.is_integer() else m, **given}

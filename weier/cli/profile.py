@@ -45,7 +45,7 @@ def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
 @click.command()
 @of_one_profile
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
-@output("path")
+@output("path", "", ".pdf", ".svg", ".png")
 def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:
     """Draw the curves of one profile, as PDF, SVG and PNG beside PATH.
 
