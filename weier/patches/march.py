@@ -130,8 +130,10 @@ def predicted(surface: Surface, state: State, load: float, tolerance: float) -> 
     n, N = old.centre.size, state.phi.size
     rate = state.sensitivity[N + n : N + 2 * n]
     growth = np.sqrt(np.maximum(1 + 2 * rate * change, NARROWEST))
-    centre = old.centre + state.sensitivity[N : N + n] * old.half_width * change
-    placed = moved(old, centre, old.half_width * growth, period)
+    half_width = old.half_width * growth
+    most = np.maximum(old.half_width, half_width)  # of a shift: a contact grows round its old place, a gap shrinks
+    shift = state.sensitivity[N : N + n] * old.half_width * change
+    placed = moved(old, old.centre + np.clip(shift, -most, most), half_width, period)
     closing = spaces(placed, period) <= CLOSED * spaces(old, period)
     if np.all(closing):
         return Guess(state.dual, old, state.phi, state.approach)
