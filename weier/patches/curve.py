@@ -1,4 +1,4 @@
-"""Curves over the loads, and the contact edges along them."""
+"""Curves over the loads, with the contact edges along them, and single loads."""
 
 from __future__ import annotations
 
@@ -171,14 +171,6 @@ def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = T
     seen = surface(profile)
     found = solutions(profile, seen, loads, tolerance)
     return [solution(seen, state, load) for load, (state, _) in zip(loads, found, strict=True)]
-
-
-def edges(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Array]:
-    """Contact edges of each load: arrays of shape (patches, 2), in lambda_0, left edges in [0, period).
-
-    Empty in full contact. For the figure of contacts against load.
-    """
-    return [at.edges for at in solve_loads(profile, mean_pressure, tolerance)]
 
 
 def check_tolerance(tolerance: float) -> None:
