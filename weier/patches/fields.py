@@ -20,9 +20,16 @@ SMALL_ANGLE = 1e-3
 class State(NamedTuple):
     """A solution under one mean pressure: contacts with their pressure, or (dual) gaps with their slope.
 
-    `coefficient` holds those of phi in U_k, segment by segment; `sensitivity` the derivatives of all
-    unknowns in the mean pressure, in the order of the collocation equations; `residual` the largest violation of a
-    contact condition, in g_0, once it has been looked at.
+    dual : whether the segments are the gaps
+    load : mean pressure, in p_0*
+    approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
+    segments : the contacts or, dual, the gaps
+    phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
+        g_0/lambda_0
+    coefficient : of phi in U_k, segment by segment, shape (nodes,)
+    sensitivity : derivatives of all unknowns in the mean pressure, in the order and the units of the collocation
+        equations, shape (nodes + 2 segments + 1,); the last is the resistance, in g_0/p_0*
+    residual : largest violation of a contact condition, in g_0; NaN until it has been looked at
     """
 
     dual: bool

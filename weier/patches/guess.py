@@ -35,7 +35,9 @@ SWITCH = 0.7  # change to the other problem when it needs fewer nodes than this 
 class Surface(NamedTuple):
     """The heights, and the full-contact pressures with their sign turned.
 
-    On the highest summit of the first is the first contact, on that of the second the last gap.
+    heights : z, in g_0: on its highest summit is the first contact
+    pressures : -p_full, in p_0*: on its highest summit is the last gap
+    total_amplitude : sum g_n, in g_0
     """
 
     heights: Waves
@@ -53,7 +55,7 @@ class Surface(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Segments, their densities and the approach, as in `State`."""
+    """Segments, phi at their nodes and the approach, as in `State`."""
 
     dual: bool
     segments: Segments

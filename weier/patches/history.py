@@ -54,7 +54,7 @@ class Events(NamedTuple):
 
 
 class _Event(NamedTuple):
-    """A contact born, or a gap closed, somewhere in [left, right]."""
+    """A contact born, or else a gap closed, somewhere in [left, right], in lambda_0."""
 
     birth: bool
     left: float

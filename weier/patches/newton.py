@@ -32,7 +32,15 @@ REFINED = 1e-13  # of the sensitivities, what one more sweep would change
 
 
 class Iterate(NamedTuple):
-    """Newton's result: `status`, steps taken, size of the last step, and the state."""
+    """Newton's result.
+
+    status : CONVERGED, STALLED or TOPOLOGY
+    steps : taken
+    size : of the last step, the largest relative change of a density, a place or a width
+    segments, phi, approach, sensitivity : where the steps have led, as in `State`
+    closing : whether each segment and the next one on the right insist on meeting, shape (segments,)
+    vanishing : whether each segment insists on vanishing, shape (segments,)
+    """
 
     status: int
     steps: int
@@ -119,14 +127,17 @@ def _size(segments: Segments, phi: Array, change: Array) -> float:
 
 
 class _Start(NamedTuple):
-    """Spaces and half-widths where Newton began."""
+    """Spaces on the right of each segment, and half-widths, where Newton began: in lambda_0, shape (segments,)."""
 
     space: Array
     half_width: Array
 
 
 class _Limits(NamedTuple):
-    """The share of a step that keeps all segments apart and of their order of width, and what it works against."""
+    """The share of a step that keeps all segments apart and of their order of width, and what it works against.
+
+    closing, vanishing : as in `Iterate`
+    """
 
     damping: float
     closing: Flags

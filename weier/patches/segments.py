@@ -17,11 +17,18 @@ LN_FAR = 18.5  # Gauss's error is rho^(-2 (K+1)), rho that of Bernstein's ellips
 
 
 class Segments(NamedTuple):
-    """Segments [c-r, c+r], each `centre` counted from a summit, with the nodes of all of them in a row.
+    """Segments [c-r, c+r], each counted from a summit, with the nodes of all of them in a row.
 
-    `reach` is the distance from the centre, in half-widths, beyond which the quadrature is exact. `sine` and
-    `cosine` are those of pi r s/L at the nodes s: with them sin(pi (x-s)/L) needs no call, and loses no digit
-    either, for the two angles that it combines are counted from the segment's own centre.
+    summit : index of that summit, shape (segments,)
+    origin : its place, or that of the image next to the segment, in lambda_0, shape (segments,)
+    centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
+    first : each segment's first node and, last, the count of all nodes, shape (segments + 1,)
+    node : Gauss nodes t in (-1, 1), descending within a segment, shape (nodes,)
+    weight : of int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
+    central : of int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
+    reach : distance from c beyond which the quadrature is exact, in half-widths, shape (segments,)
+    sine, cosine : of pi r t/L at the nodes, shape (nodes,): with them sin(pi (x-s)/L) needs no call, and loses no
+        digit either, for the two angles that it combines are counted from the segment's own centre
     """
 
     summit: Indices

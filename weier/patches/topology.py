@@ -36,7 +36,13 @@ SHORTEST_PIECE = 1e-3  # of a segment, that survives a cut
 
 
 class Births(NamedTuple):
-    """Where segments are missing: distance y from a summit, half-width to start from, curvature there."""
+    """Where segments are missing, each of shape (births,).
+
+    summit : index of the nearest
+    y : distance from it, in lambda_0
+    half_width : to start from, in lambda_0
+    curvature : second derivative of the clearance there, in g_0/lambda_0^2 or (dual) p_0*/lambda_0^2
+    """
 
     summit: Indices
     y: Array

@@ -20,8 +20,15 @@ SMALL_ANGLE = 0.3  # below it, sin(y) - y comes from its series
 class Waves(NamedTuple):
     """S(x) = sum a_n cos(k_n x + phi_n) and its local maxima ("summits"), for the kernels.
 
-    `cosine` and `sine`, shape (summits, terms), are those of the phases at each summit; `rise`, shape
-    (summits,), is the height of each over the highest (<= 0); `top` is the height of the highest.
+    S is a height, in g_0, or a pressure, in p_0*.
+
+    amplitude : a_n, in the unit of S, shape (terms,)
+    frequency : k_n, in radians per lambda_0, shape (terms,), increasing
+    period : L, in lambda_0
+    place : of each summit, in lambda_0, shape (summits,)
+    cosine, sine : of the phases k_n x + phi_n at each summit, shape (summits, terms)
+    rise : height of each summit over the highest, <= 0, in the unit of S, shape (summits,)
+    top : height of the highest
     """
 
     amplitude: Array
