@@ -247,7 +247,7 @@ def _closed_form(method: str, loads: Array, terms: float, why: str, **errors: Ar
 
 @lru_cache(maxsize=8)
 def _surface(kept: Profile) -> guess.Surface:
-    return guess.surface(kept)
+    return guess.surface_of(kept)
 
 
 def _seen(kept: Profile) -> bool:

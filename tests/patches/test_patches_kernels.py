@@ -7,7 +7,7 @@ import pytest
 from weier import Profile
 from weier.patches import chebyshev
 from weier.patches.collocation import assemble
-from weier.patches.guess import arrange, surface
+from weier.patches.guess import arrange, surface_of
 from weier.patches.segments import moved
 from weier.patches.waves import excess
 
@@ -50,7 +50,7 @@ def test_expansion_and_partial_integral():
 
 def test_heights_near_a_summit_keep_their_digits():
     profile = Profile(1.5, 5, 3, (0.0, 1.0, 2.0))
-    heights = surface(profile).heights
+    heights = surface_of(profile).heights
     highest = int(np.argmax(heights.rise))
     curvature = -excess(heights, highest, 0.0)[2]
     for y in (1e-9, 1e-6):
@@ -68,7 +68,7 @@ def test_heights_near_a_summit_keep_their_digits():
 
 @pytest.mark.parametrize("dual", [False, True])
 def test_jacobian_is_the_derivative(dual):
-    seen = surface(Profile(1.4, "3/2", 3, (0.0, 1.0, 2.0)))
+    seen = surface_of(Profile(1.4, "3/2", 3, (0.0, 1.0, 2.0)))
     waves, load = seen.of(dual), 1.3
     placed, _ = arrange(waves, np.array([0, 2]), np.array([0.02, -0.03]), np.array([0.11, 0.2]), np.array([4, 6]))
     rng = np.random.default_rng(1)

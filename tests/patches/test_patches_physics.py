@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from weier import ConvergenceError, Profile, patches
 from weier.patches import settle
-from weier.patches.guess import arrange, carried_over, surface
+from weier.patches.guess import arrange, carried_over, surface_of
 from weier.patches.march import first
 from weier.patches.newton import CONVERGED
 
@@ -62,7 +62,7 @@ def random_case(seed: int) -> tuple[Profile, float]:
     gamma = (2, 3, 4, 5, "5/2", "7/2")[rng.integers(6)]
     m = int(rng.integers(1, 4))
     profile = Profile(rng.uniform(1.05, 1.95), gamma, m, rng.uniform(0, 2 * np.pi, m))
-    return profile, float(np.exp(rng.uniform(np.log(1e-8), np.log(surface(profile).full_load))))
+    return profile, float(np.exp(rng.uniform(np.log(1e-8), np.log(surface_of(profile).full_load))))
 
 
 @pytest.mark.parametrize("seeds", [range(40), pytest.param(range(40, 340), marks=pytest.mark.slow)], ids=len)
@@ -155,7 +155,7 @@ def test_translation_and_mirror_change_nothing(load):
 
 @pytest.mark.parametrize(("load", "counts"), [(0.05, range(4, 13)), (0.7, range(12, 29, 2))])
 def test_convergence_is_exponential_in_nodes(load, counts):
-    seen = surface(THREE_WAVES)
+    seen = surface_of(THREE_WAVES)
     state, _ = first(THREE_WAVES, seen, load, 1e-12)
     old, errors = state.segments, []
     for count in counts:
@@ -172,7 +172,7 @@ def test_convergence_is_exponential_in_nodes(load, counts):
 
 def test_contacts_and_gaps_are_one_solution():
     """The two problems, for pressure in contacts and for slope in gaps, have nothing but the profile in common."""
-    seen = surface(THREE_WAVES)
+    seen = surface_of(THREE_WAVES)
     load = 2.5
     dual, _ = first(THREE_WAVES, seen, load, 1e-10)
     assert dual.dual

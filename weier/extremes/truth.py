@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from weier.extremes import exact
 from weier.extremes.cases import SHALLOW, few_waves
 from weier.extremes.examine import examine
-from weier.patches.guess import Surface, surface
+from weier.patches.guess import Surface, surface_of
 from weier.profile import Profile
 from weier.tradeoff.contenders import Contender
 
@@ -62,7 +62,7 @@ def _unknown(loads: Array) -> Truth:
 @lru_cache(maxsize=1)  # of one extreme by several methods
 def _contact(profile: Profile, loads: tuple[float, ...]) -> Truth:
     """Closed forms at both ends; between them the contact patches of the moved profile at their tightest."""
-    seen = surface(profile)
+    seen = surface_of(profile)
     single = int((seen.heights.rise == 0).sum()) == 1 and profile.period == 1
     pairs = _solved(Contender("patches", "patches", {"tolerance": TIGHTEST}), _moved(profile), np.array(loads))
     for i, load in enumerate(loads):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier.blas import one_thread
 from weier.loads import checked_loads
 from weier.patches.fields import State
-from weier.patches.guess import Surface, surface
+from weier.patches.guess import Surface, surface_of
 from weier.patches.march import solutions
 from weier.patches.solution import Solution, solution
 from weier.profile import Profile
@@ -77,7 +77,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     """
     loads = loads_within_reach(mean_pressure)
     check_tolerance(tolerance)
-    seen = surface(profile)
+    seen = surface_of(profile)
     rows, contacts = np.empty((loads.size, 7)), []
     for i, (state, steps) in enumerate(solutions(profile, seen, loads, tolerance)):
         rows[i] = *_measures(seen, state), steps
@@ -168,7 +168,7 @@ def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = T
     """
     loads = loads_within_reach(mean_pressure)
     check_tolerance(tolerance)
-    seen = surface(profile)
+    seen = surface_of(profile)
     found = solutions(profile, seen, loads, tolerance)
     return [solution(seen, state, load) for load, (state, _) in zip(loads, found, strict=True)]
 

@@ -11,8 +11,8 @@ from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.chebyshev import nodes
 from weier.patches.fields import State, density, expand, other_density
-from weier.patches.segments import Segments, segments, spaces
-from weier.patches.waves import Waves, excess, nearest_summit, nearest_summits, offset, waves
+from weier.patches.segments import Segments, make_segments, spaces
+from weier.patches.waves import Waves, excess, make_waves, nearest_summit, nearest_summits, offset
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -63,12 +63,12 @@ class Guess(NamedTuple):
     approach: float
 
 
-def surface(profile: Profile) -> Surface:
+def surface_of(profile: Profile) -> Surface:
     """What the solver needs to know of a profile."""
     series = profile.wavenumber, profile.phase, profile.period
     return Surface(
-        waves(profile.amplitude, *series),
-        waves(-profile.full_contact_pressure, *series),
+        make_waves(profile.amplitude, *series),
+        make_waves(-profile.full_contact_pressure, *series),
         profile.total_amplitude,
     )
 
@@ -84,13 +84,13 @@ def arrange(
     order = np.argsort(origin + centre, kind="stable")
     placed = summit[order], origin[order], centre[order], half_width[order]
     count = _expected_nodes(placed, waves) if count is None else count[order]
-    return segments(*placed, count, waves.period), order
+    return make_segments(*placed, count, waves.period), order
 
 
 def _expected_nodes(placed: tuple[Indices, Array, Array, Array], waves: Waves) -> Indices:
     """Nodes for the waves within a segment and the nearness of its neighbours, by Bernstein's ellipse."""
     half_width = placed[-1]
-    bare = segments(*placed, np.full(half_width.size, 2), waves.period)
+    bare = make_segments(*placed, np.full(half_width.size, 2), waves.period)
     space = spaces(bare, waves.period)
     near = np.clip(np.minimum(space, np.roll(space, 1)) / half_width, NEAREST, FARTHEST)
     ln_rho = np.log1p(near + np.sqrt(near * (near + 2)))

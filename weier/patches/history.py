@@ -18,7 +18,7 @@ from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.curve import TOLERANCE, check_tolerance, loads_within_reach
 from weier.patches.fields import State, clearance, density, opening
-from weier.patches.guess import Surface, surface
+from weier.patches.guess import Surface, surface_of
 from weier.patches.march import first, following, predicted
 from weier.patches.newton import CONVERGED
 from weier.patches.segments import spaces
@@ -89,7 +89,7 @@ def events(profile: Profile, low: float, high: float, tolerance: float = TOLERAN
     """
     loads_within_reach([low, high])
     check_tolerance(tolerance)
-    seen = surface(profile)
+    seen = surface_of(profile)
     reach = min(high, seen.full_load * (1 - NARROWEST))
     if low >= reach:
         return _gathered([], 0, seen)

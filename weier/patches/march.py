@@ -19,7 +19,7 @@ from weier.patches.guess import (
     resampled,
     tails,
 )
-from weier.patches.segments import Segments, moved, segments, spaces
+from weier.patches.segments import Segments, make_segments, moved, spaces
 from weier.patches.settle import TooLargeError, settle
 from weier.patches.start import CELLS_PER_WAVE, coarse_start
 from weier.patches.topology import without_cramped
@@ -154,6 +154,6 @@ def _with_nodes(surface: Surface, guess: Guess, tail: Array, load: float, tolera
     if np.array_equal(new_count, count):
         return guess
     waves = surface.of(guess.dual)
-    new = segments(placed.summit, placed.origin, placed.centre, placed.half_width, new_count, waves.period)
+    new = make_segments(placed.summit, placed.origin, placed.centre, placed.half_width, new_count, waves.period)
     phi = resampled(as_state(guess, load), waves, new, False)
     return Guess(guess.dual, new, phi, guess.approach)

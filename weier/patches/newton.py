@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from weier.patches.collocation import assemble
-from weier.patches.segments import Segments, following, moved, spaces
+from weier.patches.segments import Segments, from_right, moved, spaces
 from weier.patches.waves import Waves
 
 Array = NDArray[np.float64]
@@ -148,7 +148,7 @@ def _limits(segments: Segments, change: Array, period: float, start: _Start) -> 
     n, space = start.space.size, spaces(segments, period)
     growth, shift = -change[-1 - n : -1], -change[-1 - 2 * n : -1 - n]
     r = segments.half_width
-    loss = r * (growth + shift) + following(r * (growth - shift))
+    loss = r * (growth + shift) + from_right(r * (growth - shift))
     closing = (loss > LARGEST_CLOSING * space) & ((loss > space) | (space < CLOSED * start.space))
     closing |= (loss > FADING * space) & (space < FADED * start.space)
     vanishing = (growth < -1) | (growth < -FADING) & (r < FADED * start.half_width)

@@ -44,7 +44,7 @@ class Segments(NamedTuple):
     cosine: Array
 
 
-def segments(
+def make_segments(
     summit: Indices, origin: Array, centre: Array, half_width: Array, count: Indices, period: float
 ) -> Segments:
     """Segments with `count` nodes each."""
@@ -75,11 +75,11 @@ def spaces(segments: Segments, period: float) -> Array:
     """Distance from each segment's right end to the next one's left end, round the period."""
     left = segments.centre - segments.half_width
     right = segments.centre + segments.half_width
-    apart = following(segments.origin) - segments.origin
+    apart = from_right(segments.origin) - segments.origin
     apart[-1] += period
-    return apart + (following(left) - right)
+    return apart + (from_right(left) - right)
 
 
-def following(value: Array) -> Array:
+def from_right(value: Array) -> Array:
     """The values of each segment's neighbour on the right: np.roll(value, -1), many times faster."""
     return np.concatenate([value[1:], value[:1]])

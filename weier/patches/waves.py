@@ -41,7 +41,7 @@ class Waves(NamedTuple):
     top: float
 
 
-def waves(amplitude: Array, wavenumber: list[int], phase: Array, period: float) -> Waves:
+def make_waves(amplitude: Array, wavenumber: list[int], phase: Array, period: float) -> Waves:
     """The summits of the series with whole numbers of waves in one period."""
     frequency = 2 * np.pi * np.array(wavenumber, float) / period
     x, theta = summits(amplitude, wavenumber, phase, period)
