@@ -45,7 +45,7 @@ def collocation_point(a: int, count: int) -> float:
 
 @kernel
 def _sines(count: int) -> Array:
-    # sin(j pi/(count+1)) over a whole turn.
+    """sin(j pi/(count+1)) over a whole turn."""
     sine = np.empty(2 * count + 2)
     for j in range(sine.size):
         sine[j] = np.sin(j * (np.pi / (count + 1)))

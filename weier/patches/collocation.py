@@ -55,7 +55,7 @@ def _on_segments(
     load: float,
     dual: bool,
 ) -> None:
-    # The integral equation and, of contacts, the heights: all rows that cost as much as the matrix has elements.
+    """The integral equation and, of contacts, the heights: all rows that cost as much as the matrix has elements."""
     n = segments.centre.size
     for i in range(n):
         points = _points(segments, i, waves.period)
@@ -68,7 +68,7 @@ def _on_segments(
 
 @kernel
 def _points(segments: Segments, i: int, period: float) -> Array:
-    # Collocation points t of segment i, and sine and cosine of pi r t/L, as columns.
+    """Collocation points t of segment i, and sine and cosine of pi r t/L, as columns."""
     count = segments.first[i + 1] - segments.first[i]
     point = np.empty((count + 1, 3))
     for a in range(count + 1):
@@ -89,7 +89,7 @@ def _force(
     points: Array,
     i: int,
 ) -> None:
-    # -f at the collocation points t of segment i, and its derivatives in place and width.
+    """-f at the collocation points x = c + r t of segment i; -r f' and -r t f' in its columns of place and width."""
     n, r = segments.centre.size, segments.half_width[i]
     N = jacobian.shape[0] - 2 * n - 1
     for a in range(points.shape[0]):
@@ -108,7 +108,7 @@ def _force(
 
 @kernel
 def _turn(segments: Segments, i: int, j: int, factor: float) -> tuple[float, float]:
-    # Sine and cosine of the angle from the centre of segment j to that of segment i.
+    """Sine and cosine of pi (c_i - c_j)/L, from the centre of segment j to that of segment i."""
     angle = factor * (segments.origin[i] - segments.origin[j] + (segments.centre[i] - segments.centre[j]))
     return np.sin(angle), np.cos(angle)
 
@@ -117,7 +117,11 @@ def _turn(segments: Segments, i: int, j: int, factor: float) -> tuple[float, flo
 def _collocate(
     jacobian: Array, right: Array, segments: Segments, phi: Array, period: float, points: Array, i: int, j: int
 ) -> None:
-    # int rho cot ds over segment j at the collocation points t of segment i.
+    """I = int rho cot(pi (x-s)/L) ds over segment j at the collocation points x = c_i + r_i t of segment i.
+
+    With K = cot, dK/ds = (pi/L)(1 + K^2): along = dI/dc_j = -dI/dx = sum w r phi dK/ds, and
+    about = r_j dI/dr_j = sum w r phi (K + r_j t_q dK/ds), less r_j t along where x, too, moves with r_j (i = j).
+    """
     n, N, factor = segments.centre.size, phi.size, np.pi / period
     own, r = segments.half_width[i], segments.half_width[j]
     here = slice(segments.first[j], segments.first[j + 1])  # numba knows no index into these to be negative
@@ -156,7 +160,11 @@ def _match_height(
     i: int,
     row: int,
 ) -> None:
-    # The gap is 0 at the centre of patch i; divided by r_i, so that all rows are of one size.
+    """The gap is 0 at the centre x = c_i of patch i: the height equation over r_i, so that all rows are of one size.
+
+    Of V = 2 int rho ln|2 sin(pi (x-s)/L)| ds over patch j: along = dV/dc_j = -dV/dx, about = r_j dV/dr_j;
+    tilt = z' - sum along is the derivative of the whole in c_i.
+    """
     n, N, factor = segments.centre.size, phi.size, np.pi / waves.period
     value, slope, _ = excess(waves, segments.summit[i], segments.centre[i])
     scale = 1 / segments.half_width[i]
@@ -186,7 +194,11 @@ def _match_height(
 
 @kernel
 def _raise_own_centre(segments: Segments, q: int, r: float, factor: float) -> tuple[float, float, float]:
-    # Of node q of the patch itself: potential at its centre, and what moving and widening change, per share.
+    """Node q of patch i at its own centre, s = r t away: w r ln|2 sin(pi s/L)|, and of the logarithm pull and turn.
+
+    pull = d/dx is 0, for the patch moves with its centre; turn = r d/dr = (pi s/L) cot(pi s/L). The singular part
+    ln|t| is integrated in closed form, by `Segments.central`.
+    """
     share, x = r * segments.weight[q], r * segments.node[q]
     small = factor * abs(x) < 1e-8
     log = np.log(2 * factor) if small else np.log(abs(2 * segments.sine[q] / x))
@@ -198,13 +210,17 @@ def _raise_own_centre(segments: Segments, q: int, r: float, factor: float) -> tu
 def _raise_centre(
     segments: Segments, q: int, r: float, factor: float, s: float, c: float
 ) -> tuple[float, float, float]:
-    # The same of node q of another patch, whose centre is the angle of sine s and cosine c away.
+    """The same of node q of another patch, whose centre is the angle of sine s and cosine c away.
+
+    pull = d/dx ln|2 sin(pi (x-s)/L)| = (pi/L) cot(pi (x-s)/L), turn = r d/dr = -r t pull.
+    """
     sine = s * segments.cosine[q] - c * segments.sine[q]
     pull = factor * (c * segments.cosine[q] + s * segments.sine[q]) / sine
     return r * segments.weight[q] * np.log(abs(2 * sine)), pull, -r * segments.node[q] * pull
 
 
 def _balance_load(jacobian: Array, right: Array, segments: Segments, phi: Array, force: float, period: float) -> None:
+    """int rho dx = p L, over the largest half-width."""
     n, N = segments.centre.size, phi.size
     scale = 1 / segments.half_width.max()
     weight = scale * _each(segments, segments.half_width) * segments.weight
@@ -214,7 +230,7 @@ def _balance_load(jacobian: Array, right: Array, segments: Segments, phi: Array,
 
 
 def _close(jacobian: Array, right: Array, segments: Segments, phi: Array) -> None:
-    # The gap that opens at one end of each segment has closed at the other.
+    """int rho dx = 0: the gap that opens at one end of each segment has closed at the other."""
     n, N = segments.centre.size, phi.size
     jacobian[N + n + _each(segments, np.arange(n)), np.arange(N)] = segments.weight
     right[N + n : N + 2 * n, 0] = _sums(segments, segments.weight * phi)
@@ -223,6 +239,7 @@ def _close(jacobian: Array, right: Array, segments: Segments, phi: Array) -> Non
 def _measure_gap(
     jacobian: Array, right: Array, segments: Segments, phi: Array, approach: float, period: float
 ) -> None:
+    """approach = -d = (1/L) int (x - c) rho dx."""
     n, N = segments.centre.size, phi.size
     weight = _each(segments, segments.half_width**2) * segments.weight * segments.node / period
     share = _sums(segments, weight * phi)

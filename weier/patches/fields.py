@@ -100,7 +100,11 @@ def potential(state: State, period: float, origin: float, y: float) -> float:
 
 @kernel
 def _near(state: State, j: int, t: float, period: float) -> tuple[float, float, float]:
-    # The segment, and its images on both sides if they are near too, in closed form; the rest by quadrature.
+    """Cauchy integral, its derivative and the potential of segment j at its own coordinate t.
+
+    The poles of the segment, and of its images on both sides if they are near too, in closed form: with the
+    derivative in x = r t, (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds; what `_remainders` leaves by quadrature.
+    """
     segments = state.segments
     r = segments.half_width[j]
     here = slice(segments.first[j], segments.first[j + 1])
@@ -123,7 +127,10 @@ def _near(state: State, j: int, t: float, period: float) -> tuple[float, float, 
 
 @kernel
 def _remainders(d: float, period: float, images: int) -> tuple[float, float, float]:
-    # cot(pi d/L), its derivative and ln|2 sin(pi d/L)|, less the poles at d = 0 and, if asked for, -L and L.
+    """cot(pi d/L), its derivative and ln|2 sin(pi d/L)|, less the poles at d = 0 and, if asked for, -L and L.
+
+    With a = pi d/L, near a pole cot(a) - 1/a = -a/3 and ln|2 sin(a)| - ln|d| = ln(2 pi/L) - a^2/6.
+    """
     factor = np.pi / period
     turn = min(max(np.rint(d / period), -images), images)
     angle = factor * (d - turn * period)

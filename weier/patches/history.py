@@ -213,7 +213,7 @@ def _least(state: State, waves: Waves, of_gap: bool, left: float, right: float) 
 
 @kernel
 def _signed(state: State, waves: Waves, of_gap: bool, x: float) -> float:
-    # The gap before a birth lies off the contacts, the pressure after a merge on them.
+    """The gap before a birth, which lies off the contacts, or the pressure after a merge, on them; either sign."""
     summit = nearest_summit(waves, x)
     y = offset(waves, summit, x)
     if of_gap != state.dual:

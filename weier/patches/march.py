@@ -147,7 +147,7 @@ def predicted(surface: Surface, state: State, load: float, tolerance: float) -> 
 
 
 def _with_nodes(surface: Surface, guess: Guess, tail: Array, load: float, tolerance: float) -> Guess:
-    # As many nodes as the last solution would have needed.
+    """The guess with as many nodes as the last solution would have needed, by its tails."""
     placed: Segments = guess.segments
     aim, count = TAIL * tolerance, np.diff(placed.first)
     new_count = adjusted_nodes(count, tail, aim, (tail > aim) | (tail < 1e-3 * aim))

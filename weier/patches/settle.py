@@ -98,7 +98,10 @@ def residual(surface: Surface, state: State) -> float:
 
 @kernel
 def _violation(state: State, waves: Waves) -> Array:
-    # Of each segment; every second node will do, for a polynomial of their number.
+    """Of each segment, in g_0: the gap on a contact; 2 r times the pressure in a gap, and the gap at its far end.
+
+    Every second node will do, for a polynomial of their number.
+    """
     segments = state.segments
     worst = np.zeros(segments.centre.size)
     for j in range(worst.size):
@@ -114,7 +117,15 @@ def _violation(state: State, waves: Waves) -> Array:
 
 
 def _certified(surface: Surface, state: State, tolerance: float) -> State:
-    # Signs were checked by `corrected`; what remains are the equations themselves and the load.
+    """The state with its residual, if that and the load p L = (pi/2) sum r a_0 are met.
+
+    Signs were checked by `corrected`; what remains are the equations themselves and the load.
+
+    Raises
+    ------
+    ConvergenceError
+        If they are not.
+    """
     period, miss = surface.heights.period, residual(surface, state)
     size = state.load * period if state.dual else state.approach
     reached = miss / size if size > 0 else np.inf  # 0: Newton lost all digits, far from its load

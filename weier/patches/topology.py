@@ -77,6 +77,8 @@ def violations_outside(state: State, waves: Waves, tolerance: float) -> Births:
 
 
 def _lowest(state: State, waves: Waves, low: float, high: float) -> float:
+    """The place between two probes where the clearance is least: its slope is 0."""
+
     def slope(x: float) -> float:
         return float(clearance_slopes(state, waves, np.array([x]))[0])
 
@@ -84,7 +86,7 @@ def _lowest(state: State, waves: Waves, low: float, high: float) -> float:
 
 
 def _probes(waves: Waves, left: Array, space: Array) -> tuple[Array, Indices]:
-    # Gathered at both ends of each space, everywhere finer than the finest wave; and the space each is in.
+    """Places (1 - cos)/2 along each space, everywhere closer than the finest wave; and the space that each is in."""
     finest = 2 * np.pi / waves.frequency[-1]
     count = FEWEST_PROBES + np.ceil(0.5 * np.pi * PROBES_PER_WAVE * space / finest).astype(np.int64)
     where = np.repeat(np.arange(space.size), count)
@@ -125,7 +127,7 @@ def violations_inside(state: State, tolerance: float) -> tuple[Indices, Array, A
 
 @kernel
 def _signs(dual: bool, a: Array) -> tuple[Array, Array]:
-    # Samples denser than the nodes; a least one that may hide a change of sign is moved to the minimum.
+    """Places t, denser than the nodes, and values; a least one that may hide a sign change moves to the minimum."""
     count = SIGN_POINTS * a.size + 1
     t, samples = np.empty(count + 1), np.empty(count + 1)
     for i in range(count + 1):
@@ -150,7 +152,7 @@ def _signs(dual: bool, a: Array) -> tuple[Array, Array]:
 
 @kernel
 def _positive(dual: bool, a: Array, t: float) -> float:
-    # phi, or the gap over (1-t^2)^(3/2), whose limits at the ends are -+phi/3.
+    """phi, or (dual) the gap over r (1-t^2)^(3/2), whose limits at the ends are -+phi/3: positive if all is right."""
     if not dual:
         return series(a, t)
     if abs(t) > 1 - 1e-6:
@@ -160,7 +162,7 @@ def _positive(dual: bool, a: Array, t: float) -> float:
 
 @kernel
 def _crossing(dual: bool, a: Array, below: float, above: float) -> float:
-    # Change of sign between a negative and a positive sample.
+    """The place between a negative and a positive sample where the sign changes, by bisection."""
     for _ in range(SEARCH_STEPS):
         middle = 0.5 * (below + above)
         if _positive(dual, a, middle) < 0:
@@ -195,7 +197,7 @@ def corrected(surface: Surface, state: State, tolerance: float) -> Guess | None:
 
 
 def _cut(old: Segments, segment: Indices, start: Array, end: Array) -> tuple[Indices, Array, Array]:
-    # What is left of each segment without the stretches of wrong sign.
+    """Summits, centres and half-widths of what is left of each segment without the stretches of wrong sign."""
     summit, centre, half_width = [], [], []
     for j in range(old.centre.size):
         left = -1.0

@@ -70,6 +70,7 @@ def excess(waves: Waves, summit: int, y: float) -> tuple[float, float, float]:
 
 @kernel
 def _sine_less_angle(y: float, sine: float) -> float:
+    """sin(y) - y = -y^3/3! + y^5/5! - ..."""
     if abs(y) > SMALL_ANGLE:
         return sine - y
     q = y * y
