@@ -28,6 +28,8 @@ from weier.patches.waves import Waves, excess
 
 Array = NDArray[np.float64]
 
+SMALL_ANGLE = 1e-8  # below it sin(y) = y and y cot(y) = 1 to rounding
+
 
 def assemble(
     segments: Segments, phi: Array, approach: float, waves: Waves, load: float, dual: bool
@@ -200,7 +202,7 @@ def _raise_own_centre(segments: Segments, q: int, r: float, factor: float) -> tu
     ln|t| is integrated in closed form, by `Segments.central`.
     """
     share, x = r * segments.weight[q], r * segments.node[q]
-    small = factor * abs(x) < 1e-8
+    small = factor * abs(x) < SMALL_ANGLE
     log = np.log(2 * factor) if small else np.log(abs(2 * segments.sine[q] / x))
     turn = 1.0 if small else factor * x * segments.cosine[q] / segments.sine[q]
     return share * (np.log(r) + log) + r * segments.central[q], 0.0, turn

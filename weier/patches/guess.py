@@ -23,12 +23,14 @@ FEWEST_NODES = 8
 MOST_NODES = 1000
 WAVE_SHARE = 0.8  # nodes = 8 + 0.8 k r + 9/ln(rho): what the tails of converged solutions asked for
 SPACE_SHARE = 9.0
-NEAREST, FARTHEST = (
-    0.01,
-    1e6,
-)  # of a half-width: what a guess believes of a space; a solution asks for more nodes by its tails
+# Of a half-width: what a guess believes of a space; a solution asks for more nodes by its tails.
+NEAREST, FARTHEST = 0.01, 1e6
 TAIL = 0.1  # to aim at, over the tolerance
+LEAST_TAIL, MOST_TAIL = 1e-16, 0.5  # rounding, and no decay to speak of: what lies beyond tells no rate
+SLOWEST_DECAY = 1e-3  # of ln(tail) a node, so that the rate can be divided by
+MOST_FEWER = 2  # nodes taken away at once, for a tail may be small by chance; added are no more than there are
 ROUNDING, MOST_ROUNDING = 1e-14, 1e-3  # of a tail; a density falls with the width squared and rounding does not
+ROOM = 0.4  # for Hertz's half-width, of the way from crest to crest: touching at 0.5, they would have to merge
 SWITCH = 0.7  # change to the other problem when it needs fewer nodes than this share
 
 
@@ -100,9 +102,9 @@ def _expected_nodes(placed: tuple[Indices, Array, Array, Array], waves: Waves) -
 
 def adjusted_nodes(count: Indices, tail: Array, aim: float, where: Flags) -> Indices:
     """Nodes that bring the tail to `aim` if it goes on decaying as it did so far."""
-    tail = np.clip(tail, 1e-16, 0.5)
-    change = np.ceil(np.log(tail / aim) / np.maximum(-np.log(tail) / count, 1e-3))
-    new = count + np.where(where, np.clip(change, -2, count), 0)
+    tail = np.clip(tail, LEAST_TAIL, MOST_TAIL)
+    change = np.ceil(np.log(tail / aim) / np.maximum(-np.log(tail) / count, SLOWEST_DECAY))
+    new = count + np.where(where, np.clip(change, -MOST_FEWER, count), 0)
     return np.clip(new, FEWEST_NODES, MOST_NODES).astype(np.int64)
 
 
@@ -186,7 +188,7 @@ def hertz_start(surface: Surface, load: float, dual: bool) -> Guess:
     tops = np.flatnonzero(waves.rise == 0)
     curvature = np.array([-excess(waves, int(j), 0.0)[2] for j in tops])
     force = waves.top - load if dual else load * waves.period / tops.size
-    half_width = np.minimum(2 * np.sqrt(force / curvature), 0.4 * waves.period / tops.size)
+    half_width = np.minimum(2 * np.sqrt(force / curvature), ROOM * waves.period / tops.size)
     new, order = arrange(waves, tops, np.zeros(tops.size), half_width)
     count = np.diff(new.first)
     phi = [hertz(dual, curvature[order[j]], new.half_width[j], count[j]) for j in range(tops.size)]

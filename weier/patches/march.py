@@ -35,6 +35,7 @@ LIGHTER = 4.0  # factor to lighter loads, until a single contact is enough
 MOST_LIGHTER = 30
 CLOSED = 0.5  # of a space, to which the tangent takes it: its square falls like the load, so that it will be gone
 NARROWEST = 0.01  # of a half-width squared, kept by the predictor
+FINE_TAIL = 1e-3  # over the tail to aim at: nodes enough to take some away
 
 
 def solutions(
@@ -150,7 +151,7 @@ def _with_nodes(surface: Surface, guess: Guess, tail: Array, load: float, tolera
     """The guess with as many nodes as the last solution would have needed, by its tails."""
     placed: Segments = guess.segments
     aim, count = TAIL * tolerance, np.diff(placed.first)
-    new_count = adjusted_nodes(count, tail, aim, (tail > aim) | (tail < 1e-3 * aim))
+    new_count = adjusted_nodes(count, tail, aim, (tail > aim) | (tail < FINE_TAIL * aim))
     if np.array_equal(new_count, count):
         return guess
     waves = surface.of(guess.dual)

@@ -26,6 +26,7 @@ CLOSED = 0.1  # of a space at the start: still closing, it will not stay open
 FADED = 1e-3  # of a width at the start: one that Newton then goes on halving is a double root at 0
 FADING = 0.3
 ROUNDING_STEP = 1e-5  # steps below this that no longer shrink have met rounding, of a contact just born
+SHRINKS = 0.3  # of the step before: far from rounding, Newton's next step is its square, and much less
 NEAR = 1e-5  # steps below this leave the matrix so much the same that its last factors serve
 SWEEPS = 3  # of refinement with them
 REFINED = 1e-13  # of the sensitivities, what one more sweep would change
@@ -84,7 +85,7 @@ def newton(
         cramped += int(np.any(limits.closing) or np.any(limits.vanishing))
         if cramped == MOST_CRAMPED:
             status = TOPOLOGY
-        elif limits.damping == 1 and (size < tolerance or (size < ROUNDING_STEP and size > 0.3 * before)):
+        elif limits.damping == 1 and (size < tolerance or (size < ROUNDING_STEP and size > SHRINKS * before)):
             status = CONVERGED
     return Iterate(status, steps, size, here, phi, approach, -change[:, 1], limits.closing, limits.vanishing)
 

@@ -23,9 +23,8 @@ Indices = NDArray[np.int64]
 FEWEST_PROBES = 12  # in the space between two segments, gathered at its ends as the cosine
 PROBES_PER_WAVE = 5
 PLACE = 1e-9  # of a minimum between two probes, over their distance
-TENSION = (
-    1e-9  # of the pressure, left where two contacts have nearly merged: it shifts dh/dp by less, h by its square
-)
+# Of the pressure, left where two contacts have nearly merged: it shifts dh/dp by less, h by its square.
+TENSION = 1e-9
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN = 0.6180339887498949
 SIGN_POINTS = 2  # per node, to look for a change of sign within a segment
@@ -33,6 +32,8 @@ CONTACT_WIDTH = 0.5  # of a new contact over the overlap that it replaces
 GAP_WIDTH = np.sqrt(2.0)  # of a new gap over the stretch of tension: exact for a small one
 CUT_WIDENING = 0.2  # at each end of a cut, so that it is sqrt(2) times the stretch of wrong sign
 SHORTEST_PIECE = 1e-3  # of a segment, that survives a cut
+ROOM = 0.4  # for a new segment's half-width, of the way to its nearest neighbour: two born side by side stay apart
+END = 1e-6  # from an end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits there, and the limit is as exact
 
 
 class Births(NamedTuple):
@@ -72,7 +73,7 @@ def violations_outside(state: State, waves: Waves, tolerance: float) -> Births:
     )
     curvature = np.maximum((slope[j + 1] - slope[j]) / (x[j + 1] - x[j]), -value / reach**2)
     widening = GAP_WIDTH if state.dual else CONTACT_WIDTH
-    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), 0.4 * reach)
+    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), ROOM * reach)
     return Births(*nearest_summits(waves, place), half_width, curvature)
 
 
@@ -155,7 +156,7 @@ def _positive(dual: bool, a: Array, t: float) -> float:
     """phi, or (dual) the gap over r (1-t^2)^(3/2), whose limits at the ends are -+phi/3: positive if all is right."""
     if not dual:
         return series(a, t)
-    if abs(t) > 1 - 1e-6:
+    if abs(t) > 1 - END:
         return -np.sign(t) * series(a, np.sign(t)) / 3
     return partial_integral(a, t) / ((1 - t) * (1 + t)) ** 1.5
 
