@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +63,12 @@ def solutions(
 
 def first(profile: Profile, surface: Surface, load: float, tolerance: float) -> tuple[State, int]:
     """A solution with no neighbour: from Hertz or boundary elements, else by way of lighter loads."""
+    direct = _directly(profile, surface, load, tolerance)
+    return _by_lighter_loads(profile, surface, load, tolerance) if direct is None else direct
+
+
+def _directly(profile: Profile, surface: Surface, load: float, tolerance: float) -> tuple[State, int] | None:
+    """The solution from Hertz or boundary elements; None if neither leads to it."""
     tiny = _narrowest(hertz_start(surface, load, False).segments, profile) < 1
     for hertzian in (tiny, not tiny):  # boundary elements do not see a tiny contact
         try:
@@ -72,6 +79,17 @@ def first(profile: Profile, surface: Surface, load: float, tolerance: float) -> 
                 raise
         except ConvergenceError:
             continue
+    return None
+
+
+def _by_lighter_loads(profile: Profile, surface: Surface, load: float, tolerance: float) -> tuple[State, int]:
+    """The solution by way of the heaviest lighter load that Hertz leads to.
+
+    Raises
+    ------
+    ConvergenceError
+        If there is none.
+    """
     lighter = load
     for _ in range(MOST_LIGHTER):
         lighter /= LIGHTER
@@ -88,17 +106,11 @@ def following(
     profile: Profile, surface: Surface, state: State, load: float, tolerance: float, depth: int = 0
 ) -> tuple[State, int]:
     """The solution of the next load; where the step fails, through loads in between."""
-    for way in _ways(profile, surface, state, load, depth):
+    for start in _starts(profile, surface, state, load, tolerance, depth):
         try:
-            if way == "tangent":
-                guess = predicted(surface, state, load, tolerance)
-            elif way == "coarse":
-                guess = coarse_start(profile, surface, load)
-            else:
-                guess = hertz_start(surface, load, True)
-            return settle(surface, guess, load, tolerance)
+            return settle(surface, start(), load, tolerance)
         except TooLargeError:
-            if way == "coarse":
+            if start.func is coarse_start:
                 raise
         except ConvergenceError:
             if depth == DEEPEST:
@@ -109,14 +121,18 @@ def following(
     return end, steps + more
 
 
-def _ways(profile: Profile, surface: Surface, state: State, load: float, depth: int) -> tuple[str, ...]:
+def _starts(
+    profile: Profile, surface: Surface, state: State, load: float, tolerance: float, depth: int
+) -> tuple[partial[Guess], ...]:
     """What to start from, in this order: the tangent, boundary elements, or the last gaps before full contact."""
+    tangent = partial(predicted, surface, state, load, tolerance)
+    coarse = partial(coarse_start, profile, surface, load)
     if load > NEARLY_FULL * surface.full_load:
-        return "gaps", "tangent"
+        return partial(hertz_start, surface, load, True), tangent
     ratio = load / state.load
     if depth == 0 and ratio > FAR_STEP and _narrowest(state.segments, profile) * np.sqrt(ratio) > 1:
-        return "coarse", "tangent"
-    return ("tangent", "coarse") if depth % COARSE_EVERY == 0 else ("tangent",)
+        return coarse, tangent
+    return (tangent, coarse) if depth % COARSE_EVERY == 0 else (tangent,)
 
 
 def _narrowest(contacts: Segments, profile: Profile) -> float:
