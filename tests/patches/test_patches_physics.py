@@ -11,7 +11,7 @@ from weier import ConvergenceError, Profile, patches
 from weier.patches import settle
 from weier.patches.guess import arrange, carried_over, surface_of
 from weier.patches.march import first
-from weier.patches.newton import CONVERGED
+from weier.patches.newton import Status
 
 Array = NDArray[np.float64]
 
@@ -162,7 +162,7 @@ def test_convergence_is_exponential_in_nodes(load, counts):
         same = np.full(old.centre.size, count)
         guess, _ = carried_over(seen, state, old.summit, old.centre, old.half_width, same)
         fewer, found = settle.newton_from(seen, guess, load, 1e-12)
-        assert found.status == CONVERGED
+        assert found.status == Status.converged
         errors.append(abs(fewer.approach / state.approach - 1) + 1e-16)
     rate = -np.polyfit(counts, np.log(errors), 1)[0]
     print(f"load {load}: error falls {np.exp(rate):.1f} times a node; {errors[0]:.0e} to {errors[-1]:.0e}")
@@ -185,7 +185,7 @@ def test_contacts_and_gaps_are_one_solution():
     phi = np.concatenate(phi) / np.sqrt(1 - placed.node**2)
     start = settle.Guess(False, placed, phi, 0.0)
     primal, found = settle.newton_from(seen, start, load, 1e-10)
-    assert found.status == CONVERGED
+    assert found.status == Status.converged
     assert primal.approach == pytest.approx(heights.top + dual.approach, abs=1e-10)
     assert primal.sensitivity[-1] == pytest.approx(dual.sensitivity[-1], rel=1e-8)
 

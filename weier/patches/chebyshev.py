@@ -77,6 +77,8 @@ def series(a: Array, t: float) -> float:
 @kernel
 def integrals(a: Array, t: float) -> tuple[float, float, float]:
     """The Cauchy integral, its derivative and the logarithmic potential at t, any real t; no derivative at +-1."""
+    # Both T_k and U_k go on as ratio * here - stretch * before: 2 t and 1 within [-1, 1]; beyond, where rho^-k stands
+    # for T_k and its derivative over k for U_(k-1), 1/rho and 0.
     if abs(t) <= 1:
         rho, first, ratio, stretch, steep = 0.0, t, 2 * t, 1.0, 1.0
     else:
@@ -87,6 +89,7 @@ def integrals(a: Array, t: float) -> tuple[float, float, float]:
     about = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
     before, here = 1.0, first  # T_k, T_(k+1)
     flat = 0.0  # U_(k-1), and steep is U_k: T_(k+1)' = (k+1) U_k
+    # along = sum a_k T_(k+1), slope = sum a_k T_(k+1)', about = sum a_k (L_k - L_(k+2))/(2 pi), L_n/pi = -T_n/n.
     for k in range(a.size):
         along += a[k] * here
         slope += a[k] * (k + 1) * steep

@@ -109,20 +109,20 @@ def _near(state: State, j: int, t: float, period: float) -> tuple[float, float, 
     r = segments.half_width[j]
     here = slice(segments.first[j], segments.first[j + 1])
     a = state.coefficient[here]
-    value, slope, potential = 0.0, 0.0, 0.0
+    value, slope, logarithm = 0.0, 0.0, 0.0
     images = 0 if period / r - abs(t) > segments.reach[j] else 1
     for image in range(-images, images + 1):
         c, d, v = integrals(a, t - image * period / r)
         value += c * period / np.pi
         slope += d * period / (np.pi * r)
-        potential += r * (v + np.log(r) * 0.5 * np.pi * a[0])
+        logarithm += r * (v + np.log(r) * 0.5 * np.pi * a[0])
     for q in range(segments.first[j], segments.first[j + 1]):
         share = r * segments.weight[q] * state.phi[q]
         c, d, v = _remainders(r * (t - segments.node[q]), period, images)
         value += share * c
         slope += share * d
-        potential += share * v
-    return value, slope, potential
+        logarithm += share * v
+    return value, slope, logarithm
 
 
 @kernel
@@ -135,18 +135,18 @@ def _remainders(d: float, period: float, images: int) -> tuple[float, float, flo
     turn = min(max(np.rint(d / period), -images), images)
     angle = factor * (d - turn * period)
     if abs(angle) < SMALL_ANGLE:
-        value, slope, potential = -angle / 3, -factor / 3, np.log(2 * factor) - angle * angle / 6
+        value, slope, logarithm = -angle / 3, -factor / 3, np.log(2 * factor) - angle * angle / 6
     else:
         sine = np.sin(angle)
         value, slope = np.cos(angle) / sine - 1 / angle, factor * (1 / (angle * angle) - 1 / (sine * sine))
-        potential = np.log(2 * factor * abs(sine / angle))
+        logarithm = np.log(2 * factor * abs(sine / angle))
     for image in range(-images, images + 1):
         if image != turn:
             apart = d - image * period
             value -= 1 / (factor * apart)
             slope += 1 / (factor * apart * apart)
-            potential -= np.log(abs(apart))
-    return value, slope, potential
+            logarithm -= np.log(abs(apart))
+    return value, slope, logarithm
 
 
 @kernel

@@ -20,7 +20,7 @@ from weier.patches.curve import TOLERANCE, check_tolerance, loads_within_reach
 from weier.patches.fields import State, clearance, density, opening
 from weier.patches.guess import Surface, surface_of
 from weier.patches.march import first, following, predicted
-from weier.patches.newton import CONVERGED
+from weier.patches.newton import Status
 from weier.patches.segments import spaces
 from weier.patches.settle import newton_from
 from weier.patches.solution import solution
@@ -162,23 +162,37 @@ class _Search(NamedTuple):
         return bool(np.abs(np.log(np.sort(reached) / np.sort(expected))).max() > JUMP)
 
     def _located(self, low: State, high: State, event: _Event) -> tuple[float, _Event]:
-        # The gap before a birth, and the pressure after a merge, touch 0 at the event: from the side on which
-        # they are positive, the contacts are followed to the other.
+        """The load and the place at which the gap before a birth, or the pressure after a merge, touches 0.
+
+        From the side on which it is positive, the contacts are followed to the other.
+        """
         start = low if event.birth else high
-        place = [0.0]
 
-        def least(load: float) -> float:
-            state, found = newton_from(
-                self.seen, predicted(self.seen, start, load, self.tolerance), load, self.tolerance
-            )
-            if found.status != CONVERGED or state.segments.centre.size != start.segments.centre.size:
-                raise ConvergenceError("the contacts change on the way", found.size)
-            place[0], value = _least(state, self.seen.of(state.dual), event.birth, event.left, event.right)
-            return value
+        def least(load: float) -> tuple[float, float]:
+            state = self._followed(start, load)
+            return _least(state, self.seen.of(state.dual), event.birth, event.left, event.right)
 
-        load = float(scipy.optimize.brentq(least, low.load, high.load, xtol=ACCURACY * low.load, rtol=ACCURACY))
-        least(load)
-        return load, _Event(event.birth, place[0], place[0])
+        def least_value(load: float) -> float:
+            return least(load)[1]
+
+        accuracy = {"xtol": ACCURACY * low.load, "rtol": ACCURACY}
+        load = float(scipy.optimize.brentq(least_value, low.load, high.load, **accuracy))
+        place, _ = least(load)
+        return load, _Event(event.birth, place, place)
+
+    def _followed(self, start: State, load: float) -> State:
+        """The contacts of `start` under another load, whether or not there are others by then.
+
+        Raises
+        ------
+        ConvergenceError
+            If these are not contacts there any more.
+        """
+        guess = predicted(self.seen, start, load, self.tolerance)
+        state, found = newton_from(self.seen, guess, load, self.tolerance)
+        if found.status != Status.converged or state.segments.centre.size != start.segments.centre.size:
+            raise ConvergenceError("the contacts change on the way", found.size)
+        return state
 
 
 def _differences(seen: Surface, low: State, high: State) -> list[_Event]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Factors = tuple[Array, NDArray[np.int32]]
 
-CONVERGED, STALLED, TOPOLOGY = 0, 1, 2
 MOST_STEPS = 25
 SMALLEST_SHRINKAGE = -0.6  # of ln(half-width) in one step
 LARGEST_GROWTH = 1.2
@@ -32,18 +32,25 @@ SWEEPS = 3  # of refinement with them
 REFINED = 1e-13  # of the sensitivities, what one more sweep would change
 
 
+class Status(IntEnum):
+    """How Newton's method ended; `topology`: a segment insists on vanishing, or two on meeting."""
+
+    converged = 0
+    stalled = 1
+    topology = 2
+
+
 class Iterate(NamedTuple):
     """Newton's result.
 
-    status : CONVERGED, STALLED or TOPOLOGY
-    steps : taken
+    status, steps : how it ended, after how many
     size : of the last step, the largest relative change of a density, a place or a width
     segments, phi, approach, sensitivity : where the steps have led, as in `State`
     closing : whether each segment and the next one on the right insist on meeting, shape (segments,)
     vanishing : whether each segment insists on vanishing, shape (segments,)
     """
 
-    status: int
+    status: Status
     steps: int
     size: float
     segments: Segments
@@ -59,18 +66,15 @@ def newton(
 ) -> Iterate:
     """Solve for phi, centres, half-widths and approach.
 
-    The status is TOPOLOGY where a segment insists on vanishing or two on meeting: `vanishing` and `closing`
-    (by the segment on the left) name them.
-
     Raises
     ------
     LinAlgError
         If the equations are singular.
     """
     start = _Start(spaces(here, waves.period), here.half_width)
-    size, cramped, status, steps, factors = np.inf, 0, STALLED, 0, None
+    size, cramped, status, steps, factors = np.inf, 0, Status.stalled, 0, None
     limits = _Limits(1.0, *np.zeros((2, start.space.size), bool))
-    while status == STALLED and steps < MOST_STEPS:
+    while status == Status.stalled and steps < MOST_STEPS:
         jacobian, right = assemble(here, phi, approach, waves, load, dual)
         change, factors = _solved(jacobian, right, factors if size < NEAR else None)
         steps += 1
@@ -84,9 +88,9 @@ def newton(
         approach += step[-1]
         cramped += int(np.any(limits.closing) or np.any(limits.vanishing))
         if cramped == MOST_CRAMPED:
-            status = TOPOLOGY
+            status = Status.topology
         elif limits.damping == 1 and (size < tolerance or (size < ROUNDING_STEP and size > SHRINKS * before)):
-            status = CONVERGED
+            status = Status.converged
     return Iterate(status, steps, size, here, phi, approach, -change[:, 1], limits.closing, limits.vanishing)
 
 
@@ -150,17 +154,33 @@ def _limits(segments: Segments, change: Array, period: float, start: _Start) -> 
     growth, shift = -change[-1 - n : -1], -change[-1 - 2 * n : -1 - n]
     r = segments.half_width
     loss = r * (growth + shift) + from_right(r * (growth - shift))
-    closing = (loss > LARGEST_CLOSING * space) & ((loss > space) | (space < CLOSED * start.space))
-    closing |= (loss > FADING * space) & (space < FADED * start.space)
-    vanishing = (growth < -1) | (growth < -FADING) & (r < FADED * start.half_width)
-    closest, least, most = np.max(loss / space), growth.min(), growth.max()
-    damping = min(
-        1.0,
-        LARGEST_CLOSING / closest if closest > LARGEST_CLOSING else 1.0,
-        SMALLEST_SHRINKAGE / least if least < SMALLEST_SHRINKAGE else 1.0,
-        LARGEST_GROWTH / most if most > LARGEST_GROWTH else 1.0,
+    return _Limits(
+        _damping(loss / space, growth), _closing(loss, space, start.space), _vanishing(growth, r, start.half_width)
     )
-    return _Limits(float(damping), closing, vanishing)
+
+
+def _closing(loss: Array, space: Array, start: Array) -> Flags:
+    """Spaces that a full step would close, or nearly, where little is left of them; or take more of, where faded."""
+    closed = (loss > LARGEST_CLOSING * space) & ((loss > space) | (space < CLOSED * start))
+    return closed | (loss > FADING * space) & (space < FADED * start)
+
+
+def _vanishing(growth: Array, half_width: Array, start: Array) -> Flags:
+    """Segments that a full step would leave no width, or halve once more where they have faded."""
+    return (growth < -1) | (growth < -FADING) & (half_width < FADED * start)
+
+
+def _damping(loss: Array, growth: Array) -> float:
+    """The share of a step within all limits, from the share of each space and of each width that it would take."""
+    closest, least, most = np.max(loss), growth.min(), growth.max()
+    return float(
+        min(
+            1.0,
+            LARGEST_CLOSING / closest if closest > LARGEST_CLOSING else 1.0,
+            SMALLEST_SHRINKAGE / least if least < SMALLEST_SHRINKAGE else 1.0,
+            LARGEST_GROWTH / most if most > LARGEST_GROWTH else 1.0,
+        )
+    )
 
 
 def _stepped(segments: Segments, change: Array, period: float) -> Segments:

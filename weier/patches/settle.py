@@ -9,7 +9,7 @@ from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.fields import State, clearance, expand
 from weier.patches.guess import Guess, Surface, cheaper, refined
-from weier.patches.newton import CONVERGED, TOPOLOGY, Iterate, newton
+from weier.patches.newton import Iterate, Status, newton
 from weier.patches.topology import corrected, without_cramped
 from weier.patches.waves import Waves
 
@@ -38,34 +38,48 @@ def settle(surface: Surface, guess: Guess, load: float, tolerance: float) -> tup
     steps, cramped, size, checked = 0, 0, float("nan"), False
     for _ in range(MOST_ROUNDS):
         guess = cheaper(surface, guess, load)
-        unknowns = guess.phi.size + 2 * guess.segments.centre.size + 1
-        if unknowns > MOST_UNKNOWNS:
-            raise TooLargeError(
-                f"the contacts under the mean pressure {load:.6g} p_0* need {unknowns} unknowns, more than "
-                f"{MOST_UNKNOWNS}; take boundary elements"
-            )
-        loose = unknowns > MANY_UNKNOWNS and not checked
+        loose = _unknowns(guess, load) > MANY_UNKNOWNS and not checked
         state, found = newton_from(surface, guess, load, LOOSE if loose else tolerance)
         steps, size = steps + found.steps, found.size
-        cramped = cramped + 1 if found.status == TOPOLOGY else 0
-        if cramped > MOST_CRAMPED_ROUNDS:
+        cramped = cramped + 1 if found.status == Status.topology else 0
+        if found.status == Status.stalled or cramped > MOST_CRAMPED_ROUNDS:
             break
-        if found.status == TOPOLOGY:
-            guess, checked = without_cramped(surface, state, found.closing, found.vanishing), False
-            continue
-        if found.status != CONVERGED:
-            break
-        correction = corrected(surface, state, LOOSE if loose else tolerance)
-        if correction is not None:
-            guess, checked = correction, False
-        elif loose:
-            guess, checked = Guess(guess.dual, state.segments, state.phi, state.approach), True
-        else:
-            finer = refined(surface, state, tolerance)
-            if finer is None:
-                return _certified(surface, state, tolerance), steps
-            guess, checked = finer, True
+        better, checked = _improved(surface, state, found, tolerance, loose)
+        if better is None:
+            return _certified(surface, state, tolerance), steps
+        guess = better
     raise ConvergenceError(f"the contacts under the mean pressure {load:.6g} p_0* did not settle", size)
+
+
+def _unknowns(guess: Guess, load: float) -> int:
+    """How many unknowns a guess has.
+
+    Raises
+    ------
+    TooLargeError
+        If they are too many for a dense matrix.
+    """
+    unknowns = guess.phi.size + 2 * guess.segments.centre.size + 1
+    if unknowns > MOST_UNKNOWNS:
+        raise TooLargeError(
+            f"the contacts under the mean pressure {load:.6g} p_0* need {unknowns} unknowns, more than "
+            f"{MOST_UNKNOWNS}; take boundary elements"
+        )
+    return unknowns
+
+
+def _improved(
+    surface: Surface, state: State, found: Iterate, tolerance: float, loose: bool
+) -> tuple[Guess | None, bool]:
+    """What to solve next, None if nothing is left to improve, and whether all signs of the state are right."""
+    if found.status == Status.topology:
+        return without_cramped(surface, state, found.closing, found.vanishing), False
+    correction = corrected(surface, state, LOOSE if loose else tolerance)
+    if correction is not None:
+        return correction, False
+    if loose:
+        return Guess(state.dual, state.segments, state.phi, state.approach), True
+    return refined(surface, state, tolerance), True
 
 
 def newton_from(surface: Surface, guess: Guess, load: float, tolerance: float) -> tuple[State, Iterate]:
