@@ -9,7 +9,7 @@ from weier.patches import chebyshev
 from weier.patches.collocation import assemble
 from weier.patches.guess import arrange, surface_of
 from weier.patches.segments import moved
-from weier.patches.waves import excess
+from weier.patches.waves import excess, from_summit
 
 COEFFICIENTS = np.array([1.0, -0.4, 0.3, 0.2])
 
@@ -64,6 +64,17 @@ def test_heights_near_a_summit_keep_their_digits():
     assert value + heights.top == pytest.approx(float(profile.height(x)))
     assert slope == pytest.approx(float(profile.slope(x)))
     assert second == pytest.approx(float(profile.curvature(x)))
+
+
+@pytest.mark.parametrize("phases", [(0.0, 0.0, 0.0), (1e-17, 0.0, 0.0), (-1e-17, 0.0, 0.0), (0.0, 1.0, 2.0)])
+def test_the_nearest_summit(phases):
+    """On the periodic line, with a summit at its seam or beside it, against a look at all of them."""
+    heights = surface_of(Profile(1.5, 5, 3, phases)).heights
+    for x in np.concatenate([np.linspace(-1.2, 1.2, 97), [-1e-18, 1e-18, 1 - 1e-16]]):
+        apart = x - heights.place - np.rint(x - heights.place)
+        summit, y = from_summit(heights, x)
+        assert abs(y) == np.abs(apart).min()
+        assert y == apart[summit]
 
 
 @pytest.mark.parametrize("dual", [False, True])

@@ -272,6 +272,22 @@ def test_tolerance_within_reach():
         patches.curve(THREE_WAVES, 0.1, tolerance=1e-17)
 
 
+def test_thousands_of_waves_under_a_light_load():
+    """8000 summits: few contacts, in a tenth of a second; under a heavy load too many for a dense matrix."""
+    profile = Profile(1.5, 5, 7, 1.0)
+    light = patches.curve(profile, [1e-12, 1e-6])
+    assert light.patch_count[0] == 1
+    highest = -profile.curvature(profile.crest[0])
+    assert light.contact_fraction[0] == pytest.approx(2 * np.sqrt(4e-12 / highest), rel=1e-6)  # Hertz
+    with pytest.raises(ConvergenceError, match="unknowns, more than"):
+        patches.curve(profile, 1.0)
+
+
+def test_more_waves_than_a_computer_holds():
+    with pytest.raises(ValueError, match="the finest wave must fit at most"):
+        patches.curve(Profile(1.5, 10**6, 3), 0.1)
+
+
 def test_what_cannot_be_solved_raises(monkeypatch):
     monkeypatch.setattr(settle, "MOST_UNKNOWNS", 20)
     with pytest.raises(ConvergenceError, match="unknowns, more than 20"):

@@ -65,7 +65,8 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     Raises
     ------
     ValueError
-        If the loads are not increasing from 1e-300 or above, or the tolerance is not within reach.
+        If the loads are not increasing from 1e-300 or above, the tolerance is not within reach, or the waves are
+        too many.
     ConvergenceError
         If a load cannot be solved, or its solution fails a check.
 
@@ -134,7 +135,7 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
     Raises
     ------
     ValueError
-        If the load is below 1e-300, or the tolerance is not within reach.
+        If the load is below 1e-300, the tolerance is not within reach, or the waves are too many.
     ConvergenceError
         If the load cannot be solved.
 
@@ -161,7 +162,8 @@ def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = T
     Raises
     ------
     ValueError
-        If the loads are not increasing from 1e-300 or above, or the tolerance is not within reach.
+        If the loads are not increasing from 1e-300 or above, the tolerance is not within reach, or the waves are
+        too many.
     ConvergenceError
         If a load cannot be solved.
 

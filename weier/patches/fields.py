@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from weier.jit import kernel
 from weier.patches.chebyshev import coefficients, integrals, partial_integral, series
 from weier.patches.segments import Segments
-from weier.patches.waves import Waves, excess, nearest_summit, offset
+from weier.patches.waves import Waves, excess, from_summit
 
 Array = NDArray[np.float64]
 
@@ -200,8 +200,8 @@ def clearances(state: State, waves: Waves, x: Array) -> Array:
     """`clearance` at places x."""
     value = np.empty(x.size)
     for i in range(x.size):
-        summit = nearest_summit(waves, x[i])
-        value[i] = clearance(state, waves, summit, offset(waves, summit, x[i]))
+        summit, y = from_summit(waves, x[i])
+        value[i] = clearance(state, waves, summit, y)
     return value
 
 
@@ -210,6 +210,6 @@ def clearance_slopes(state: State, waves: Waves, x: Array) -> Array:
     """`clearance_slope` at places x."""
     value = np.empty(x.size)
     for i in range(x.size):
-        summit = nearest_summit(waves, x[i])
-        value[i] = clearance_slope(state, waves, summit, offset(waves, summit, x[i]))
+        summit, y = from_summit(waves, x[i])
+        value[i] = clearance_slope(state, waves, summit, y)
     return value

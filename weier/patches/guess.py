@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from weier.errors import ConvergenceError
 from weier.jit import kernel
+from weier.limits import check_resolvable
 from weier.patches.chebyshev import nodes
 from weier.patches.fields import State, density, expand, other_density
 from weier.patches.segments import Segments, make_segments, spaces
-from weier.patches.waves import Waves, excess, make_waves, nearest_summit, nearest_summits, offset
+from weier.patches.waves import Waves, excess, from_summit, from_summits, make_waves
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -66,7 +67,14 @@ class Guess(NamedTuple):
 
 
 def surface_of(profile: Profile) -> Surface:
-    """What the solver needs to know of a profile."""
+    """What the solver needs to know of a profile.
+
+    Raises
+    ------
+    ValueError
+        If its waves are too many for a computer.
+    """
+    check_resolvable(profile)
     series = profile.wavenumber, profile.phase, profile.period
     return Surface(
         make_waves(profile.amplitude, *series),
@@ -167,8 +175,7 @@ def resampled(state: State, waves: Waves, new: Segments, other: bool) -> Array:
             s = new.node[q]
             y = new.centre[j] + new.half_width[j] * s
             if other:
-                summit = nearest_summit(waves, new.origin[j] + y)
-                value = other_density(state, waves, summit, offset(waves, summit, new.origin[j] + y))
+                value = other_density(state, waves, *from_summit(waves, new.origin[j] + y))
             else:
                 value = density(state, waves.period, new.origin[j], y)
             phi[q] = value / np.sqrt((1 - s) * (1 + s))
@@ -219,4 +226,4 @@ def _complement(surface: Surface, old: Segments, dual: bool) -> Segments:
     to = surface.of(dual)
     space = spaces(old, to.period)
     middle = old.origin + (old.centre + old.half_width) + 0.5 * space
-    return arrange(to, *nearest_summits(to, middle), 0.5 * space)[0]
+    return arrange(to, *from_summits(to, middle), 0.5 * space)[0]

@@ -24,7 +24,7 @@ from weier.patches.newton import Status
 from weier.patches.segments import spaces
 from weier.patches.settle import newton_from
 from weier.patches.solution import solution
-from weier.patches.waves import Waves, nearest_summit, offset
+from weier.patches.waves import Waves, from_summit
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -82,7 +82,7 @@ def events(profile: Profile, low: float, high: float, tolerance: float = TOLERAN
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing.
+        If the loads are not positive and increasing, or the waves too many.
     ConvergenceError
         If a load on the way cannot be solved.
 
@@ -228,8 +228,7 @@ def _least(state: State, waves: Waves, of_gap: bool, left: float, right: float) 
 @kernel
 def _signed(state: State, waves: Waves, of_gap: bool, x: float) -> float:
     """The gap before a birth, which lies off the contacts, or the pressure after a merge, on them; either sign."""
-    summit = nearest_summit(waves, x)
-    y = offset(waves, summit, x)
+    summit, y = from_summit(waves, x)
     if of_gap != state.dual:
         return clearance(state, waves, summit, y)
     if of_gap:

@@ -12,7 +12,7 @@ from weier.jit import kernel
 from weier.patches.fields import State, clearance, density, opening
 from weier.patches.guess import Surface
 from weier.patches.segments import spaces
-from weier.patches.waves import Waves, excess, nearest_summit, offset
+from weier.patches.waves import Waves, excess, from_summit
 
 Array = NDArray[np.float64]
 
@@ -97,8 +97,7 @@ def _ends(coefficient: Array) -> tuple[float, float]:
 def _pressures(state: State, waves: Waves, x: Array) -> Array:
     p = np.zeros(x.size)
     for i in range(x.size):
-        summit = nearest_summit(waves, x[i])
-        y = offset(waves, summit, x[i])
+        summit, y = from_summit(waves, x[i])
         if not state.dual:
             p[i] = density(state, waves.period, waves.place[summit], y)
         elif opening(state, waves.period, waves.place[summit], y) == 0:
@@ -110,8 +109,7 @@ def _pressures(state: State, waves: Waves, x: Array) -> Array:
 def _gaps(state: State, waves: Waves, x: Array) -> Array:
     gap = np.zeros(x.size)
     for i in range(x.size):
-        summit = nearest_summit(waves, x[i])
-        y = offset(waves, summit, x[i])
+        summit, y = from_summit(waves, x[i])
         if state.dual:
             gap[i] = opening(state, waves.period, waves.place[summit], y)
         elif density(state, waves.period, waves.place[summit], y) == 0:
@@ -123,6 +121,6 @@ def _gaps(state: State, waves: Waves, x: Array) -> Array:
 def _series(waves: Waves, x: Array) -> Array:
     value = np.empty(x.size)
     for i in range(x.size):
-        summit = nearest_summit(waves, x[i])
-        value[i] = waves.top + excess(waves, summit, offset(waves, summit, x[i]))[0]
+        summit, y = from_summit(waves, x[i])
+        value[i] = waves.top + excess(waves, summit, y)[0]
     return value

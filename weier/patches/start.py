@@ -9,7 +9,7 @@ from weier.bem import fft
 from weier.bem.grids import full_contact, nested_grids
 from weier.errors import ConvergenceError
 from weier.patches.guess import Guess, Surface, arrange
-from weier.patches.waves import nearest_summits
+from weier.patches.waves import from_summits
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
@@ -30,15 +30,12 @@ def coarse_start(profile: Profile, surface: Surface, load: float) -> Guess:
         raise ConvergenceError(f"boundary elements see no gap under the mean pressure {load:.6g} p_0*")
     ends = np.where(ends[0] < starts[0], np.append(ends[1:], ends[0] + p.size), ends)
     middle = np.asarray(0.5 * h * (starts + ends), float)
-    new, _ = arrange(waves, *nearest_summits(waves, middle), np.asarray(0.5 * h * (ends - starts + 1), float))
-    phi = np.empty(new.node.size)
-    for j in range(new.centre.size):
-        here = slice(new.first[j], new.first[j + 1])
-        s = new.node[here]
-        x = new.origin[j] + new.centre[j] + new.half_width[j] * s
-        value = np.interp(x, np.arange(p.size) * h, p, period=profile.period)
-        phi[here] = np.maximum(value, LEAST_PRESSURE * value.max()) / np.sqrt((1 - s) * (1 + s))
-    return Guess(False, new, phi, 0.0)
+    new, _ = arrange(waves, *from_summits(waves, middle), np.asarray(0.5 * h * (ends - starts + 1), float))
+    count, s = np.diff(new.first), new.node
+    x = np.repeat(new.origin + new.centre, count) + np.repeat(new.half_width, count) * s
+    value = np.interp(x, np.arange(p.size) * h, p, period=profile.period)  # at once: each call sorts the whole grid
+    least = np.repeat(LEAST_PRESSURE * np.maximum.reduceat(value, new.first[:-1]), count)
+    return Guess(False, new, np.maximum(value, least) / np.sqrt((1 - s) * (1 + s)), 0.0)
 
 
 def _coarse_pressure(profile: Profile, load: float) -> Array:

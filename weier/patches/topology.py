@@ -14,7 +14,7 @@ from weier.patches.chebyshev import partial_integral, series
 from weier.patches.fields import State, clearance_slopes, clearances
 from weier.patches.guess import Guess, Surface, carried_over, hertz
 from weier.patches.segments import Segments, spaces
-from weier.patches.waves import Waves, nearest_summits
+from weier.patches.waves import Waves, from_summits
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -74,7 +74,7 @@ def violations_outside(state: State, waves: Waves, tolerance: float) -> Births:
     curvature = np.maximum((slope[j + 1] - slope[j]) / (x[j + 1] - x[j]), -value / reach**2)
     widening = GAP_WIDTH if state.dual else CONTACT_WIDTH
     half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), ROOM * reach)
-    return Births(*nearest_summits(waves, place), half_width, curvature)
+    return Births(*from_summits(waves, place), half_width, curvature)
 
 
 def _lowest(state: State, waves: Waves, low: float, high: float) -> float:

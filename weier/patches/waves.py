@@ -25,7 +25,7 @@ class Waves(NamedTuple):
     amplitude : a_n, in the unit of S, shape (terms,)
     frequency : k_n, in radians per lambda_0, shape (terms,), increasing
     period : L, in lambda_0
-    place : of each summit, in lambda_0, shape (summits,)
+    place : of each summit, in lambda_0, in rising order, shape (summits,)
     cosine, sine : of the phases k_n x + phi_n at each summit, shape (summits, terms)
     rise : height of each summit over the highest, <= 0, in the unit of S, shape (summits,)
     top : height of the highest
@@ -45,6 +45,8 @@ def make_waves(amplitude: Array, wavenumber: list[int], phase: Array, period: fl
     """The summits of the series with whole numbers of waves in one period."""
     frequency = 2 * np.pi * np.array(wavenumber, float) / period
     x, theta = summits(amplitude, wavenumber, phase, period)
+    order = np.argsort(x, kind="stable")
+    x, theta = x[order], theta[order]
     height = np.cos(theta) @ amplitude
     top = float(height.max())
     rise = height - top
@@ -78,29 +80,26 @@ def _sine_less_angle(y: float, sine: float) -> float:
 
 
 @kernel
-def nearest_summit(waves: Waves, x: float) -> int:
-    """Index of the summit nearest to x, on the periodic line."""
-    best, where = np.inf, 0
-    for j in range(waves.place.size):
-        d = x - waves.place[j]
-        d = abs(d - waves.period * np.rint(d / waves.period))
-        if d < best:
-            best, where = d, j
-    return where
+def from_summit(waves: Waves, x: float) -> tuple[int, float]:
+    """Index of the summit nearest to x on the periodic line, and the distance y of x from it."""
+    after = np.searchsorted(waves.place, x - waves.period * np.floor(x / waves.period))
+    n = waves.place.size
+    i, j = min((after - 1) % n, after % n), max((after - 1) % n, after % n)
+    y, z = _offset(waves, i, x), _offset(waves, j, x)
+    return (i, y) if abs(y) <= abs(z) else (j, z)
 
 
 @kernel
-def offset(waves: Waves, summit: int, x: float) -> float:
+def _offset(waves: Waves, summit: int, x: float) -> float:
     """Distance from a summit to the nearest image of x."""
     y = x - waves.place[summit]
     return y - waves.period * np.rint(y / waves.period)
 
 
 @kernel
-def nearest_summits(waves: Waves, x: Array) -> tuple[Indices, Array]:
-    """The nearest summit and the offset from it, of places x."""
+def from_summits(waves: Waves, x: Array) -> tuple[Indices, Array]:
+    """The same of places x."""
     summit, y = np.empty(x.size, np.int64), np.empty(x.size)
     for i in range(x.size):
-        summit[i] = nearest_summit(waves, x[i])
-        y[i] = offset(waves, summit[i], x[i])
+        summit[i], y[i] = from_summit(waves, x[i])
     return summit, y
