@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier import demelio, endless, laws, layer, westergaard
 from weier.bounds import resistance_bounds
 from weier.loads import checked_loads
-from weier.patches import guess
+from weier.patches.surface import Surface, surface_of
 from weier.profile import Profile
 from weier.terms import left_out, truncated
 
@@ -246,8 +246,8 @@ def _closed_form(method: str, loads: Array, terms: float, why: str, **errors: Ar
 
 
 @lru_cache(maxsize=8)
-def _surface(kept: Profile) -> guess.Surface:
-    return guess.surface_of(kept)
+def _surface(kept: Profile) -> Surface:
+    return surface_of(kept)
 
 
 def _seen(kept: Profile) -> bool:

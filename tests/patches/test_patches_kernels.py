@@ -7,8 +7,9 @@ import pytest
 from weier import Profile
 from weier.patches import chebyshev
 from weier.patches.collocation import assemble
-from weier.patches.guess import arrange, surface_of
+from weier.patches.guess import arrange
 from weier.patches.segments import moved
+from weier.patches.surface import surface_of
 from weier.patches.waves import excess, from_summit
 
 COEFFICIENTS = np.array([1.0, -0.4, 0.3, 0.2])

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from weier import ConvergenceError, Profile, patches
 from weier.patches import settle
-from weier.patches.guess import arrange, carried_over, surface_of
+from weier.patches.guess import arrange, carried_over
 from weier.patches.march import first
 from weier.patches.newton import Status
+from weier.patches.surface import surface_of
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from weier.extremes import exact
 from weier.extremes.cases import SHALLOW, few_waves
 from weier.extremes.examine import examine
-from weier.patches.guess import Surface, surface_of
+from weier.patches.surface import Surface, surface_of
 from weier.profile import Profile
 from weier.tradeoff.contenders import Contender
 

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from weier.blas import one_thread
 from weier.loads import checked_loads
 from weier.patches.fields import State
-from weier.patches.guess import Surface, surface_of
 from weier.patches.march import solutions
 from weier.patches.solution import Solution, solution
+from weier.patches.surface import Surface, surface_of
 from weier.profile import Profile
 
 Array = NDArray[np.float64]

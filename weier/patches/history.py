@@ -18,12 +18,12 @@ from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.curve import TOLERANCE, check_tolerance, loads_within_reach
 from weier.patches.fields import State, clearance, density, opening
-from weier.patches.guess import Surface, surface_of
 from weier.patches.march import first, following, predicted
 from weier.patches.newton import Status
 from weier.patches.segments import spaces
 from weier.patches.settle import newton_from
 from weier.patches.solution import solution
+from weier.patches.surface import Surface, surface_of
 from weier.patches.waves import Waves, from_summit
 from weier.profile import Profile
 

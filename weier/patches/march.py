@@ -10,19 +10,12 @@ from numpy.typing import NDArray
 
 from weier.errors import ConvergenceError
 from weier.patches.fields import State
-from weier.patches.guess import (
-    TAIL,
-    Guess,
-    Surface,
-    adjusted_nodes,
-    as_state,
-    hertz_start,
-    resampled,
-    tails,
-)
+from weier.patches.guess import Guess, as_state, resampled
+from weier.patches.nodes import TAIL, adjusted_nodes, tails
 from weier.patches.segments import Segments, make_segments, moved, spaces
 from weier.patches.settle import TooLargeError, settle
-from weier.patches.start import CELLS_PER_WAVE, coarse_start
+from weier.patches.start import CELLS_PER_WAVE, coarse_start, hertz_start
+from weier.patches.surface import Surface
 from weier.patches.topology import without_cramped
 from weier.profile import Profile
 

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from weier.errors import ConvergenceError
 from weier.jit import kernel
 from weier.patches.fields import State, clearance, expand
-from weier.patches.guess import Guess, Surface, cheaper, refined
+from weier.patches.guess import Guess, cheaper, refined
 from weier.patches.newton import Iterate, Status, newton
+from weier.patches.surface import Surface
 from weier.patches.topology import corrected, without_cramped
 from weier.patches.waves import Waves
 

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.jit import kernel
 from weier.patches.fields import State, clearance, density, opening
-from weier.patches.guess import Surface
 from weier.patches.segments import spaces
+from weier.patches.surface import Surface
 from weier.patches.waves import Waves, excess, from_summit
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""A start with no neighbour: contacts seen by boundary elements on a coarse grid."""
+"""Starts with no neighbour: Hertz's contacts, or those that boundary elements see on a coarse grid."""
 
 from __future__ import annotations
 
@@ -8,15 +8,31 @@ from numpy.typing import NDArray
 from weier.bem import fft
 from weier.bem.grids import full_contact, nested_grids
 from weier.errors import ConvergenceError
-from weier.patches.guess import Guess, Surface, arrange
-from weier.patches.waves import from_summits
+from weier.patches.guess import Guess, arrange
+from weier.patches.hertz import hertz
+from weier.patches.surface import Surface
+from weier.patches.waves import excess, from_summits
 from weier.profile import Profile
 
 Array = NDArray[np.float64]
 
 CELLS_PER_WAVE = 16
 COARSE_TOLERANCE = 1e-3  # in g_0: contacts are only to be told apart
+ROOM = 0.4  # for Hertz's half-width, of the way from crest to crest: touching at 0.5, they would have to merge
 LEAST_PRESSURE = 1e-3  # of a contact's largest, at nodes where the grid has none
+
+
+def hertz_start(surface: Surface, load: float, dual: bool) -> Guess:
+    """Contacts at the highest crests, a = 2 sqrt(p L/|z''|), or gaps where the full-contact pressure is least."""
+    waves = surface.of(dual)
+    tops = np.flatnonzero(waves.rise == 0)
+    curvature = np.array([-excess(waves, int(j), 0.0)[2] for j in tops])
+    force = waves.top - load if dual else load * waves.period / tops.size
+    half_width = np.minimum(2 * np.sqrt(force / curvature), ROOM * waves.period / tops.size)
+    new, order = arrange(waves, tops, np.zeros(tops.size), half_width)
+    count = np.diff(new.first)
+    phi = [hertz(dual, curvature[order[j]], new.half_width[j], count[j]) for j in range(tops.size)]
+    return Guess(dual, new, np.concatenate(phi), 0.0)
 
 
 def coarse_start(profile: Profile, surface: Surface, load: float) -> Guess:
