@@ -16,7 +16,7 @@ approach: indentation (primal) or -d (dual), so that its derivative in p is the 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,41 +31,49 @@ Array = NDArray[np.float64]
 SMALL_ANGLE = 1e-8  # below it sin(y) = y and y cot(y) = 1 to rounding
 
 
+class System(NamedTuple):
+    """The equations of a Newton step: a matrix, and where the columns of centres and of half-widths begin in it.
+
+    jacobian : shape (unknowns, unknowns)
+    right : residual and its derivative in the mean pressure, as columns, shape (unknowns, 2)
+    centre, width : number of the first column of each; phi stands before, the approach behind
+    """
+
+    jacobian: Array
+    right: Array
+    centre: int
+    width: int
+
+
 def assemble(
     segments: Segments, phi: Array, approach: float, waves: Waves, load: float, dual: bool
 ) -> tuple[Array, Array]:
     """The Jacobian and, as columns, the residual and its derivative in the mean pressure."""
-    size = phi.size + 2 * segments.centre.size + 1
-    jacobian, right = np.zeros((size, size)), np.zeros((size, 2))
-    _on_segments(jacobian, right, segments, phi, approach, waves, load, dual)
+    N, n = phi.size, segments.centre.size
+    size = N + 2 * n + 1
+    system = System(np.zeros((size, size)), np.zeros((size, 2)), N, N + n)
+    _on_segments(system, segments, phi, approach, waves, load, dual)
     if dual:
-        _close(jacobian, right, segments, phi)
-        _measure_gap(jacobian, right, segments, phi, approach, waves.period)
+        _close(system, segments, phi)
+        _measure_gap(system, segments, phi, approach, waves.period)
     else:
-        _balance_load(jacobian, right, segments, phi, load * waves.period, waves.period)
-    return jacobian, right
+        _balance_load(system, segments, phi, load * waves.period, waves.period)
+    return system.jacobian, system.right
 
 
 @kernel
 def _on_segments(
-    jacobian: Array,
-    right: Array,
-    segments: Segments,
-    phi: Array,
-    approach: float,
-    waves: Waves,
-    load: float,
-    dual: bool,
+    system: System, segments: Segments, phi: Array, approach: float, waves: Waves, load: float, dual: bool
 ) -> None:
     """The integral equation and, of contacts, the heights: all rows that cost as much as the matrix has elements."""
     n = segments.centre.size
     for i in range(n):
         points = _points(segments, i, waves.period)
-        _force(jacobian, right, segments, waves, load, dual, points, i)
+        _force(system, segments, waves, load, dual, points, i)
         for j in range(n):
-            _collocate(jacobian, right, segments, phi, waves.period, points, i, j)
+            _collocate(system, segments, phi, waves.period, points, i, j)
         if not dual:
-            _match_height(jacobian, right, segments, phi, approach, waves, i, phi.size + n + i)
+            _match_height(system, segments, phi, approach, waves, i)
 
 
 @kernel
@@ -81,19 +89,9 @@ def _points(segments: Segments, i: int, period: float) -> Array:
 
 
 @kernel
-def _force(
-    jacobian: Array,
-    right: Array,
-    segments: Segments,
-    waves: Waves,
-    load: float,
-    dual: bool,
-    points: Array,
-    i: int,
-) -> None:
+def _force(system: System, segments: Segments, waves: Waves, load: float, dual: bool, points: Array, i: int) -> None:
     """-f at the collocation points x = c + r t of segment i; -r f' and -r t f' in its columns of place and width."""
-    n, r = segments.centre.size, segments.half_width[i]
-    N = jacobian.shape[0] - 2 * n - 1
+    r, right = segments.half_width[i], system.right
     for a in range(points.shape[0]):
         row, t = segments.first[i] + i + a, points[a, 0]
         value, slope, curvature = excess(waves, segments.summit[i], segments.centre[i] + r * t)
@@ -104,8 +102,8 @@ def _force(
         else:
             right[row, 0] = slope * waves.period / (2 * np.pi)
             stretch = curvature * waves.period / (2 * np.pi)
-        jacobian[row, N + i] = stretch * r
-        jacobian[row, N + n + i] = stretch * r * t
+        system.jacobian[row, system.centre + i] = stretch * r
+        system.jacobian[row, system.width + i] = stretch * r * t
 
 
 @kernel
@@ -116,15 +114,13 @@ def _turn(segments: Segments, i: int, j: int, factor: float) -> tuple[float, flo
 
 
 @kernel
-def _collocate(
-    jacobian: Array, right: Array, segments: Segments, phi: Array, period: float, points: Array, i: int, j: int
-) -> None:
+def _collocate(system: System, segments: Segments, phi: Array, period: float, points: Array, i: int, j: int) -> None:
     """I = int rho cot(pi (x-s)/L) ds over segment j at the collocation points x = c_i + r_i t of segment i.
 
     With K = cot, dK/ds = (pi/L)(1 + K^2): along = dI/dc_j = -dI/dx = sum w r phi dK/ds, and
     about = r_j dI/dr_j = sum w r phi (K + r_j t_q dK/ds), less r_j t along where x, too, moves with r_j (i = j).
     """
-    n, N, factor = segments.centre.size, phi.size, np.pi / period
+    jacobian, factor = system.jacobian, np.pi / period
     own, r = segments.half_width[i], segments.half_width[j]
     here = slice(segments.first[j], segments.first[j + 1])  # numba knows no index into these to be negative
     node, share = segments.node[here], r * segments.weight[here]
@@ -144,35 +140,26 @@ def _collocate(
             about += push + r * node[q] * pull
         if i == j:
             about, along = about - r * t * along, 0.0
-        right[row, 0] += total
-        jacobian[row, N + i] -= along * own
-        jacobian[row, N + n + i] -= along * own * t
-        jacobian[row, N + j] += along * r
-        jacobian[row, N + n + j] += about
+        system.right[row, 0] += total
+        jacobian[row, system.centre + i] -= along * own
+        jacobian[row, system.width + i] -= along * own * t
+        jacobian[row, system.centre + j] += along * r
+        jacobian[row, system.width + j] += about
 
 
 @kernel
-def _match_height(
-    jacobian: Array,
-    right: Array,
-    segments: Segments,
-    phi: Array,
-    approach: float,
-    waves: Waves,
-    i: int,
-    row: int,
-) -> None:
+def _match_height(system: System, segments: Segments, phi: Array, approach: float, waves: Waves, i: int) -> None:
     """The gap is 0 at the centre x = c_i of patch i: the height equation over r_i, so that all rows are of one size.
 
     Of V = 2 int rho ln|2 sin(pi (x-s)/L)| ds over patch j: along = dV/dc_j = -dV/dx, about = r_j dV/dr_j;
     tilt = z' - sum along is the derivative of the whole in c_i.
     """
-    n, N, factor = segments.centre.size, phi.size, np.pi / waves.period
+    jacobian, row, factor = system.jacobian, system.width + i, np.pi / waves.period
     value, slope, _ = excess(waves, segments.summit[i], segments.centre[i])
     scale = 1 / segments.half_width[i]
     total = (approach + value) * scale
     tilt = slope
-    for j in range(n):
+    for j in range(segments.centre.size):
         r = segments.half_width[j]
         s, c = _turn(segments, i, j, factor)
         along, about = 0.0, 0.0
@@ -187,11 +174,11 @@ def _match_height(
             along -= 2 * share * phi[q] * pull
             about += 2 * (potential + share * turn) * phi[q]
         tilt -= along
-        jacobian[row, N + j] += along * r * scale
-        jacobian[row, N + n + j] += about * scale
-    jacobian[row, N + i] += tilt
-    jacobian[row, N + 2 * n] = scale
-    right[row, 0] = total
+        jacobian[row, system.centre + j] += along * r * scale
+        jacobian[row, system.width + j] += about * scale
+    jacobian[row, system.centre + i] += tilt
+    jacobian[row, -1] = scale
+    system.right[row, 0] = total
 
 
 @kernel
@@ -221,32 +208,29 @@ def _raise_centre(
     return r * segments.weight[q] * np.log(abs(2 * sine)), pull, -r * segments.node[q] * pull
 
 
-def _balance_load(jacobian: Array, right: Array, segments: Segments, phi: Array, force: float, period: float) -> None:
+def _balance_load(system: System, segments: Segments, phi: Array, force: float, period: float) -> None:
     """int rho dx = p L, over the largest half-width."""
-    n, N = segments.centre.size, phi.size
     scale = 1 / segments.half_width.max()
     weight = scale * _each(segments, segments.half_width) * segments.weight
     share = _sums(segments, weight * phi)
-    jacobian[-1, :N], jacobian[-1, N + n : N + 2 * n] = weight, share
-    right[-1] = share.sum() - scale * force, -scale * period
+    system.jacobian[-1, : phi.size], system.jacobian[-1, system.width : -1] = weight, share
+    system.right[-1] = share.sum() - scale * force, -scale * period
 
 
-def _close(jacobian: Array, right: Array, segments: Segments, phi: Array) -> None:
+def _close(system: System, segments: Segments, phi: Array) -> None:
     """int rho dx = 0: the gap that opens at one end of each segment has closed at the other."""
-    n, N = segments.centre.size, phi.size
-    jacobian[N + n + _each(segments, np.arange(n)), np.arange(N)] = segments.weight
-    right[N + n : N + 2 * n, 0] = _sums(segments, segments.weight * phi)
+    row = system.width + _each(segments, np.arange(segments.centre.size))
+    system.jacobian[row, np.arange(phi.size)] = segments.weight
+    system.right[system.width : -1, 0] = _sums(segments, segments.weight * phi)
 
 
-def _measure_gap(
-    jacobian: Array, right: Array, segments: Segments, phi: Array, approach: float, period: float
-) -> None:
+def _measure_gap(system: System, segments: Segments, phi: Array, approach: float, period: float) -> None:
     """approach = -d = (1/L) int (x - c) rho dx."""
-    n, N = segments.centre.size, phi.size
+    jacobian = system.jacobian
     weight = _each(segments, segments.half_width**2) * segments.weight * segments.node / period
     share = _sums(segments, weight * phi)
-    jacobian[-1, :N], jacobian[-1, N + n : N + 2 * n], jacobian[-1, -1] = weight, 2 * share, -1.0
-    right[-1, 0] = share.sum() - approach
+    jacobian[-1, : phi.size], jacobian[-1, system.width : -1], jacobian[-1, -1] = weight, 2 * share, -1.0
+    system.right[-1, 0] = share.sum() - approach
 
 
 def _each(segments: Segments, value: NDArray[Any]) -> NDArray[Any]:
