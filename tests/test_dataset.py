@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, dataset, scene, study
+from weier import batch, dataset, laws, scene, study
 from weier.dataset import Status
 
 SCENE = """
@@ -111,8 +111,8 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
 def test_bounds_stand_around_the_exact_methods_only(waves):
     # Not sel(method=...): that keyword of xarray means another thing.
     bem = waves.sel({"method": "bem"}).isel(case=[0, 1])
-    # At most: 64 nodes a wave miss 4.5 g_n (waves_n/points)^2 of each, and the residual is 1e-10.
-    mesh = 4.5 * bem.total_amplitude / 64**2 + 1e-9
+    # At most: 64 nodes a wave miss 5 g_n (waves_n/points)^2 of each, and the residual is 1e-10.
+    mesh = laws.BEM_COMPLIANCE * bem.total_amplitude / 64**2 + 1e-9
     assert np.all((bem.compliance_lower <= bem.compliance) & (bem.compliance - mesh <= bem.compliance_lower))
     full = bem.total_amplitude + bem.tail_amplitude
     widest = np.minimum(bem.compliance + 2 * bem.tail_amplitude + mesh, full)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from weier import Profile, bem, endless, figures, layer, random_phases
+from weier import Profile, bem, endless, figures, laws, layer, random_phases
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, math.inf, random_phases(2))
@@ -35,7 +35,7 @@ def convergence():
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
     h = convergence["compliance"].values
     low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
-    mesh = 4.5 / 32**2  # of the estimate's grid, in g_0
+    mesh = laws.BEM_COMPLIANCE / 32**2  # of the estimate's grid, in g_0
     assert np.all((low - mesh <= h) & (h <= high + mesh))
     # The last estimate lies within the bounds of every shorter series: they are about the same endless one.
     assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))

@@ -29,6 +29,26 @@ def test_planned_curves_are_within_the_errors_they_expect():
     assert np.median([check.expected / check.true for check in exact]) < 30
 
 
+def half_a_node_off(profile, points):
+    """The same profile with all crests of all waves at one place, half a node off the grid."""
+    return Profile(profile.D, profile.gamma, profile.m, [-math.pi * k / points for k in profile.wavenumber])
+
+
+@pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1.6, "3/2", 4), (1.9, 3, 3)])
+def test_a_crest_between_two_nodes_is_within_the_error_of_the_grid(D, gamma, m):
+    """The worst that a grid can miss: the plan does not know the phases when it takes its points."""
+    loads, series = np.geomspace(1e-9, 1, 10), Profile(D, gamma, m)
+    points = laws.bem_points(series, 1e-3, "compliance")
+    profile = half_a_node_off(series, points)
+    (part, *_) = plan(profile, loads, 1e-3).parts
+    assert (part.method, part.settings["points"]) == ("bem", points)
+    curve = planned.curve(profile, loads, 1e-3)
+    off = np.abs(curve.compliance - patches.curve(profile, loads).compliance)
+    assert off[0] > 0.99 * laws.bem_compliance_error(profile, points)
+    assert np.all(off <= curve.compliance_error)
+    assert np.all(off <= 1e-3)
+
+
 @pytest.mark.parametrize("D", [1.15, 1.6])
 @pytest.mark.parametrize("per_wave", [12, 40, 128])
 def test_boundary_elements_follow_their_law_and_not_by_far(D, per_wave):
