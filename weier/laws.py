@@ -17,8 +17,8 @@ from weier.profile import Profile
 
 Array = NDArray[np.float64]
 
-# Times sum g_n (waves_n/points)^2. A crest half a node off the grid is missed by z'' dx^2/8 at most, z'' = sum g_n k_n^2,
-# and no error was larger at any load.
+# Times sum g_n (waves_n/points)^2: a crest half a node off the grid is missed by z'' dx^2/8, where z'' is at most
+# sum g_n k_n^2. That is the error at first touch; at no load was one larger.
 BEM_COMPLIANCE = math.pi**2 / 2
 # Times waves/points: up to 14.7 for one wave and 6 for more. Order 1: edges of contact move by whole nodes.
 BEM_RESISTANCE = 18.0
