@@ -1,11 +1,13 @@
 """Files: whole or not at all, read by others, and gathered case by case."""
 
+import math
+
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, dataset, laws, scene, study
+from weier import Profile, batch, dataset, laws, patches, scene, study
 from weier.dataset import Status
 
 SCENE = """
@@ -121,6 +123,31 @@ def test_bounds_stand_around_the_exact_methods_only(waves):
     assert np.all((one.compliance_lower < two.compliance_upper) & (two.compliance_lower < one.compliance_upper))
     assert np.all((bem.resistance_lower <= bem.resistance) & (bem.resistance <= bem.resistance_upper))
     assert waves.sel({"method": "demelio"}).compliance_lower.isnull().all()
+
+
+BETWEEN_NODES = """
+title: crests of all waves at one place, half a node off the grid
+loads: [1.0e-9, 1.0e-6]
+methods: [bem]
+studies:
+  one: {product: {D: 1.25, gamma: 5, m: 2, phases: [[%r, %r]]}}
+"""
+
+
+def test_bounds_hold_for_crests_between_two_nodes(tmp_path):
+    """The endless series with all its crests at that place touches at h = 0."""
+    path, phase = tmp_path / "test.yaml", -math.pi / 320
+    path.write_text(BETWEEN_NODES % (phase, 5 * phase))
+    loaded = scene.load(path)
+    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
+    bounded = study.add_bounds(data).squeeze()
+    assert bounded["points"] == 320
+    long = Profile(1.25, 5, 4, [phase * 5**n for n in range(4)])
+    truth = patches.curve(long, loaded.loads).compliance  # more terms raise it, by what they have at most
+    assert truth[0] < 1e-7
+    assert bounded["compliance"][0] > 4e-4
+    assert np.all(bounded["compliance_lower"] <= truth)
+    assert np.all(bounded["compliance_lower"] >= 0)
 
 
 def test_seconds_are_kept_apart(solved):

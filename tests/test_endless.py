@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from weier import Profile, bem, endless, figures, laws, layer, random_phases
+from weier import Profile, bem, endless, figures, laws, layer, patches, random_phases
+from weier.profile import RandomPhases
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, math.inf, random_phases(2))
@@ -68,6 +69,25 @@ def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     figures.draw("endless", [data], "", tmp_path / "endless.png")
 
 
+class OnePlace(RandomPhases):
+    """Crests of all waves at one place: `seed` nodes in a period, half of a node from the first."""
+
+    def first(self, m):
+        """Phases of m waves."""
+        return -math.pi / self.seed * 5.0 ** np.arange(m)
+
+
+def test_bounds_hold_for_crests_between_two_nodes():
+    """The endless series with all its crests at that place touches at h = 0, and no bound lies below."""
+    kept = Profile(1.25, 5, 2)
+    points = laws.bem_points(kept, endless.BOUND_SHARE * kept.tail_amplitude, "compliance")
+    lower, upper = endless.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
+    truth = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
+    assert np.all(lower <= truth)
+    assert lower[0] == 0
+    assert np.all(upper > truth)
+
+
 def test_resistance_is_the_slope_of_the_estimate():
     """To the step, since nodes come into contact on the way."""
     step = 1e-4
@@ -81,6 +101,8 @@ def test_resistance_is_the_slope_of_the_estimate():
 def test_what_is_not_endless_or_too_long_is_refused():
     with pytest.raises(ValueError, match="m must be inf, got 3"):
         endless.curve(Profile(1.5, 5, 3), LOADS, 1)
+    with pytest.raises(ValueError, match="m must be inf, got 3"):
+        endless.bounds(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="terms must be fewer, got 7"):
         endless.curve(Profile(1.5, 5, math.inf), LOADS, 7)
 

@@ -36,6 +36,31 @@ def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Arra
     return h - G, h + G
 
 
+def complete_bounds(
+    compliance: ArrayLike, amplitude: ArrayLike, full_contact: ArrayLike, error: ArrayLike = 0.0
+) -> tuple[Array, Array]:
+    """Bounds h and h + 2 G on the compliance of the complete series in its own datum (27), where all g_n count.
+
+    Parameters
+    ----------
+    compliance : array_like
+        Compliance h of the truncated series, in its own datum.
+    amplitude : array_like
+        Total amplitude G of the terms left out.
+    full_contact : array_like
+        Compliance of the complete series at full contact, the sum of all g_n, which it never exceeds.
+    error : array_like
+        What h may be off.
+
+    Returns
+    -------
+    lower, upper : ndarray
+        Of the shape to which the arguments broadcast, within [0, full contact].
+    """
+    h, top = np.asarray(compliance, float), np.asarray(full_contact, float)
+    return np.clip(h - error, 0, top), np.clip(h + 2 * np.asarray(amplitude, float) + error, 0, top)
+
+
 def resistance_bounds(
     mean_pressure: ArrayLike,
     compliance: ArrayLike,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import bem, demelio, endless, laws, layer, patches, westergaard
-from weier.bounds import resistance_bounds
+from weier.bounds import complete_bounds, resistance_bounds
 from weier.plan import TOLERANCE, Part, plan
 from weier.profile import Profile
 from weier.terms import left_out, truncated
@@ -108,7 +108,8 @@ def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
     """The same for the whole series: the middle of what the terms left out can make of it."""
     if part.method in ("layer", "demelio", "endless"):
         return found
-    room = np.clip(profile.total_amplitude - found.compliance, 0.0, 2 * left_out(profile, part.terms))
+    low, high = complete_bounds(found.compliance, left_out(profile, part.terms), profile.total_amplitude)
+    room = high - low
     whole = part.terms == profile.m
     return Solved(
         found.compliance + room / 2,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import bem, laws, patches, planned
+from weier.bounds import complete_bounds
 from weier.phases import random_phases
 from weier.plan import QUANTITIES
 from weier.profile import Profile
@@ -104,9 +105,9 @@ def _against_more_terms(profile: Profile, tolerance: float) -> Verified:
     kept, found = _longest(profile), planned.curve(profile, LOADS, tolerance)
     points = laws.FEWEST_PER_WAVE * kept.wavenumber[-1]
     h = bem.curve(kept, LOADS, points=points, tolerance=1e-8, resistance=False).compliance
-    room = np.minimum(2 * kept.tail_amplitude, profile.total_amplitude - h)
-    slack = room / 2 + laws.bem_compliance_error(kept, points)
-    check = _check(found.compliance - (h + room / 2), found.compliance_error, slack)
+    low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
+    slack = (high - low) / 2 + laws.bem_compliance_error(kept, points)
+    check = _check(found.compliance - (low + high) / 2, found.compliance_error, slack)
     return Verified(profile, "compliance", tolerance, check, None, _methods(found))
 
 
