@@ -63,12 +63,53 @@ def test_boundary_elements_follow_their_law_and_not_by_far(D, per_wave):
 @pytest.mark.parametrize("error", [0.3, 1e-2, 1e-4])
 @pytest.mark.parametrize("quantity", ["compliance", "resistance"])
 def test_points_are_the_fewest_that_do(quantity, error):
-    law = {"compliance": laws.bem_compliance_error, "resistance": laws.bem_resistance_error}[quantity]
+    def law(profile, points):
+        heavy = np.array([10.0])
+        by_resistance = laws.bem_resistance_error(profile, points, heavy).item()
+        return laws.bem_compliance_error(profile, points) if quantity == "compliance" else by_resistance
+
     points = laws.bem_points(PROFILE, error, quantity)
     waves = PROFILE.wavenumber[-1]
     assert law(PROFILE, points) <= error * (1 + 1e-12)
     # Rounded up to what halves: by 1 in 8 at most, and 1 in 4 of the points is half of the error.
     assert points == 12 * waves or law(PROFILE, int(points * 0.75)) > error
+
+
+LIGHT_RESISTANCES = [
+    (Profile(1.5, 7, 2, math.pi), np.geomspace(1e-9, 1, 10), 0.3, "resistance"),
+    (Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.geomspace(1e-12, 1e-4, 5), 1e-3, "compliance"),
+    (half_a_node_off(Profile(1.7, "3/2", 5), 12 * 81), np.geomspace(1e-12, 1, 13), 0.5, "resistance"),
+    (Profile(1.05, 2, 6, 0.0), np.geomspace(1e-12, 1, 13), 0.1, "compliance"),
+]
+
+
+@pytest.mark.parametrize(("profile", "loads", "tolerance", "quantity"), LIGHT_RESISTANCES)
+def test_the_resistance_of_a_light_load_is_within_its_error(profile, loads, tolerance, quantity):
+    """It grows as -ln p, and that of a single node in contact does not."""
+    curve = planned.curve(profile, loads, tolerance, quantity)
+    exact = patches.curve(profile, loads).resistance
+    off = np.abs(curve.resistance - exact)
+    assert np.all(off <= curve.resistance_error)
+    if quantity == "resistance":
+        assert np.all(off <= tolerance * np.maximum(exact, 1))
+        assert curve.planned_method[0] == "patches"
+
+
+@pytest.mark.parametrize("points", [75, 300, 1200, 4800])
+def test_a_grid_that_does_not_tell_the_resistance_says_so(points):
+    """From a single node in contact to the loads that the law is for."""
+    profile = half_a_node_off(PROFILE, points)
+    light = laws.bem_light_load(profile, points)
+    loads = light * np.geomspace(1e-9, 100, 23)
+    grid, exact = weier.bem.curve(profile, loads, points=points), patches.curve(profile, loads)
+    off = np.abs(grid.resistance - exact.resistance)
+    relative = laws.bem_resistance_error(profile, points, loads)
+    assert np.array_equal(np.isinf(relative), loads < light)
+    seen = loads >= light
+    assert np.all((off <= relative * np.maximum(exact.resistance, 1))[seen])
+    expected = laws.light_resistance_error(profile, points, loads, grid.resistance)[~seen]
+    assert np.all(off[~seen] <= expected)
+    assert np.all(expected <= 8 * off[~seen].max())
 
 
 def test_a_finer_tolerance_takes_no_less():
@@ -150,7 +191,11 @@ def test_light_loads_are_a_few_exact_contacts_and_crowded_ones_a_grid():
     parts = plan(profile, np.geomspace(1e-3, 10, 40), 1e-6).parts
     assert [part.method for part in parts] == ["patches", "bem", "patches", "full contact"]
     longer = plan(Profile(1.25, 5, 5, random_phases(1)), np.geomspace(1e-3, 10, 40), 1e-6).parts
-    assert [part.method for part in longer] == ["patches", "bem"]  # 625 waves, but two of them in touch
+    assert [part.method for part in longer] == [
+        "patches",
+        "bem",
+        "patches",
+    ]  # 625 waves: first few touch, at last few do not
 
 
 def test_contacts_are_foreseen_to_a_factor_in_nine_of_ten():

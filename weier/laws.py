@@ -20,8 +20,12 @@ Array = NDArray[np.float64]
 # Times sum g_n (waves_n/points)^2: a crest half a node off the grid is missed by z'' dx^2/8, where z'' is at most
 # sum g_n k_n^2. That is the error at first touch; at no load was one larger.
 BEM_COMPLIANCE = math.pi**2 / 2
-# Times waves/points: up to 14.7 for one wave and 6 for more. Order 1: edges of contact move by whole nodes.
+# Times waves/points. Order 1: edges of contact move by whole nodes.
 BEM_RESISTANCE = 18.0
+# At lighter loads contacts have a few nodes, half a contact sqrt(p/missed)/pi of them at one crest, where missed is
+# sum g_n (waves_n/points)^2; and a crest that the grid takes for lower than it is touches too late.
+LIGHT = 1000.0  # times missed: contacts of 20 nodes
+NARROW = 0.002  # times sum g_n (waves_n/waves of the finest)^2, on any grid: contacts of a 35th of the finest wave
 FEWEST_PER_WAVE = 12  # fewer were not measured
 HALVED_TO = 8  # points a wave that the coarsest of the nested grids has at least
 
@@ -70,9 +74,25 @@ def unresolved(profile: Profile) -> float:
     return float(np.sum(profile.amplitude * share**2))
 
 
-def bem_resistance_error(profile: Profile, points: int) -> float:
-    """Error of the resistance by boundary elements on `points` nodes: 18 waves/points."""
-    return BEM_RESISTANCE * profile.wavenumber[-1] / points
+def bem_light_load(profile: Profile, points: int) -> float:
+    """Mean pressure below which `points` nodes do not tell the resistance, in p_0*."""
+    return unresolved(profile) * max(LIGHT * (profile.wavenumber[-1] / points) ** 2, NARROW)
+
+
+def bem_resistance_error(profile: Profile, points: int, mean_pressure: Array) -> Array:
+    """Error of the resistance by boundary elements, shape (loads,): BEM_RESISTANCE waves/points, inf where light."""
+    seen = mean_pressure >= bem_light_load(profile, points)
+    return np.where(seen, BEM_RESISTANCE * profile.wavenumber[-1] / points, np.inf)
+
+
+def light_resistance_error(profile: Profile, points: int, mean_pressure: Array, resistance: Array) -> Array:
+    """Error of the resistance by boundary elements at light loads, in g_0/p_0*, shape (loads,).
+
+    All of it, since the true one is no less than 0; and L ln(light load/p) more, L the period: so grows the resistance
+    -2 L ln a of one contact, whose half-width a is as sqrt(p), where that of a single node stands still.
+    """
+    lighter = np.log(bem_light_load(profile, points)) - np.log(mean_pressure)
+    return np.asarray(resistance + profile.period * np.maximum(lighter, 0))
 
 
 def bem_points(profile: Profile, error: float, quantity: str) -> int:

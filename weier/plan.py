@@ -320,10 +320,11 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
     count = contacts(kept, loads) if _seen(kept) else none + waves * UNSEEN
     points = laws.bem_points(kept, error, quantity)
     if points <= MOST_GRID_POINTS:
-        law = laws.bem_compliance_error if quantity == "compliance" else laws.bem_resistance_error
         why = f"{points / waves:.0f} points for each of {waves} waves are the fewest that do"
         (start, load), memory = laws.bem_seconds(points, count), laws.grid_bytes("bem", points)
-        settings, miss = {"points": points}, none + law(kept, points)
+        settings, miss = {"points": points}, none + laws.bem_compliance_error(kept, points)
+        if quantity == "resistance":
+            miss = laws.bem_resistance_error(kept, points, loads)
         yield Part(loads, "bem", kept.terms, settings, truncation, miss, none, start, load, memory, why)
     able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
     if able and _seen(kept):

@@ -155,8 +155,9 @@ def _on_layer(profile: Profile, part: Part) -> Solved:
 def _on_grid(kept: Profile, part: Part) -> Solved:
     grid = bem.curve(kept, part.mean_pressure, **part.settings)
     miss = laws.bem_compliance_error(kept, grid.points) + laws.RESIDUAL * grid.residual
-    rough = laws.bem_resistance_error(kept, grid.points) * np.maximum(grid.resistance, 1)
-    return Solved(grid.compliance, grid.resistance, miss, rough)
+    rough = laws.bem_resistance_error(kept, grid.points, part.mean_pressure) * np.maximum(grid.resistance, 1)
+    light = laws.light_resistance_error(kept, grid.points, part.mean_pressure, grid.resistance)
+    return Solved(grid.compliance, grid.resistance, miss, np.where(np.isinf(rough), light, rough))
 
 
 def _by_contacts(kept: Profile, part: Part) -> Solved:

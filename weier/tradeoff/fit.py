@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from weier import curves, laws
 from weier.profile import Profile
 from weier.tradeoff.contenders import PATCH_TOLERANCES, POINTS_PER_WAVE
-from weier.tradeoff.errors import worst_over_loads
+from weier.tradeoff.errors import by_load, worst_over_loads
 
 Array = NDArray[np.float64]
 
@@ -36,14 +36,14 @@ class Constant(NamedTuple):
 
 
 class Run(NamedTuple):
-    """One contender on one profile."""
+    """One contender on one profile: contacts and the error of R by load, that of h at worst."""
 
     profile: Profile
     points: float
     seconds: float
     contacts: Array
     compliance_error: float
-    resistance_error: float
+    resistance_error: Array
 
 
 def constants(data: xr.Dataset) -> list[Constant]:
@@ -58,9 +58,9 @@ def constants(data: xr.Dataset) -> list[Constant]:
     exact = [(float(name.split()[1]), run) for name in EXACT for run in _runs(data, name)]
     errors = {
         "BEM_COMPLIANCE": [run.compliance_error / _missed(run) for run in grids],
-        "BEM_RESISTANCE": [run.resistance_error * run.points / run.profile.wavenumber[-1] for run in grids],
+        "BEM_RESISTANCE": [_resistance_missed(run, data["mean_pressure"].values) for run in grids],
         "PATCHES_COMPLIANCE": [(run.compliance_error - laws.ROUNDING) / limit for limit, run in exact],
-        "PATCHES_RESISTANCE": [(run.resistance_error - laws.ROUNDING) / limit for limit, run in exact],
+        "PATCHES_RESISTANCE": [(run.resistance_error.max() - laws.ROUNDING) / limit for limit, run in exact],
         **{name: _shares(data, method) for name, method in ESTIMATES.items()},
     }
     bounds = [Constant(name, getattr(laws, name), _largest(values), True) for name, values in errors.items()]
@@ -77,7 +77,7 @@ def _runs(data: xr.Dataset, name: str) -> list[Run]:
     if name not in methods:
         return []
     at = methods.index(name)
-    h, R = (worst_over_loads(data, quantity)[:, at] for quantity in ("compliance", "resistance"))
+    h, R = worst_over_loads(data, "compliance")[:, at], by_load(data, "resistance")[:, at]
     return [
         Run(
             curves.profile(data.isel(case=case)),
@@ -85,7 +85,7 @@ def _runs(data: xr.Dataset, name: str) -> list[Run]:
             float(data["seconds"].values[case, at]),
             data["patch_count"].values[case, at],
             float(h[case]),
-            float(R[case]),
+            R[case],
         )
         for case in np.flatnonzero(np.isfinite(data["seconds"].values[:, at]))
     ]
@@ -93,6 +93,12 @@ def _runs(data: xr.Dataset, name: str) -> list[Run]:
 
 def _missed(run: Run) -> float:
     return laws.unresolved(run.profile) * (run.profile.wavenumber[-1] / run.points) ** 2
+
+
+def _resistance_missed(run: Run, loads: Array) -> float:
+    """Error of a resistance times points/waves, at the loads for which there is a law."""
+    seen = loads >= laws.bem_light_load(run.profile, int(run.points))
+    return float(run.resistance_error[seen].max(initial=0.0)) * run.points / run.profile.wavenumber[-1]
 
 
 def _shares(data: xr.Dataset, name: str) -> list[float]:
