@@ -1,6 +1,7 @@
 """How far the errors that planned curves expect are from those they have: `python -m benchmarks.planned [COUNT]`.
 
-COUNT random finite series against contact patches, a fifth as many endless ones against more terms.
+COUNT random finite series against contact patches, a fifth as many endless ones against more terms, at loads from
+1e-12 p_0*.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import sys
 
 import numpy as np
 
-from weier.tradeoff.verify import Verified, verify, verify_endless
+from benchmarks.verify import Verified, verify, verify_endless
 
 
 def main() -> None:

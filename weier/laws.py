@@ -88,8 +88,8 @@ def bem_resistance_error(profile: Profile, points: int, mean_pressure: Array) ->
 def light_resistance_error(profile: Profile, points: int, mean_pressure: Array, resistance: Array) -> Array:
     """Error of the resistance by boundary elements at light loads, in g_0/p_0*, shape (loads,).
 
-    All of it, since the true one is no less than 0; and L ln(light load/p) more, L the period: so grows the resistance
-    -2 L ln a of one contact, whose half-width a is as sqrt(p), where that of a single node stands still.
+    All of it, since the true one is no less than 0; and L ln(light load/p) more, L the period: so grows that of one
+    contact, -2 L ln a, whose half-width a is as sqrt(p), where that of a single node stands still.
     """
     lighter = np.log(bem_light_load(profile, points)) - np.log(mean_pressure)
     return np.asarray(resistance + profile.period * np.maximum(lighter, 0))
@@ -128,19 +128,19 @@ def estimate_error(method: str, mean_pressure: Array, D: float, first_contact: f
         Sum of the amplitudes after the first, in g_0.
     """
     light = max(first_contact, (LAYER if method == "layer" else DEMELIO) * amplitude)
-    return light * unflattened(mean_pressure / CROWDED, D)
+    return light * unflattened(mean_pressure, CROWDED, D)
 
 
 def endless_error(mean_pressure: Array, kept: Profile) -> Array:
     """Error of h of an endless series with all but these terms on the layer, in g_0, but that of the mesh."""
-    share = np.maximum(TAIL * np.minimum(CROWDED / mean_pressure, 1), TAIL_CROWDED)
+    share = np.maximum(TAIL * (CROWDED / np.maximum(mean_pressure, CROWDED)), TAIL_CROWDED)
     pressure = float(kept.gamma) ** ((kept.D - 1) * kept.terms)  # p_k*
-    return np.asarray(share * kept.tail_amplitude * unflattened(mean_pressure / pressure, kept.D))
+    return np.asarray(share * kept.tail_amplitude * unflattened(mean_pressure, pressure, kept.D))
 
 
-def unflattened(xi: Array, D: float) -> Array:
-    """Share of the amplitudes that a load xi, in p* of the first, leaves: g_n where p_n* = xi (20), at least 1/xi."""
-    return np.asarray(np.maximum(xi, 1.0) ** -min((2 - D) / (D - 1), 1.0))
+def unflattened(mean_pressure: Array, first: float, D: float) -> Array:
+    """Share of the amplitudes that a load leaves, with p* of the first: g_n where p_n* = p (20), at least p*/p."""
+    return np.asarray((first / np.maximum(mean_pressure, first)) ** min((2 - D) / (D - 1), 1.0))
 
 
 def bem_seconds(points: float, contacts: Array) -> tuple[float, Array]:

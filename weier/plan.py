@@ -34,6 +34,8 @@ SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)
 UNSEEN = 0.1  # contacts for each of the finest waves, where these are too many to look at
 SERIES = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
 TABLE = 100  # loads on which the bounds on the resistance are foreseen
+HEAVIEST = 1e300  # p_0*: more is foreseen as this, since ten times as much is a number
+LEAST_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
 
 
 class OutOfReachError(ValueError):
@@ -149,7 +151,8 @@ def plan(
     Raises
     ------
     ValueError
-        If the tolerance is not positive or the quantity unknown; OutOfReachError if no method can be that accurate.
+        If a load is below 1e-300 p_0*, the tolerance not positive or the quantity unknown; OutOfReachError if no
+        method can be that accurate.
 
     Notes
     -----
@@ -158,7 +161,7 @@ def plan(
     no term left out changes the middle of what remains by more than G/2.
     """
     loads = checked_loads(mean_pressure)
-    _check(tolerance, quantity)
+    _check(loads, tolerance, quantity)
     found = list(ways(profile, loads, tolerance, quantity))
     if not np.all(np.any([way.error <= tolerance for way in found], axis=0)):
         raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity))
@@ -282,12 +285,13 @@ def _first_contact(profile: Profile) -> float:
 
 def _resolved_in_part(profile: Profile, lengths: Sequence[int], loads: Array, tolerance: float) -> Iterator[Part]:
     """The coarse terms on a layer of all finer ones, with as few of them as some load allows."""
+    carried = (endless.LOADS[0] <= loads) & (loads <= endless.LOADS[1])
     for terms in lengths:
         kept = truncated(profile, terms)
         points = endless.POINTS_PER_WAVE * kept.wavenumber[-1]
         if points > endless.MOST_POINTS:
             return
-        error = laws.endless_error(loads, kept)
+        error = np.where(carried, laws.endless_error(loads, kept), np.inf)
         mesh = np.full(loads.size, laws.bem_compliance_error(kept, points))
         if np.any(error + mesh <= tolerance):
             start, load = laws.endless_seconds(points)
@@ -304,9 +308,10 @@ def _truncation(profile: Profile, kept: Profile, loads: Array, quantity: str) ->
     if quantity == "compliance" or amplitude == 0:
         return np.full(loads.size, amplitude)
     # Foreseen on the layer model's curve, which is near enough to tell how wide the bounds will be.
-    p = np.unique(np.concatenate([loads, np.geomspace(loads[0] / 10, loads[-1] * 10, TABLE)]))
+    foreseen = np.minimum(loads, HEAVIEST)
+    p = np.unique(np.concatenate([foreseen, np.geomspace(foreseen[0] / 10, foreseen[-1] * 10, TABLE)]))
     low, high = resistance_bounds(p, layer.compliance(p, kept.D, float(kept.gamma), kept.m), amplitude)
-    here = np.isin(p, loads)
+    here = np.searchsorted(p, foreseen)
     return np.asarray((high - low)[here] / np.maximum(low[here], 1))
 
 
@@ -352,14 +357,22 @@ def contacts(kept: Profile, loads: Array) -> Array:
 def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str) -> str:
     terms = list(_lengths(profile))[-1]
     rest = _truncation(profile, truncated(profile, terms), loads, quantity).max()
+    best = laws.patches_error(min(laws.PATCHES_TOLERANCES), quantity)
+    if rest > 0:
+        why = f"{terms} terms are the most that can be resolved, and the others may change it by {rest:.1e}"
+    elif tolerance < best:
+        why = f"contact patches, the most accurate method, may be off by {best:.1e}"
+    else:
+        why = f"too many contacts for contact patches, and boundary elements take over {MOST_GRID_POINTS} points"
     return (
         f"tolerance must be larger, or the series shorter, got {tolerance:g} for the {quantity} of "
-        f"{profile.describe()}: {terms} terms are the most that can be resolved, and the others may change it by "
-        f"{rest:.1e}"
+        f"{profile.describe()}: {why}"
     )
 
 
-def _check(tolerance: float, quantity: str) -> None:
+def _check(loads: Array, tolerance: float, quantity: str) -> None:
+    if loads[0] < LEAST_LOAD:
+        raise ValueError(f"mean_pressure must be at least {LEAST_LOAD:g} p_0* for a plan, got {loads[0]:g}")
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity must be one of {', '.join(QUANTITIES)}, got {quantity!r}")
     if not 0 < tolerance < math.inf:

@@ -49,6 +49,14 @@ def test_each_verdict_can_be_no():
     assert not verdicts.inside(ONE, p, h, R + 1, NOISE, 0.0)
 
 
+def test_a_number_within_the_error_it_expects():
+    off, error, blur = np.array([0.1, np.nan, 0.3]), np.array([0.1, 0.1, 0.2]), np.array([0.0, 0.0, 0.1])
+    assert verdicts.expected(off, error, blur)
+    assert verdicts.expected(off, error, 0.9 * blur) is False
+    assert verdicts.expected(off, error * np.nan, blur) is None
+    assert verdicts.expected(off * np.nan, error, blur) is None
+
+
 def test_digits():
     found = np.array([1.0, 1.001, 2.0, np.nan, 0.0, 1e-320, 1e-3])
     exactly = [mp.mpf(1), mp.mpf(1), mp.mpf(1), mp.mpf(1), mp.mpf(0), mp.mpf(10) ** -400, mp.mpf(0)]
@@ -134,6 +142,23 @@ def test_a_warning_is_seen_and_a_curve_that_breaks_is_tried_load_by_load(here, m
     assert found.warned == ("divide by zero",)
     assert found.message == "ConvergenceError: together they stop"
     assert set(found.outcome) == {Outcome.finite}
+
+
+def test_a_planned_curve_that_expects_too_little_is_a_fault(here, monkeypatch):
+    """Three waves at light loads, planned for the compliance: the resistance of a grid, with its own error."""
+    real = here.solve
+
+    def solve(*arguments, **settings):
+        curve = real(*arguments, **settings)
+        if "resistance_error" in curve:
+            curve["resistance_error"] /= 100
+        return curve
+
+    case = Case({"D": 1.25, "gamma": "5", "m": 3, "phases": [0.0, 1.0, 2.0]}, (), {})
+    some = [extremes.Extreme("light", case, np.geomspace(1e-12, 1e-4, 5), (Contender("planned", "planned", {}),))]
+    assert extremes.failures(extremes.measure(some)) == []
+    monkeypatch.setattr(here, "solve", solve)
+    assert extremes.failures(extremes.measure(some)) == ["light, planned: not as expected"]
 
 
 def small():

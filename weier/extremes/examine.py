@@ -38,6 +38,7 @@ class Examined(NamedTuple):
     """A method on an extreme.
 
     compliance, resistance : shape (loads,), NaN where there is none
+    compliance_error, resistance_error : what the method itself expects, NaN where it does not say
     outcome : what became of each load, shape (loads,)
     message : of the first error, and its kind; empty if there was none
     warned : what was warned of, each once
@@ -45,6 +46,8 @@ class Examined(NamedTuple):
 
     compliance: Array
     resistance: Array
+    compliance_error: Array
+    resistance_error: Array
     outcome: NDArray[np.int8]
     message: str
     warned: tuple[str, ...]
@@ -58,8 +61,9 @@ def examine(contender: Contender, profile: Profile, loads: Array) -> Examined:
         parts = [together]
         if together.message and loads.size > 1:
             parts = [_answer(contender, profile, loads[i : i + 1]) for i in range(loads.size)]
-    h, R, outcome = (np.concatenate(columns) for columns in list(zip(*parts, strict=True))[:3])
-    return Examined(h, R, outcome, together.message, tuple(dict.fromkeys(str(w.message) for w in caught)))
+    h, R, miss, rough, outcome = (np.concatenate(columns) for columns in list(zip(*parts, strict=True))[:5])
+    warned = tuple(dict.fromkeys(str(w.message) for w in caught))
+    return Examined(h, R, miss, rough, outcome, together.message, warned)
 
 
 def _answer(contender: Contender, profile: Profile, loads: Array) -> Examined:
@@ -68,13 +72,15 @@ def _answer(contender: Contender, profile: Profile, loads: Array) -> Examined:
     except Exception as error:  # whatever it is belongs into the report
         none = np.full(loads.size, np.nan)
         outcome = Outcome.clear_error if clear(error) else Outcome.unclear_error
-        return Examined(none, none, np.full(loads.size, outcome, np.int8), described(error), ())
+        return Examined(none, none, none, none, np.full(loads.size, outcome, np.int8), described(error), ())
 
 
 def _numbers(curve: xr.Dataset) -> Examined:
     h, R = curve["compliance"].values, curve["resistance"].values
-    finite = np.isfinite(h) & np.isfinite(R)
-    return Examined(h, R, np.where(finite, Outcome.finite, Outcome.not_finite).astype(np.int8), "", ())
+    none = np.full(h.size, np.nan)
+    miss, rough = (curve.get(name, none) for name in ("compliance_error", "resistance_error"))
+    outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
+    return Examined(h, R, np.asarray(miss), np.asarray(rough), outcome, "", ())
 
 
 def clear(error: Exception) -> bool:

@@ -18,7 +18,7 @@ from weier.extremes import verdicts
 from weier.extremes.cases import Extreme, extremes
 from weier.extremes.conditioning import conditioning
 from weier.extremes.examine import Examined, Outcome, examine
-from weier.extremes.truth import truth
+from weier.extremes.truth import TIGHTEST, Truth, truth
 from weier.profile import Profile
 from weier.tradeoff.contenders import Contender
 from weier.variables import CURVE, RUN, flags
@@ -34,6 +34,7 @@ VERDICTS = {
     "monotone": "whether the compliance never falls",
     "concave": "whether the resistance falls and lies between the chords to either side",
     "inside": "whether both lie within the bounds that the first wave sets",
+    "as_expected": "whether both are within the errors that the method itself expects",
     "together": "whether all loads were solved as one curve",
     "silent": "whether nothing was warned of",
 }
@@ -51,9 +52,9 @@ def measure(cases: Sequence[Extreme] | None = None) -> xr.Dataset:
     -------
     Dataset
         As the dataset of a scene, with extremes for cases, each at its own loads, and contenders for methods.
-        outcome says what became of each load; monotone, concave, inside, together and silent judge the curve;
-        compliance_digits and resistance_digits count what is right, from 0 to 16, where anything is known. Condition
-        numbers of the boundary elements stand over the dimension nodes.
+        outcome says what became of each load; monotone, concave, inside, as_expected, together and silent judge the
+        curve; compliance_digits and resistance_digits count what is right, from 0 to 16, where anything is known.
+        Condition numbers of the boundary elements stand over the dimension nodes.
 
     """
     cases = list(extremes() if cases is None else cases)
@@ -115,7 +116,8 @@ def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Contender)
         curves["resistance_digits"] = np.full(h.size, np.nan)
     for name, values in curves.items():
         data[name].values[place][rows[solved]] = values
-    for name, verdict in _judged(contender, profile, loads, found).items():
+    judged = _judged(contender, profile, loads, found) | _expected(profile, found, solved, known)
+    for name, verdict in judged.items():
         data[name].values[place] = verdict
     if contender.method == "bem" and np.isfinite(found.compliance).any():
         data["points"].values[place] = _points(contender, profile)
@@ -140,6 +142,20 @@ def _judged(
         judged["monotone"] = Verdict(verdicts.monotone(h, noise.height * total))
         judged["concave"] = Verdict(verdicts.concave(p, h, R, noise, total))
     return judged
+
+
+def _expected(profile: Profile, found: Examined, solved: NDArray[np.bool_], known: Truth) -> dict[str, Verdict]:
+    """The verdict on the errors that a method expects, where it expects any and the truth is known."""
+    h, R = found.compliance[solved], found.resistance[solved]
+    blurs = (
+        np.full(h.size, laws.patches_error(TIGHTEST, "compliance") * profile.total_amplitude),
+        laws.patches_error(TIGHTEST, "resistance") * np.maximum(R, 1),
+    )
+    off = verdicts.distance(h, known.compliance), verdicts.distance(R, known.resistance)
+    errors = found.compliance_error[solved], found.resistance_error[solved]
+    said = [verdicts.expected(*each) for each in zip(off, errors, blurs, strict=True)]
+    said = [each for each in said if each is not None]
+    return {"as_expected": Verdict(all(said))} if said else {}
 
 
 def _points(contender: Contender, profile: Profile) -> int:

@@ -77,6 +77,15 @@ def inside(profile: Profile, p: Array, h: Array, R: Array, noise: Noise, mesh: f
     return bool(np.all(within))
 
 
+def expected(off: Array, error: Array, blur: Array) -> bool | None:
+    """Whether each number is as far from the truth as it expects at most; None where neither tells.
+
+    `blur` is what the truth itself may be off.
+    """
+    known = np.isfinite(off) & ~np.isnan(error)
+    return bool(np.all((off <= error + blur)[known])) if known.any() else None
+
+
 def digits(found: Array, exact: list[Any]) -> Array:
     """Correct digits, -log10 of the relative error, from 0 to 16; NaN where either is unknown."""
     return np.array([_digits(float(value), true) for value, true in zip(found, exact, strict=True)])

@@ -107,7 +107,7 @@ def _shares(data: xr.Dataset, name: str) -> list[float]:
     found = []
     for case in np.flatnonzero(data["m"].values > 1):
         D, amplitude = float(data["D"][case]), float(data["total_amplitude"][case]) - 1
-        light = error[case] / laws.unflattened(data["mean_pressure"].values / laws.CROWDED, D)
+        light = error[case] / laws.unflattened(data["mean_pressure"].values, laws.CROWDED, D)
         beyond = light[light > float(data["first_contact"][case])]
         found.append(float(beyond.max(initial=0.0)) / amplitude)
     return found

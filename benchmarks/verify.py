@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from weier import bem, laws, patches, planned
 from weier.bounds import complete_bounds
-from weier.phases import random_phases
-from weier.plan import QUANTITIES
+from weier.phases import RandomPhases, random_phases
+from weier.plan import QUANTITIES, plan
 from weier.profile import Profile
 from weier.terms import truncated
 
@@ -22,7 +22,8 @@ GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")
 MOST_TERMS = 5
 MOST_WAVES = 81  # in a period: patches then take seconds a profile
 MOST_ENDLESS_POINTS = 2**16  # that stand for an endless series
-LOADS = np.geomspace(1e-3, 10, 12)
+PHASES = ("zero", "pi", "half a node", "random")
+LIGHTEST, HEAVIEST, COUNT = 1e-12, 10.0, 12  # loads, in p_0*
 TRUTH = 1e-12
 MOST_TOLERANCE = 0.1
 
@@ -41,6 +42,8 @@ class Check(NamedTuple):
 class Verified(NamedTuple):
     """One planned curve: what it was to be, its errors, and the methods it took, from the lightest load up.
 
+    `points` is the finest grid, NaN without any.
+
     The resistance of an endless series is None: nothing tells the truth.
     """
 
@@ -50,6 +53,7 @@ class Verified(NamedTuple):
     compliance: Check
     resistance: Check | None
     methods: tuple[str, ...]
+    points: float
 
     @property
     def inside(self) -> bool:
@@ -64,16 +68,22 @@ class Verified(NamedTuple):
 
 
 def verify(count: int, seed: int = 0) -> Iterator[Verified]:
-    """Random profiles, quantities and tolerances: D in (1.05, 1.95), up to 5 terms, tolerance from 1e-6 to 0.3."""
+    """Random profiles, quantities and tolerances: D in (1.05, 1.95), up to 5 terms, tolerance from 1e-6 to 0.3.
+
+    Loads from 1e-12 to 10 p_0*, anywhere; phases random or such that crests coincide, stand in pairs, or all stand
+    half a node off the grid.
+    """
     random = np.random.default_rng(seed)
     done = 0
     while done < count:
         D, gamma, m = random.uniform(1.05, 1.95), str(random.choice(GAMMAS)), int(random.integers(1, MOST_TERMS + 1))
-        profile = Profile(D, gamma, m, random_phases(int(random.integers(2**31))))
         tolerance, quantity = 10 ** random.uniform(-6, np.log10(0.3)), str(random.choice(QUANTITIES))
-        if profile.wavenumber[-1] <= MOST_WAVES:
+        kind, seed = str(random.choice(PHASES)), int(random.integers(2**31))
+        loads = _loads(random)
+        if Profile(D, gamma, m).wavenumber[-1] <= MOST_WAVES:
             done += 1
-            yield _against_patches(profile, quantity, tolerance)
+            profile = Profile(D, gamma, m, _phases(kind, Profile(D, gamma, m), seed, (loads, tolerance, quantity)))
+            yield _against_patches(profile, loads, quantity, tolerance)
 
 
 def verify_endless(count: int, seed: int = 0) -> Iterator[Verified]:
@@ -85,30 +95,46 @@ def verify_endless(count: int, seed: int = 0) -> Iterator[Verified]:
         profile = Profile(D, gamma, math.inf, random_phases(int(random.integers(2**31))))
         known = truncated(profile, _longest(profile).terms - 1).tail_amplitude
         tolerance = known * (MOST_TOLERANCE / known) ** random.random()
+        loads = _loads(random)
         if known < MOST_TOLERANCE:
             done += 1
-            yield _against_more_terms(profile, tolerance)
+            yield _against_more_terms(profile, loads, tolerance)
 
 
-def _against_patches(profile: Profile, quantity: str, tolerance: float) -> Verified:
-    exact, found = patches.curve(profile, LOADS, TRUTH), planned.curve(profile, LOADS, tolerance, quantity)
+def _loads(random: np.random.Generator) -> Array:
+    return np.sort(np.exp(random.uniform(math.log(LIGHTEST), math.log(HEAVIEST), COUNT)))
+
+
+def _phases(
+    kind: str, series: Profile, seed: int, wanted: tuple[Array, float, str]
+) -> float | tuple[float, ...] | RandomPhases:
+    """Phases of a kind; half a node off the grid that the plan takes, if it takes any, whatever the phases."""
+    if kind == "half a node":
+        grids = [part.settings["points"] for part in plan(series, *wanted).parts if "points" in part.settings]
+        if grids:
+            return tuple(-math.pi * waves / grids[0] for waves in series.wavenumber)
+    return {"zero": 0.0, "pi": math.pi}.get(kind, random_phases(seed))
+
+
+def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: float) -> Verified:
+    exact, found = patches.curve(profile, loads, TRUTH), planned.curve(profile, loads, tolerance, quantity)
     slack = laws.RESIDUAL * exact.residual + laws.FLOOR * profile.total_amplitude
     h = _check(found.compliance - exact.compliance, found.compliance_error, slack)
     scale = np.maximum(exact.resistance, 1)
-    blur = np.full(LOADS.size, laws.patches_error(TRUTH, "resistance"))
+    blur = np.full(loads.size, laws.patches_error(TRUTH, "resistance"))
     R = _check((found.resistance - exact.resistance) / scale, found.resistance_error / scale, blur)
-    return Verified(profile, quantity, tolerance, h, R, _methods(found))
+    return Verified(profile, quantity, tolerance, h, R, *_way(found))
 
 
-def _against_more_terms(profile: Profile, tolerance: float) -> Verified:
+def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Verified:
     """The truth lies within [h_k, h_k + 2 G_k], and below full contact."""
-    kept, found = _longest(profile), planned.curve(profile, LOADS, tolerance)
+    kept, found = _longest(profile), planned.curve(profile, loads, tolerance)
     points = laws.FEWEST_PER_WAVE * kept.wavenumber[-1]
-    h = bem.curve(kept, LOADS, points=points, tolerance=1e-8, resistance=False).compliance
+    h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False).compliance
     low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
     slack = (high - low) / 2 + laws.bem_compliance_error(kept, points)
     check = _check(found.compliance - (low + high) / 2, found.compliance_error, slack)
-    return Verified(profile, "compliance", tolerance, check, None, _methods(found))
+    return Verified(profile, "compliance", tolerance, check, None, *_way(found))
 
 
 def _check(off: Array, expected: Array, slack: Array) -> Check:
@@ -124,5 +150,6 @@ def _longest(profile: Profile) -> Profile:
     return truncated(profile, terms)
 
 
-def _methods(found: planned.Curve) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(found.planned_method.tolist()))
+def _way(found: planned.Curve) -> tuple[tuple[str, ...], float]:
+    """The methods and the finest grid."""
+    return tuple(dict.fromkeys(found.planned_method.tolist())), float(np.fmax.reduce(found.planned_points))
