@@ -69,6 +69,11 @@ def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     figures.draw("endless", [data], "", tmp_path / "endless.png")
 
 
+def test_bad_loads_are_not_taken_for_too_many_points():
+    with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\]"):
+        endless.convergence([PROFILE], [1e-9, 1.0], 2)
+
+
 class OnePlace(RandomPhases):
     """Crests of all waves at one place: `seed` nodes in a period, half of a node from the first."""
 

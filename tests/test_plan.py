@@ -298,6 +298,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert str(found).count("bem with 2 terms") == 2
     assert "2 of 2 cases can be solved" in str(found)
     assert found.seconds == sum(each.seconds for each in found.plans)
+    assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
     assert weier.plan(loaded, tolerance=1e-9).plans[0].parts[0].method == "patches"
     data, _ = weier.batch.solve_batch(loaded, loaded.studies["one"])
     assert data.method.values.tolist() == ["planned"]
@@ -313,6 +314,18 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert again["planned_terms"].values[1].tolist() == [2, 2, 2]
     points = plan(loaded.studies["one"][1].profile, loaded.loads).parts[0].settings["points"]
     np.testing.assert_array_equal(again["planned_points"].values[1], [points, points, np.nan])
+
+
+def test_a_scene_plan_tells_its_cases_apart_and_lists_those_without_a_plan(tmp_path):
+    path, product = tmp_path / "test.yaml", "{D: [1.25, 1.9], gamma: 2, m: .inf, seed: [3, 4]}"
+    path.write_text(SCENE.replace("{D: [1.25, 1.5], gamma: 5, m: 2, phase: 1.0}", product))
+    lines = str(weier.plan(scene.load(path), tolerance=0.1)).splitlines()
+    heads = [line for line in lines if not line.startswith(" ")]
+    assert heads[0].startswith("D = 1.25, gamma = 2, m = inf, seed 3: compliance within 0.1")
+    assert heads[1].startswith("D = 1.25, gamma = 2, m = inf, seed 4: ")
+    assert heads[2].startswith("2 of 4 cases can be solved")
+    assert heads[3] == "not the others:"
+    assert ["seed 3" in lines[-2], "seed 4" in lines[-1]] == [True, True]
 
 
 @pytest.mark.parametrize(

@@ -181,3 +181,10 @@ def test_every_random_crest_is_a_maximum():
         x, top = profile.crest
         assert top >= profile.sampled_height(64 * profile.wavenumber[-1]).max()
         assert abs(float(profile.slope(x))) <= 1e-9 * float(abs(profile.curvature(x)))
+
+
+def test_phases_tell_profiles_apart():
+    described = [Profile(1.5, 3, 3, phases).describe_with_phases() for phases in (0.0, (0, 1, 2.5), random_phases(7))]
+    ends = ["phase 0", "phases 0, 1, 2.5", "seed 7"]
+    assert described == [f"D = 1.5, gamma = 3, m = 3, {end}" for end in ends]
+    assert Profile(1.5, 3, 9, [0.0] * 9).describe_with_phases().endswith("0, 0, ...")

@@ -63,6 +63,10 @@ class Curve(NamedTuple):
     residual: Array
 
 
+class TooManyPointsError(ValueError):
+    """So many resolved terms take more points than there may be."""
+
+
 class Law(NamedTuple):
     """The layer at a node of self-influence c: ln p over ln(w + c p), and c."""
 
@@ -147,7 +151,9 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     tail = kept.tail_amplitude
     points, miss = laws.bem_points(kept, BOUND_SHARE * tail, "compliance"), BOUND_SHARE * tail
     if points > MOST_BOUND_POINTS:
-        raise ValueError(f"terms must be fewer, got {terms}: {points} points are more than {MOST_BOUND_POINTS}")
+        raise TooManyPointsError(
+            f"terms must be fewer, got {terms}: {points} points are more than {MOST_BOUND_POINTS}"
+        )
     h = bem.curve(kept, checked_loads(mean_pressure), points=points, tolerance=miss / 10, resistance=False).compliance
     off = laws.bem_compliance_error(kept, points) + laws.RESIDUAL * miss / 10
     return complete_bounds(h, tail, profile.total_amplitude, off)
@@ -170,6 +176,11 @@ def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_term
     Dataset
         As that of a scene, with "1 resolved", "2 resolved" ... for methods. Where only the bounds are within reach
         there is no estimate, and where neither is, the status says so.
+
+    Raises
+    ------
+    ValueError
+        If a series ends, or a load lies outside [1e-6, 1e3].
 
     """
     loads = checked_loads(mean_pressure)
@@ -199,7 +210,7 @@ def _resolve_into(data: xr.Dataset, place: tuple[int, int], profile: Profile, lo
         print(f"{profile.describe()}, {terms} resolved: {error}", file=sys.stderr)
         data["status"].values[place] = dataset.Status.not_converged
         return
-    except ValueError:
+    except TooManyPointsError:
         data["status"].values[place] = dataset.Status.not_applicable
         return
     for name, values in found.items():

@@ -111,7 +111,7 @@ class Plan:
 
     def __str__(self) -> str:
         """The plan to read: a line a part."""
-        head = f"{self.profile.describe()}: {self.quantity} within {self.tolerance:g}"
+        head = f"{self.profile.describe_with_phases()}: {self.quantity} within {self.tolerance:g}"
         total = f"  in all: error {self.error:.1e}, {self.seconds:.2g} s, {self.memory / 1e6:.2g} MB"
         return "\n".join([head, *map(_line, self.parts), total])
 
@@ -366,7 +366,7 @@ def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: st
         why = f"too many contacts for contact patches, and boundary elements take over {MOST_GRID_POINTS} points"
     return (
         f"tolerance must be larger, or the series shorter, got {tolerance:g} for the {quantity} of "
-        f"{profile.describe()}: {why}"
+        f"{profile.describe_with_phases()}: {why}"
     )
 
 

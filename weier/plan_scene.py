@@ -39,8 +39,11 @@ class ScenePlan:
     def __str__(self) -> str:
         """The plan of every case, and what all of them take."""
         found, total = len(self.plans), len(self.cases)
-        last = f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
-        return "\n".join([*map(str, self.cases.values()), last])
+        sum_up = (
+            f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
+        )
+        others = [f"  {each}" for each in self.cases.values() if isinstance(each, OutOfReachError)]
+        return "\n".join([*map(str, self.plans), sum_up, *(["not the others:", *others] if others else [])])
 
 
 @overload

@@ -20,6 +20,7 @@ from weier.summits import sampled, summits
 
 Array = NDArray[np.float64]
 
+MOST_DESCRIBED = 8  # phases in a line
 LARGEST_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
 
 
@@ -130,6 +131,15 @@ class Profile:
     def describe(self) -> str:
         """The parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
         return f"D = {self.D:g}, gamma = {self.gamma}, m = {self.m}"
+
+    def describe_with_phases(self) -> str:
+        """The same and the phases, which tell one profile from another: `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
+        if isinstance(self.phases, RandomPhases):
+            return f"{self.describe()}, seed {self.phases.seed}"
+        if isinstance(self.phases, float):
+            return f"{self.describe()}, phase {self.phases:g}"
+        first = ", ".join(f"{phase:g}" for phase in self.phases[:MOST_DESCRIBED])
+        return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MOST_DESCRIBED else ''}"
 
     def height(self, x: ArrayLike) -> Array:
         """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
