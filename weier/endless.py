@@ -37,13 +37,13 @@ Array = NDArray[np.float64]
 POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
 MOST_POINTS = 2**14  # more take minutes
 NEWTON_STEPS = 60
-STEP_ACCURACY, RATE_ACCURACY = 1e-6, 1e-9  # relative residuals of the linear equations of a step, of dh/dp;
-DIRECTIONS, RESTARTS = 80, 10  # some tens of directions reach them
+STEP_ACCURACY, RATE_ACCURACY = 1e-6, 1e-9  # relative residuals of the linear equations of a step, of dh/dp
+DIRECTIONS, RESTARTS = 80, 10  # of GMRES: some tens of directions reach these residuals
 TOLERANCE = 1e-9  # of the residual, in g_0
 BOUND_SHARE = 0.1  # of the tail's amplitude, that boundary elements may be off when they find the bounds
 MOST_BOUND_POINTS = 2**20
-ROWS = 400  # of the law's table, over
-LIGHTEST, HEAVIEST = 1e-9, 1e3  # its loads, in p_k* : beyond, power laws
+ROWS = 400  # of the law's table
+LIGHTEST, HEAVIEST = 1e-9, 1e3  # loads of the table, in p_k*: beyond, power laws
 LOADS = 1e-6, 1e3  # p_0*: lighter ones drown in the tolerance, heavier ones leave the table
 
 

@@ -36,8 +36,8 @@ PATCHES_TOLERANCES = (1e-8, 1e-10, 1e-12)
 # What misses the contact conditions by a length is exact for a surface as far from the given one, and the bounds
 # theorem holds the compliance to that length: measured 1.25 of it, since it is looked for at every second node.
 RESIDUAL = 2.0
-FLOOR = 1e-14  # of the total amplitude: rounding of the compliance;
-ROUNDING = 1e-12  # of the resistance, and of both before it is known how many operations
+FLOOR = 1e-14  # of the total amplitude: rounding of the compliance
+ROUNDING = 1e-12  # of the resistance; also of the compliance while planning
 
 # Largest error of the compliance in the amplitude of the terms after the first. At light loads an estimate knows
 # nothing of where the crests are: it tends to 0 where the profile tends to first contact; that part is added apart.
@@ -59,8 +59,8 @@ SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.5e-5, 8e-5, 2.0  # of patches, 
 # The grids, their eigenvalues and the solver's arrays; the directions of GMRES.
 BYTES_NODE = {"bem": 180, "endless": 900}
 BYTES_WAVE = 1e5  # of patches: every crest, and the coarse grid to start from
-NODES_CONTACT = 20  # of a contact, whose matrix is dense;
-DENSE_COPIES = 7  # the matrix, its factors and what they are made from
+NODES_CONTACT = 20  # of a contact, whose matrix is dense
+DENSE_COPIES = 7  # of that matrix: itself, its factors and what they are made from
 
 
 def bem_compliance_error(profile: Profile, points: int) -> float:
@@ -127,7 +127,7 @@ def estimate_error(method: str, mean_pressure: Array, D: float, first_contact: f
     amplitude : float
         Sum of the amplitudes after the first, in g_0.
     """
-    light = max(first_contact, (LAYER if method == "layer" else DEMELIO) * amplitude)
+    light = max(first_contact, {"layer": LAYER, "demelio": DEMELIO}[method] * amplitude)
     return light * unflattened(mean_pressure, CROWDED, D)
 
 

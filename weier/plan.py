@@ -28,7 +28,7 @@ TOLERANCE = 1e-3
 QUANTITIES = ("compliance", "resistance")
 MOST_GRID_POINTS = 2**21  # a load then takes a second
 MOST_CONTACTS = 256  # a dense matrix of more takes seconds a load
-MOST_FORESEEN = 64  # contacts, where there may be more waves than that: the foresight is off by a factor of 4 at most
+MOST_FORESEEN = 64  # contacts of a plan where there are over 256 waves: the forecast may be 4 times too low
 MOST_SAMPLES = 2**17  # where first contact is looked for
 SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude
 UNSEEN = 0.1  # contacts for each of the finest waves, where these are too many to look at
@@ -55,6 +55,7 @@ class Part(NamedTuple):
     seconds_start, seconds_load : expected
     memory : expected, in bytes
     why : in a sentence
+    whole : whether the method answers for the whole series, not for the terms alone
     """
 
     mean_pressure: Array
@@ -68,6 +69,7 @@ class Part(NamedTuple):
     seconds_load: Array
     memory: float
     why: str
+    whole: bool = False
 
     @property
     def error(self) -> Array:
@@ -228,7 +230,7 @@ def _worth_trying(profile: Profile, lengths: Sequence[int], tolerance: float, qu
 def _flattened(
     profile: Profile, lengths: Sequence[int], loads: Array, tolerance: float, quantity: str
 ) -> Iterator[Part]:
-    """Full contact of as many terms as need be told: a closed form, that costs nothing."""
+    """Full contact of the terms that the tolerance needs: closed form, free."""
     finite = [] if math.isinf(profile.m) else [int(profile.m)]
     few = [terms for terms in lengths if left_out(profile, terms) / 2 <= tolerance][:1]
     for terms in {*finite, *few} if quantity == "compliance" else finite:
@@ -241,11 +243,13 @@ def _flattened(
         yield _closed_form("full contact", loads, terms, why, truncation=error)
 
 
-def _closed_form(method: str, loads: Array, terms: float, why: str, **errors: Array) -> Part:
+def _closed_form(method: str, loads: Array, terms: float, why: str, **others: Any) -> Part:
     none = np.zeros(loads.size)
-    known = {"truncation": none, "discretisation": none, "estimate": none} | errors
+    known = {"truncation": none, "discretisation": none, "estimate": none} | others
     start, load = (table.get(method, 0.0) for table in (laws.SECONDS_START, laws.SECONDS_LOAD))
-    return Part(loads, method, terms, {}, **known, seconds_start=start, seconds_load=none + load, memory=0.0, why=why)
+    return Part(
+        loads, method, terms, settings={}, seconds_start=start, seconds_load=none + load, memory=0.0, why=why, **known
+    )
 
 
 @lru_cache(maxsize=8)
@@ -271,7 +275,7 @@ def _estimates(profile: Profile, loads: Array) -> Iterator[Part]:
     for method in ("demelio", "layer"):
         error = laws.estimate_error(method, loads, profile.D, first, amplitude)
         yield _closed_form(
-            method, loads, profile.m, "an estimate whose measured error is small enough", estimate=error
+            method, loads, profile.m, "an estimate whose measured error is small enough", estimate=error, whole=True
         )
 
 
@@ -295,9 +299,21 @@ def _resolved_in_part(profile: Profile, lengths: Sequence[int], loads: Array, to
         mesh = np.full(loads.size, laws.bem_compliance_error(kept, points))
         if np.any(error + mesh <= tolerance):
             start, load = laws.endless_seconds(points)
-            none, why = np.zeros(loads.size), f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all"
-            memory, settings = laws.grid_bytes("endless", points), {"points": points}
-            yield Part(loads, "endless", terms, settings, none, mesh, error, start, none + load, memory, why)
+            none = np.zeros(loads.size)
+            yield Part(
+                loads,
+                "endless",
+                terms,
+                settings={"points": points},
+                truncation=none,
+                discretisation=mesh,
+                estimate=error,
+                seconds_start=start,
+                seconds_load=none + load,
+                memory=laws.grid_bytes("endless", points),
+                why=f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all",
+                whole=True,
+            )
             if np.all(error + mesh <= tolerance):
                 return
 
@@ -321,31 +337,60 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
         why = "one wave has a closed form"
         yield _closed_form("westergaard", loads, 1, why, truncation=truncation)
         return
-    none, waves = np.zeros(loads.size), kept.wavenumber[-1]
-    count = contacts(kept, loads) if _seen(kept) else none + waves * UNSEEN
+    count = contacts(kept, loads) if _seen(kept) else np.full(loads.size, kept.wavenumber[-1] * UNSEEN)
     points = laws.bem_points(kept, error, quantity)
     if points <= MOST_GRID_POINTS:
-        why = f"{points / waves:.0f} points for each of {waves} waves are the fewest that do"
-        (start, load), memory = laws.bem_seconds(points, count), laws.grid_bytes("bem", points)
-        settings, miss = {"points": points}, none + laws.bem_compliance_error(kept, points)
-        if quantity == "resistance":
-            miss = laws.bem_resistance_error(kept, points, loads)
-        yield Part(loads, "bem", kept.terms, settings, truncation, miss, none, start, load, memory, why)
+        yield _on_grid(kept, points, count, loads, truncation, quantity)
     able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
     if able and _seen(kept):
-        most = MOST_CONTACTS if waves <= MOST_CONTACTS else MOST_FORESEEN
-        miss = np.where(count <= most, laws.patches_error(able[0], quantity), np.inf)
-        start, each = laws.SECONDS_START["patches"], laws.patches_seconds(waves, count)
-        why = "exact edges of as few contacts cost less than a grid so fine"
-        memory, limit = laws.patches_bytes(waves, min(most, count.max())), {"tolerance": able[0]}
-        yield Part(loads, "patches", kept.terms, limit, truncation, miss, none, start, each, memory, why)
+        yield _by_contacts(kept, able[0], count, loads, truncation, quantity)
+
+
+def _on_grid(kept: Profile, points: int, count: Array, loads: Array, truncation: Array, quantity: str) -> Part:
+    if quantity == "compliance":
+        miss = np.full(loads.size, laws.bem_compliance_error(kept, points))
+    else:
+        miss = laws.bem_resistance_error(kept, points, loads)
+    start, load = laws.bem_seconds(points, count)
+    waves = kept.wavenumber[-1]
+    return Part(
+        loads,
+        "bem",
+        kept.terms,
+        settings={"points": points},
+        truncation=truncation,
+        discretisation=miss,
+        estimate=np.zeros(loads.size),
+        seconds_start=start,
+        seconds_load=load,
+        memory=laws.grid_bytes("bem", points),
+        why=f"{points / waves:.0f} points for each of {waves} waves are the fewest that do",
+    )
+
+
+def _by_contacts(kept: Profile, limit: float, count: Array, loads: Array, truncation: Array, quantity: str) -> Part:
+    waves = kept.wavenumber[-1]
+    most = MOST_CONTACTS if waves <= MOST_CONTACTS else MOST_FORESEEN
+    return Part(
+        loads,
+        "patches",
+        kept.terms,
+        settings={"tolerance": limit},
+        truncation=truncation,
+        discretisation=np.where(count <= most, laws.patches_error(limit, quantity), np.inf),
+        estimate=np.zeros(loads.size),
+        seconds_start=laws.SECONDS_START["patches"],
+        seconds_load=laws.patches_seconds(waves, count),
+        memory=laws.patches_bytes(waves, min(most, count.max())),
+        why="exact edges of as few contacts cost less than a grid so fine",
+    )
 
 
 def contacts(kept: Profile, loads: Array) -> Array:
-    """Contacts to expect, shape (loads,): crests that a flat as near as by Demelio's estimate would cut.
+    """Contacts to expect, shape (loads,), in nine of ten loads between a third and twice of the truth.
 
-    As many as gaps, and no more of those than troughs that full contact would have to pull on. In nine of ten
-    loads that is between a third and twice of the truth.
+    Crests that reach a flat at Demelio's compliance. Gaps are as many as contacts, and each needs a trough that full
+    contact would put in tension: the fewer of the two counts.
     """
     seen, ratio = _surface(kept), float(kept.gamma)
     near = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))

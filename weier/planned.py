@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -87,7 +88,7 @@ def run(profile: Profile, parts: tuple[Part, ...]) -> Curve:
     ConvergenceError
         If a solver misses its own tolerance.
     """
-    rows = [_completed(profile, part, _solved(profile, part)) for part in parts]
+    rows = [_completed(profile, part, RUN[part.method](profile, part)) for part in parts]
     h, R, miss, rough = (np.concatenate(columns) for columns in zip(*rows, strict=True))
     loads = np.concatenate([part.mean_pressure for part in parts])
     counts = [part.mean_pressure.size for part in parts]
@@ -106,7 +107,7 @@ def run(profile: Profile, parts: tuple[Part, ...]) -> Curve:
 
 def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
     """The same for the whole series: the middle of what the terms left out can make of it."""
-    if part.method in ("layer", "demelio", "endless"):
+    if part.whole:
         return found
     low, high = complete_bounds(found.compliance, left_out(profile, part.terms), profile.total_amplitude)
     room = high - low
@@ -126,22 +127,15 @@ def _steepness(loads: Array, h: Array, R: Array, miss: Array) -> Array:
     return np.maximum(R - low, high - R)
 
 
-def _solved(profile: Profile, part: Part) -> Solved:
-    loads, none = part.mean_pressure, np.zeros(part.mean_pressure.size)
-    unknown, series = none + np.inf, (profile.D, float(profile.gamma), profile.m)
-    if part.method == "demelio":
-        return Solved(demelio.compliance(loads, *series), demelio.resistance(loads, *series), part.error, unknown)
-    if part.method == "layer":
-        law = layer.curve(loads, *series)
-        return Solved(law.compliance, law.resistance, part.error, unknown)
-    if part.method == "endless":
-        return _on_layer(profile, part)
-    kept = truncated(profile, int(part.terms))
-    if part.method == "full contact":
-        return Solved(none + kept.total_amplitude, none, none, none)
-    if part.method == "westergaard":
-        return Solved(westergaard.compliance(loads), westergaard.resistance(loads), none, none)
-    return _on_grid(kept, part) if part.method == "bem" else _by_contacts(kept, part)
+def _demelio(profile: Profile, part: Part) -> Solved:
+    loads, series = part.mean_pressure, (profile.D, float(profile.gamma), profile.m)
+    h, R = demelio.compliance(loads, *series), demelio.resistance(loads, *series)
+    return Solved(h, R, part.error, np.full(loads.size, np.inf))
+
+
+def _layer(profile: Profile, part: Part) -> Solved:
+    law = layer.curve(part.mean_pressure, profile.D, float(profile.gamma), profile.m)
+    return Solved(law.compliance, law.resistance, part.error, np.full(part.mean_pressure.size, np.inf))
 
 
 def _on_layer(profile: Profile, part: Part) -> Solved:
@@ -152,17 +146,40 @@ def _on_layer(profile: Profile, part: Part) -> Solved:
     return Solved(found.compliance, found.resistance, np.minimum(part.error, beside), unknown)
 
 
-def _on_grid(kept: Profile, part: Part) -> Solved:
-    grid = bem.curve(kept, part.mean_pressure, **part.settings)
+def _flat(profile: Profile, part: Part) -> Solved:
+    none = np.zeros(part.mean_pressure.size)
+    return Solved(none + truncated(profile, int(part.terms)).total_amplitude, none, none, none)
+
+
+def _one_wave(_: Profile, part: Part) -> Solved:
+    loads, none = part.mean_pressure, np.zeros(part.mean_pressure.size)
+    return Solved(westergaard.compliance(loads), westergaard.resistance(loads), none, none)
+
+
+def _on_grid(profile: Profile, part: Part) -> Solved:
+    loads, kept = part.mean_pressure, truncated(profile, int(part.terms))
+    grid = bem.curve(kept, loads, **part.settings)
     miss = laws.bem_compliance_error(kept, grid.points) + laws.RESIDUAL * grid.residual
-    rough = laws.bem_resistance_error(kept, grid.points, part.mean_pressure) * np.maximum(grid.resistance, 1)
-    light = laws.light_resistance_error(kept, grid.points, part.mean_pressure, grid.resistance)
+    rough = laws.bem_resistance_error(kept, grid.points, loads) * np.maximum(grid.resistance, 1)
+    light = laws.light_resistance_error(kept, grid.points, loads, grid.resistance)
     return Solved(grid.compliance, grid.resistance, miss, np.where(np.isinf(rough), light, rough))
 
 
-def _by_contacts(kept: Profile, part: Part) -> Solved:
+def _by_contacts(profile: Profile, part: Part) -> Solved:
+    kept = truncated(profile, int(part.terms))
     exact = patches.curve(kept, part.mean_pressure, **part.settings)
     miss = laws.RESIDUAL * exact.residual + laws.FLOOR * kept.total_amplitude
     rough = laws.patches_error(part.settings["tolerance"], "resistance") * np.maximum(exact.resistance, 1)
     flat = exact.patch_count == 0
     return Solved(exact.compliance, exact.resistance, np.where(flat, 0, miss), np.where(flat, 0, rough))
+
+
+RUN: dict[str, Callable[[Profile, Part], Solved]] = {
+    "full contact": _flat,
+    "westergaard": _one_wave,
+    "demelio": _demelio,
+    "layer": _layer,
+    "endless": _on_layer,
+    "bem": _on_grid,
+    "patches": _by_contacts,
+}

@@ -133,7 +133,7 @@ class Profile:
         return f"D = {self.D:g}, gamma = {self.gamma}, m = {self.m}"
 
     def describe_with_phases(self) -> str:
-        """The same and the phases, which tell one profile from another: `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
+        """The same and the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
         if isinstance(self.phases, RandomPhases):
             return f"{self.describe()}, seed {self.phases.seed}"
         if isinstance(self.phases, float):
