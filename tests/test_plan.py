@@ -8,7 +8,7 @@ import pytest
 
 import weier
 from benchmarks.verify import verify, verify_endless
-from weier import Profile, dataset, endless, laws, patches, planned, random_phases, scene
+from weier import Profile, batch, dataset, endless, laws, patches, planned, random_phases, scene
 from weier.bounds import compliance_bounds
 from weier.plan import OutOfReachError, cheapest, contacts, plan
 from weier.solve import NotApplicableError
@@ -228,6 +228,14 @@ def test_many_heavy_loads_leave_the_finer_terms_to_the_layer():
     assert np.all(curve.compliance_error <= 0.3)
 
 
+def test_no_error_is_negative():
+    """Loads an ulp apart: the chords between them are rounding."""
+    loads = np.sort(1 + np.finfo(float).eps * np.arange(-2, 3) / 2)
+    curve = planned.curve(Profile(1.25, 5, 1), np.unique(loads))
+    assert np.all(curve.resistance_error >= 0)
+    assert np.all(curve.compliance_error >= 0)
+
+
 def test_one_wave_is_a_closed_form():
     found = plan(Profile(1.5, 3, 1), LOADS, 1e-9)
     assert [part.method for part in found.parts] == ["westergaard", "full contact"]
@@ -300,7 +308,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert found.seconds == sum(each.seconds for each in found.plans)
     assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
     assert weier.plan(loaded, tolerance=1e-9).plans[0].parts[0].method == "patches"
-    data, _ = weier.batch.solve_batch(loaded, loaded.studies["one"])
+    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
     assert data.method.values.tolist() == ["planned"]
     for case in range(2):
         exact = patches.curve(loaded.studies["one"][case].profile, loaded.loads).compliance

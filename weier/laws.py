@@ -20,11 +20,12 @@ Array = NDArray[np.float64]
 # Times sum g_n (waves_n/points)^2: a crest half a node off the grid is missed by z'' dx^2/8, where z'' is at most
 # sum g_n k_n^2. That is the error at first touch; at no load was one larger.
 BEM_COMPLIANCE = math.pi**2 / 2
-# Times waves/points. Order 1: edges of contact move by whole nodes.
+# Times waves/points. Order 1: edges of contact move by whole nodes. It is not for the very load of a birth, where a
+# grid has a contact of a node too many or too few.
 BEM_RESISTANCE = 18.0
 # At lighter loads contacts have a few nodes, half a contact sqrt(p/missed)/pi of them at one crest, where missed is
 # sum g_n (waves_n/points)^2; and a crest that the grid takes for lower than it is touches too late.
-LIGHT = 1000.0  # times missed: contacts of 20 nodes
+LIGHT = 3000.0  # times missed: contacts of 35 nodes
 NARROW = 0.002  # times sum g_n (waves_n/waves of the finest)^2, on any grid: contacts of a 35th of the finest wave
 FEWEST_PER_WAVE = 12  # fewer were not measured
 HALVED_TO = 8  # points a wave that the coarsest of the nested grids has at least

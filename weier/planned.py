@@ -123,8 +123,8 @@ def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
 def _steepness(loads: Array, h: Array, R: Array, miss: Array) -> Array:
     """How far a resistance can be from that of any concave curve this close to the compliance."""
     no_less = 0.0  # compliance at first contact: no crest is higher than all waves together
-    low, high = resistance_bounds(loads, h, miss.max(), no_less)
-    return np.maximum(R - low, high - R)
+    low, high = resistance_bounds(loads, h, miss.max() + laws.FLOOR * h.max(), no_less)
+    return np.maximum(np.maximum(R - low, high - R), 0)
 
 
 def _demelio(profile: Profile, part: Part) -> Solved:
