@@ -7,9 +7,8 @@ import pytest
 
 from weier import Profile, dataset, figures, laws, scene, tradeoff
 from weier.solve import checked_method
-from weier.tradeoff import report
-from weier.tradeoff.errors import worst_over_loads
 from weier.tradeoff.fit import constants
+from weier.tradeoff.numbers import pareto, seconds_per_load, worst_over_loads
 
 SCENE = """
 title: Small
@@ -46,7 +45,7 @@ def test_errors_fall_with_points_and_are_those_of_the_reference(measured):
 
 
 def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
-    run = np.isfinite(report.seconds_per_load(measured))
+    run = np.isfinite(seconds_per_load(measured))
     names = measured["method"].values.tolist()
     assert run[:, names.index("bem 384")].tolist() == [True, False]
     assert run[:, names.index("bem 96")].all()
@@ -96,7 +95,7 @@ def test_a_fit_finds_the_laws_that_made_the_data(measured):
     ],
 )
 def test_the_front_is_what_nothing_beats(cost, error, front):
-    assert report.pareto(np.array(cost, float), np.array(error, float)) == front
+    assert pareto(np.array(cost, float), np.array(error, float)) == front
 
 
 def test_files_table_and_figure(measured, tmp_path):

@@ -52,7 +52,8 @@ class Curve(NamedTuple):
 
     compliance : best estimate of h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp of it, in g_0/p_0*
-    compliance_lower, compliance_upper : bounds on h, as `bounds` finds them from the resolved terms alone
+    compliance_lower, compliance_upper : bounds on h from the resolved terms alone (27), as much wider as
+        boundary elements may be off
     residual : largest violation of the equations, in g_0
     """
 
@@ -253,7 +254,7 @@ def _law(kept: Profile, stiffness: float) -> Law:
     return Law(log_pressure, stiffness)
 
 
-def _at(s: Array, law: Law) -> Node:
+def _state_of_nodes(s: Array, law: Law) -> Node:
     inside = s > 0
     log_s = np.log(np.where(inside, s, 1.0))
     near = np.clip(log_s, *law.log_pressure.x[[0, -1]])
@@ -273,7 +274,7 @@ def _solve_loads(kept: Profile, loads: Array, points: int, law: Law) -> tuple[Ar
         h[i] = kept.total_amplitude - state[-1]
         # By how much the flat sinks is the equations' answer to a unit of load.
         unit = np.append(np.zeros(points), 1.0)
-        rate = _answer(_at(state[:-1], law), sinking, unit, RATE_ACCURACY)[-1]
+        rate = _newton_step(_state_of_nodes(state[:-1], law), sinking, unit, RATE_ACCURACY)[-1]
         R[i] = max(-rate, 0.0)  # close to full contact the rate is below its own accuracy, of either sign
     return h, R, miss
 
@@ -290,14 +291,14 @@ def _start(z: Array, sinking: Array, load: float, law: Law) -> Array:
 def _newton(state: Array, z: Array, sinking: Array, load: float, law: Law) -> tuple[Array, float]:
     """Newton's method from this state: the solution, and its residual in g_0."""
     for _ in range(NEWTON_STEPS):
-        node = _at(state[:-1], law)
+        node = _state_of_nodes(state[:-1], law)
         wrong = np.append(
             node.compression + _sunk(node.pressure, sinking) - z + state[-1], node.pressure.mean() - load
         )
         miss = float(np.max(np.abs(wrong)))
         if miss <= TOLERANCE:
             return state, miss
-        state = state - _answer(node, sinking, wrong, STEP_ACCURACY)
+        state = state - _newton_step(node, sinking, wrong, STEP_ACCURACY)
     raise ConvergenceError(
         f"the resolved terms on the layer stopped at a residual of {miss:.1e} g_0 under the mean pressure {load:.6g} "
         f"p_0*, above {TOLERANCE:.0e}: resolve fewer terms",
@@ -310,7 +311,7 @@ def _sunk(pressure: Array, sinking: Array) -> Array:
     return np.asarray(np.fft.irfft(np.fft.rfft(pressure) * sinking, pressure.size))
 
 
-def _answer(node: Node, sinking: Array, right: Array, accuracy: float) -> Array:
+def _newton_step(node: Node, sinking: Array, right: Array, accuracy: float) -> Array:
     """The linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
 
     [diag(dw/ds) + A diag(dp/ds), 1; mean of dp/ds, 0] [ds; dflat] = right

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from weier import Profile, bem, laws
+from weier.contender import Contender
 from weier.extremes import Outcome, examine, verdicts
-from weier.tradeoff import Contender
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)

@@ -13,13 +13,13 @@ from scipy.linalg import circulant
 
 from tests.test_conventions import checked, complaints
 from weier import Profile, dataset, extremes, figures, westergaard
+from weier.contender import Contender
 from weier.errors import ConvergenceError
 from weier.extremes import Outcome, Verdict, exact, verdicts
 from weier.extremes.conditioning import operator, system
 from weier.extremes.truth import truth
 from weier.halfplane import influence_coefficients
 from weier.scene import Case
-from weier.tradeoff import Contender
 
 LOADS = np.array([1e-300, 1e-21, 1e-3, 0.1, 1.0, 10.0])
 NOISE = verdicts.Noise(1e-12, 1e-11)

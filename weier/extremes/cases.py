@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier import patches
+from weier.contender import Contender
 from weier.limits import resolvable
 from weier.profile import Profile
 from weier.scene import Case
-from weier.tradeoff.contenders import Contender
 
 Array = NDArray[np.float64]
 

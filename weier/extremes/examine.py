@@ -13,11 +13,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from weier.contender import Contender
 from weier.errors import ConvergenceError
 from weier.profile import Profile
 from weier.solve import NotApplicableError, solve
 from weier.sources import PACKAGE
-from weier.tradeoff.contenders import Contender
 
 Array = NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from weier import bem, dataset, laws
 from weier.batch import describe_case
+from weier.contender import Contender
 from weier.extremes import verdicts
 from weier.extremes.cases import Extreme, extremes
 from weier.extremes.conditioning import conditioning
 from weier.extremes.examine import Examined, Outcome, examine
 from weier.extremes.truth import TIGHTEST, Truth, truth
 from weier.profile import Profile
-from weier.tradeoff.contenders import Contender
 from weier.variables import CURVE, RUN, flags
 from weier.verdict import Verdict
 

@@ -10,12 +10,12 @@ import mpmath as mp
 import numpy as np
 from numpy.typing import NDArray
 
+from weier.contender import Contender
 from weier.extremes import exact
 from weier.extremes.cases import SHALLOW, few_waves
 from weier.extremes.examine import examine
 from weier.patches.surface import Surface, surface_of
 from weier.profile import Profile
-from weier.tradeoff.contenders import Contender
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from weier import curves
 from weier.figures import style
 from weier.methods import NUMERICAL
-from weier.tradeoff.errors import worst_over_loads
-from weier.tradeoff.report import pareto, seconds_per_load, typical
+from weier.tradeoff.numbers import pareto, seconds_per_load, typical, worst_over_loads
 
 FLOOR = 1e-15  # an error of 0 is drawn here
 LABELS = {

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
-
+from weier.contender import Contender
 from weier.profile import Profile
 
 REFERENCE = "patches 1e-12"
@@ -17,14 +15,6 @@ MOST_COMPARED_POINTS = 100_000  # in one period
 RESIDUALS = (1e-2, 1e-4, 1e-6)  # beside the default 1e-10, on 96 points a wave
 RESIDUAL_POINTS = 96
 PATCH_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
-
-
-class Contender(NamedTuple):
-    """A name of at most 16 letters, a method of weier.solve and its settings."""
-
-    name: str
-    method: str
-    settings: Mapping[str, Any]
 
 
 def contenders(profile: Profile) -> list[Contender]:

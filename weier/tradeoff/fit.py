@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from weier import curves, laws
 from weier.profile import Profile
 from weier.tradeoff.contenders import PATCH_TOLERANCES, POINTS_PER_WAVE
-from weier.tradeoff.errors import by_load, worst_over_loads
+from weier.tradeoff.numbers import by_load, worst_over_loads
 
 Array = NDArray[np.float64]
 

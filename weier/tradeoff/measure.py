@@ -12,11 +12,12 @@ import xarray as xr
 
 from weier import dataset, variables
 from weier.batch import describe_case
+from weier.contender import Contender
 from weier.dataset import Status
 from weier.errors import ConvergenceError
 from weier.scene import Case, Scene
 from weier.solve import solve
-from weier.tradeoff.contenders import REFERENCE, Contender, contenders
+from weier.tradeoff.contenders import REFERENCE, contenders
 
 REPEAT = 3  # and keep the least: what disturbs a run only adds to its time, processor time as it is;
 ENOUGH = 0.5  # but a run of so many seconds is long enough to be its own mean

@@ -6,35 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from weier.files import write_text
 from weier.markdown import plain, table
-from weier.tradeoff.errors import worst_over_loads
 from weier.tradeoff.fit import Constant, constants
-
-Array = NDArray[np.float64]
+from weier.tradeoff.numbers import seconds_per_load, worst_over_loads
 
 LIGHT, HEAVY = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
-
-
-def seconds_per_load(data: xr.Dataset) -> Array:
-    """Seconds a load of each case and contender, shape (case, method)."""
-    return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
-
-
-def pareto(cost: Array, error: Array) -> list[int]:
-    """Which are worth their cost: no other is both cheaper and more accurate; by rising cost. NaN never is."""
-    front: list[int] = []
-    for number in np.lexsort((error, cost)):
-        if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):
-            front.append(int(number))
-    return front
-
-
-def typical(values: Array) -> Array:
-    """Median over the cases, shape (method,), of what was run on all of them; NaN for the others."""
-    return np.asarray(np.median(values, axis=0))  # NaN if one is
 
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:

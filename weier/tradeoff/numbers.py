@@ -1,4 +1,4 @@
-"""The error of a curve: load by load, and as one number."""
+"""What a measured trade says: errors load by load and at worst, seconds, and who is worth them."""
 
 from __future__ import annotations
 
@@ -25,3 +25,22 @@ def by_load(data: xr.Dataset, quantity: str) -> Array:
 def worst_over_loads(data: xr.Dataset, quantity: str) -> Array:
     """The largest of them over the loads, shape (case, method)."""
     return np.fmax.reduce(by_load(data, quantity), axis=-1)
+
+
+def seconds_per_load(data: xr.Dataset) -> Array:
+    """Seconds a load of each case and contender, shape (case, method)."""
+    return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
+
+
+def pareto(cost: Array, error: Array) -> list[int]:
+    """Which are worth their cost: no other is both cheaper and more accurate; by rising cost. NaN never is."""
+    front: list[int] = []
+    for number in np.lexsort((error, cost)):
+        if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):
+            front.append(int(number))
+    return front
+
+
+def typical(values: Array) -> Array:
+    """Median over the cases, shape (method,), of what was run on all of them; NaN for the others."""
+    return np.asarray(np.median(values, axis=0))  # NaN if one is
