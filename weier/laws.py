@@ -28,6 +28,7 @@ BEM_RESISTANCE = 18.0
 LIGHT = 3000.0  # times missed: contacts of 35 nodes
 NARROW = 0.002  # times sum g_n (waves_n/waves of the finest)^2, on any grid: contacts of a 35th of the finest wave
 FEWEST_PER_WAVE = 12  # fewer were not measured
+MOST_PER_WAVE = 1e15  # more than any computer holds, and still an integer
 HALVED_TO = 8  # points a wave that the coarsest of the nested grids has at least
 
 PATCHES_COMPLIANCE = 0.01  # times the tolerance
@@ -102,7 +103,7 @@ def bem_points(profile: Profile, error: float, quantity: str) -> int:
         needed = math.sqrt(BEM_COMPLIANCE * unresolved(profile) / error)
     else:
         needed = BEM_RESISTANCE / error
-    needed = max(needed, FEWEST_PER_WAVE)
+    needed = min(max(needed, FEWEST_PER_WAVE), MOST_PER_WAVE)
     halvings = 2 ** int(math.log2(needed / HALVED_TO))
     return math.ceil(needed / halvings) * halvings * profile.wavenumber[-1]
 

@@ -402,16 +402,15 @@ def contacts(kept: Profile, loads: Array) -> Array:
 def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str) -> str:
     terms = list(_lengths(profile))[-1]
     rest = _truncation(profile, truncated(profile, terms), loads, quantity).max()
-    best = laws.patches_error(min(laws.PATCHES_TOLERANCES), quantity)
+    best, need = laws.patches_error(min(laws.PATCHES_TOLERANCES), quantity), "larger, or the series shorter"
     if rest > 0:
         why = f"{terms} terms are the most that can be resolved, and the others may change it by {rest:.1e}"
     elif tolerance < best:
-        why = f"contact patches, the most accurate method, may be off by {best:.1e}"
+        why, need = f"contact patches, the most accurate method, may be off by {best:.1e}", "larger"
     else:
         why = f"too many contacts for contact patches, and boundary elements take over {MOST_GRID_POINTS} points"
     return (
-        f"tolerance must be larger, or the series shorter, got {tolerance:g} for the {quantity} of "
-        f"{profile.describe_with_phases()}: {why}"
+        f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: {why}"
     )
 
 
