@@ -200,7 +200,7 @@ def test_a_truncated_or_foreign_file_is_refused_in_one_sentence(waves, tmp_path)
     path = tmp_path / "a.nc"
     dataset.write(waves, path, "test")
     path.write_bytes(path.read_bytes()[:5000])
-    with pytest.raises(ValueError, match="not a whole netCDF file: delete it"):
+    with pytest.raises(ValueError, match="not a whole netCDF file: if weier made it, delete it"):
         dataset.read(path)
     xr.Dataset({"x": 1}).to_netcdf(path)
     with pytest.raises(ValueError, match="not of weier"):

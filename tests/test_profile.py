@@ -142,7 +142,7 @@ def test_one_phase_shifts_every_term_but_the_first():
         ((1.5, 5, 2.5), "m must be a whole number of terms, .* got 2.5"),
         ((1.5, 5, True), "m must be a whole number of terms, .* got True"),
         ((1.5, 5, np.nan), "m must be a whole number of terms, .* got nan"),
-        ((1.5, 5, 3, (0.0, 1.0)), "one for each of the m = 3 terms, got 2 values"),
+        ((1.5, 5, 3, (0.0, 1.0)), "one for each of the m = 3 terms, got 2"),
         ((1.5, 5, 2, (0.0, np.nan)), "phases must be finite numbers in radians"),
         ((1.5, 5, 1, [[0.0]]), "phases must be finite numbers in radians"),
     ],

@@ -28,7 +28,7 @@ def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
 
 
 def test_what_no_method_finds_raises():
-    with pytest.raises(ValueError, match="'bem' says nothing about this profile"):
+    with pytest.raises(ValueError, match="'bem' does not apply, as said above"):
         single.solve_one(SERIES | {"m": np.inf, "phase": 0.0}, LOADS, ["bem"], {})
     with pytest.raises(ConvergenceError, match="'bem' missed its tolerance"):
         single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": 1e-15, "points": 2000}})

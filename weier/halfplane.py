@@ -7,6 +7,8 @@ no sum over image loads is cut off (Section 5.1 of the paper; Johnson 1985, Eq. 
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import zeta
@@ -14,6 +16,7 @@ from scipy.special import zeta
 Array = NDArray[np.float64]
 
 
+@lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again: zeta takes a tenth of a curve
 def eigenvalues(points: int, period: float = 1.0) -> Array:
     """Displacement per pressure for each wave that `points` nodes can carry.
 
@@ -27,7 +30,8 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
     Returns
     -------
     array, shape (points//2 + 1,)
-        In g_0/p_0*, for 0, 1, ... waves a period, in the order of `numpy.fft.rfft`; the first is 0.
+        In g_0/p_0*, for 0, 1, ... waves a period, in the order of `numpy.fft.rfft`; the first is 0. Not to be written
+        to: who asks again gets the same array.
 
     Notes
     -----
@@ -37,7 +41,9 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
     """
     kappa = np.arange(1, points // 2 + 1) / points
     aliases = zeta(3, kappa) + zeta(3, 1 - kappa)
-    return np.concatenate([[0.0], period * np.sin(np.pi * kappa) ** 2 / (np.pi**2 * points) * aliases])
+    values = np.concatenate([[0.0], period * np.sin(np.pi * kappa) ** 2 / (np.pi**2 * points) * aliases])
+    values.flags.writeable = False
+    return values
 
 
 def influence_coefficients(points: int, period: float = 1.0) -> Array:

@@ -8,6 +8,7 @@ from weier.bem import curve, field
 from weier.bem.grids import nested_grids, refine, superpose
 from weier.halfplane import eigenvalues
 
+THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 SEVEN_WAVES = Profile(1.25, 5, 7, tuple(range(7)))
 
 
@@ -24,7 +25,7 @@ def test_a_wave_joins_on_the_first_grid_that_shows_it():
 @pytest.mark.parametrize("xi", [0.05, 0.7, 1.0, 3.0])
 def test_a_new_wave_starts_from_westergaards_pressure(xi):
     points, wave = 3000, 2
-    grids = nested_grids(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), points, 1e-8)
+    grids = nested_grids(THREE_WAVES, points, 1e-8)
     flattening = grids.waves.flattening[wave]
     pressure = np.full(points, xi * flattening)
     superpose(wave, grids.waves, pressure, np.empty(points))
@@ -42,14 +43,27 @@ def test_a_contact_between_the_crests_keeps_its_pressure():
     assert np.flatnonzero(pressure).tolist() == [16]
 
 
-def test_refining_keeps_the_nodes_and_ends_the_contact_between_them():
-    x = np.arange(32) / 32
-    pressure = np.concatenate([westergaard.pressure(x, 0.3), np.zeros(32)])
-    refine(32, pressure)
-    fine = westergaard.pressure(np.arange(64) / 64, 0.3)
-    assert pressure[::2].tolist() == westergaard.pressure(x, 0.3).tolist()
+@pytest.mark.parametrize("points", [64, 63, 45])
+def test_refining_keeps_the_nodes_and_ends_the_contact_between_them(points):
+    coarse = westergaard.pressure(np.arange(32) / 32, 0.3)
+    pressure = np.concatenate([coarse, np.zeros(points - 32)])
+    refine(32, pressure, np.empty(points))
+    fine = westergaard.pressure(np.arange(points) / points, 0.3)
+    same = points // np.gcd(32, points)  # every so many nodes the grids meet
+    assert pressure[::same].tolist() == coarse[:: 32 * same // points].tolist()
     assert pressure == pytest.approx(fine, abs=0.1 * fine.max())
     assert np.flatnonzero(pressure > 0).tolist() == np.flatnonzero(fine > 0).tolist()
+
+
+@pytest.mark.parametrize("points", [4096, 4095, 2187])
+def test_any_number_of_nodes_has_coarser_grids(points):
+    """And then takes no more work than a power of two: 35 pairs a load on 4095 nodes without them."""
+    grids = nested_grids(THREE_WAVES, points, 1e-8)
+    assert grids.points[-1] == points
+    assert 256 <= grids.points[0] < 512
+    assert np.all(np.diff(grids.points) >= 0.45 * grids.points[1:])
+    found = curve(THREE_WAVES, np.geomspace(1e-3, 2, 40), points=points, tolerance=1e-8, resistance=False)
+    assert found.work.mean() < 25
 
 
 def test_thousands_of_contacts_meet_the_contact_conditions():

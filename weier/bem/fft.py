@@ -251,7 +251,7 @@ def descend(load: float, hierarchy: Hierarchy, start: Array, whole: State) -> tu
         if level == 0:
             state.pressure[:] = start
         else:
-            refine(points // 2, state.pressure)
+            refine(hierarchy.points[level - 1], state.pressure, state.residual)
             for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
                 superpose(wave, hierarchy.waves, state.pressure, state.residual)
         _touch(state)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import NDArray
 
 from weier.halfplane import eigenvalues, influence_coefficients
@@ -36,7 +37,7 @@ class Waves(NamedTuple):
 
 
 class Hierarchy(NamedTuple):
-    """Nested grids, coarse to fine, each twice as fine as the one before; arrays laid end to end.
+    """Nested grids, coarse to fine, each about twice as fine as the one before; arrays laid end to end.
 
     points : nodes of each grid, shape (grids,)
     terms : waves that each carries, from the coarsest wave on, shape (grids,)
@@ -75,7 +76,9 @@ class Grid(NamedTuple):
 
 
 def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
-    """Grids of points, points/2, points/4 ... nodes, as long as they halve and show the coarsest wave.
+    """Grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
+
+    An odd number is followed by one that the FFT likes, of at least half as many.
 
     Parameters
     ----------
@@ -89,8 +92,8 @@ def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
     """
     fewest = max(FEWEST_POINTS, FEWEST_PER_WAVE * profile.wavenumber[0])
     sizes = [points]
-    while sizes[0] % 2 == 0 and sizes[0] // 2 >= fewest:
-        sizes.insert(0, sizes[0] // 2)
+    while (coarser := _half(sizes[0])) >= fewest:
+        sizes.insert(0, coarser)
     terms = [sum(FEWEST_PER_WAVE * k <= size for k in profile.wavenumber) for size in sizes[:-1]]
     sinking = [eigenvalues(size, profile.period) for size in sizes]
     return Hierarchy(
@@ -103,6 +106,10 @@ def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
         np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
         Waves(np.array(profile.wavenumber), profile.phase / (2 * np.pi), profile.full_contact_pressure),
     )
+
+
+def _half(points: int) -> int:
+    return points // 2 if points % 2 == 0 else int(scipy.fft.next_fast_len((points + 1) // 2, real=True))
 
 
 def _accuracy(profile: Profile, points: int, terms: int) -> float:
@@ -145,22 +152,21 @@ def _beyond(before: float, last: float) -> float:
 
 
 @kernel
-def _between(before: float, here: float, after: float, later: float) -> float:
-    """Pressure halfway from `here` to `after`, of four nodes in a row: its square is straight, as at an edge."""
+def _between(before: float, here: float, after: float, later: float, share: float) -> float:
+    """Pressure this share of the way from `here` to `after`, of four nodes: its square is straight, as at an edge."""
     one = here * here if here > 0 else _beyond(later, after)
     other = after * after if after > 0 else _beyond(before, here)
-    return np.sqrt(max(0.0, 0.5 * (one + other)))
+    return np.sqrt(max(0.0, (1 - share) * one + share * other))
 
 
 @kernel
-def refine(coarse: int, p: Array) -> None:
-    """Carry the pressure from `coarse` nodes to twice as many, in place."""
-    last, after, later = p[coarse - 1], p[0], p[1]
-    for i in range(coarse - 1, -1, -1):
-        before, here = p[i - 1] if i > 0 else last, p[i]
-        p[2 * i + 1] = _between(before, here, after, later)
-        p[2 * i] = here
-        after, later = here, after
+def refine(coarse: int, p: Array, finer: Array) -> None:
+    """Carry the pressure from `coarse` nodes, the first of p, to all nodes of p; `finer` is a working array."""
+    for node in range(p.size):
+        i, rest = node * coarse // p.size, node * coarse % p.size
+        before, here, after, later = p[(i - 1) % coarse], p[i], p[(i + 1) % coarse], p[(i + 2) % coarse]
+        finer[node] = _between(before, here, after, later, rest / p.size) if rest else here
+    p[:] = finer
 
 
 @kernel

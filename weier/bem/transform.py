@@ -14,6 +14,8 @@ from weier.jit import kernel
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
+AXES = np.zeros(1, np.int64)  # along which to transform: made here, since in a kernel each product would make it anew
+
 
 def _forward(x: Array, spectrum: Spectrum) -> None:
     spectrum[:] = np.fft.rfft(x)
@@ -26,12 +28,12 @@ def _backward(spectrum: Spectrum, x: Array) -> None:
 # Compiled, the two write straight into their output; as plain Python they are numpy's.
 @overload(_forward, strict=False)
 def _compiled_forward(x: Any, spectrum: Any) -> Any:
-    return lambda x, spectrum: r2c(x, spectrum, np.zeros(1, np.int64), True, 1.0, 1)
+    return lambda x, spectrum: r2c(x, spectrum, AXES, True, 1.0, 1)
 
 
 @overload(_backward, strict=False)
 def _compiled_backward(spectrum: Any, x: Any) -> Any:
-    return lambda spectrum, x: c2r(spectrum, x, np.zeros(1, np.int64), False, 1.0 / x.size, 1)
+    return lambda spectrum, x: c2r(spectrum, x, AXES, False, 1.0 / x.size, 1)
 
 
 @kernel
