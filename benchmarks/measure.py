@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.contenders import CONTENDERS, calibrate, march, seconds
 from benchmarks.problem import Judgement, Problem, Truth, judge
-from weier import Profile
+from weier import Profile, solve
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]
@@ -55,7 +55,9 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
     )  # fmt: skip
 
 
-def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth) -> xr.Dataset:
+def describe(
+    data: xr.Dataset, profile: Profile, tolerance: float, known: Truth, truth_seconds: Sequence[float]
+) -> xr.Dataset:
     """The truth as a variable, and what else one must know to read the numbers, as attributes."""
     programs = [CONTENDERS[str(name)] for name in data["program"].values]
     attributes = {"long_name": f"compliance by method {known.method}, in g_0", "units": "1"}
@@ -66,7 +68,7 @@ def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth)
         phase=profile.phase,
         tolerance=tolerance,
         truth_method=known.method,
-        truth_seconds=known.seconds,
+        truth_seconds=float(np.median(truth_seconds)),
         threads=1,
         packages=", ".join(dict.fromkeys(program.version(program.package) for program in programs)),
         machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
@@ -80,7 +82,7 @@ def describe(data: xr.Dataset, profile: Profile, tolerance: float, known: Truth)
 def compare(
     profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, known: Truth, say: Say
 ) -> xr.Dataset:
-    """Judge every program on every size, and time them in turn: A B C A B C.
+    """Judge every program on every size, and time them in turn, and the truth with them: A B C T A B C T.
 
     Parameters
     ----------
@@ -105,7 +107,7 @@ def compare(
         Over program, points, repeat and mean_pressure; NaN where someone was not asked.
 
     """
-    data = blank(plan, loads, repeats)
+    data, truth_seconds = blank(plan, loads, repeats), list[float]()
     for points, programs in plan.items():
         problem = Problem(profile, loads, points, tolerance)
         for name in programs:
@@ -117,7 +119,8 @@ def compare(
                 taken = seconds(CONTENDERS[name], problem, data["own_tolerance"].sel(at).values)
                 data["seconds"].loc[{**at, "repeat": repeat}] = taken
                 say(f"N = {points}: {CONTENDERS[name].label}, run {repeat + 1} of {repeats}: {taken:.4g} s")
-    return describe(data, profile, tolerance, known)
+            truth_seconds.append(solve(profile, loads, **known.settings).attrs["seconds"])
+    return describe(data, profile, tolerance, known, truth_seconds)
 
 
 def _examine(name: str, problem: Problem, known: Truth, data: xr.Dataset) -> None:

@@ -90,7 +90,8 @@ def _preface(data: xr.Dataset) -> list[str]:
         f"{about['discretisation']} Their own tolerances are, load by load, the loosest that leave this residual.",
         "",
         f"Errors of h, in g_0, against method {about['truth_method']}, which took {about['truth_seconds']:.3g} s "
-        "for the same curve. Work counts pairs of FFTs, those of coarser grids by their size, or dense solutions.",
+        "for the same curve, at the median of its runs among the others. Work counts pairs of FFTs, those of coarser "
+        "grids by their size, or dense solutions.",
     ]
 
 

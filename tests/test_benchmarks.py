@@ -18,7 +18,7 @@ from weier import Profile, dataset, westergaard
 
 PROFILE = Profile(1.25, 5, 1)
 LOADS = np.geomspace(0.05, 1.5, 4)
-KNOWN = Truth(westergaard.compliance(LOADS), "westergaard", 1e-5)
+KNOWN = Truth(westergaard.compliance(LOADS), {"method": "westergaard"})
 TOLERANCE = 1e-8
 
 
