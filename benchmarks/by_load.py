@@ -11,7 +11,9 @@ from time import process_time
 import numpy as np
 
 from weier import Profile, planned, random_phases
-from weier.plan import OutOfReachError, Part, cheapest, plan, ways
+from weier.part import Part
+from weier.plan import OutOfReachError, cheapest, plan
+from weier.ways import ways
 
 LOADS = np.geomspace(1e-3, 10, 40)
 CASES = (

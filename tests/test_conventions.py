@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, claims, dataset, demelio, endless, provenance, scene, study, tradeoff, variables
+from weier import batch, claims, dataset, demelio, provenance, scene, study, tradeoff, variables
+from weier.endless.convergence import convergence
 
 SCENE = """
 title: Ünïcode waves
@@ -62,7 +63,7 @@ def folder(tmp_path_factory):
     study.gather([folder / "gathered.nc"], keys, folder / "study.nc", loaded.title, **options)
     claims.write(loaded, {"waves": folder / "study.nc"}, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
-    endless_series = endless.convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
+    endless_series = convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
     dataset.write(endless_series, folder / "endless.nc", loaded.title, "solved", loaded.text)
     dataset.write(measured_trade(folder), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder

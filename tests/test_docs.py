@@ -113,12 +113,12 @@ def test_all_that_is_public_is_described(site):
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
     public |= {
         "weier.plan.Plan",
-        "weier.plan.Part",
+        "weier.part.Part",
         "weier.plan_scene.ScenePlan",
         "weier.scene.Scene",
         "weier.scene.load",
     }
-    public |= {"weier.planned.curve", "weier.endless.curve", "weier.endless.convergence"}
+    public |= {"weier.planned.curve", "weier.endless.curve", "weier.endless.convergence.convergence"}
     assert {name for name in public if f'id="{name}"' not in text} == set()
 
 

@@ -1,12 +1,17 @@
 """The endless series: the layer model where one term is resolved, and closing in on the truth as more are."""
 
 import math
+import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from weier import Profile, bem, endless, figures, laws, layer, patches, random_phases
+from weier.endless import convergence as study
+from weier.endless import newton
+from weier.endless.bounds import BOUND_SHARE
+from weier.endless.curve import LOADS as CARRIED
 from weier.profile import RandomPhases
 
 LOADS = np.geomspace(3e-3, 3, 7)
@@ -20,7 +25,7 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
     for points in (32, 64, 128):
         found = endless.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
         errors.append(np.abs(found.compliance - exact.compliance).max())
-        assert np.all(found.residual <= endless.TOLERANCE)
+        assert np.all(found.residual <= newton.TOLERANCE)
     orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
     assert min(orders) > 1.7, errors
     assert errors[-1] < 1.5 / 128**2 + 1e-5  # the layer's own tables
@@ -30,7 +35,7 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
 
 @pytest.fixture(scope="module")
 def convergence():
-    return endless.convergence([PROFILE], LOADS, 6).isel(case=0)
+    return study.convergence([PROFILE], LOADS, 6).isel(case=0)
 
 
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
@@ -57,9 +62,9 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
 
 def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
-    monkeypatch.setattr(endless, "MOST_POINTS", 300)
-    monkeypatch.setattr(endless, "MOST_BOUND_POINTS", 2000)
-    data = endless.convergence([Profile(1.25, 5, math.inf, random_phases(1))], LOADS[::2], 5)
+    monkeypatch.setattr(study, "MOST_POINTS", 300)
+    monkeypatch.setattr(sys.modules["weier.endless.bounds"], "MOST_BOUND_POINTS", 2000)
+    data = study.convergence([Profile(1.25, 5, math.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
     assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
@@ -71,7 +76,7 @@ def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
 
 def test_bad_loads_are_not_taken_for_too_many_points():
     with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\]"):
-        endless.convergence([PROFILE], [1e-9, 1.0], 2)
+        study.convergence([PROFILE], [1e-9, 1.0], 2)
 
 
 class OnePlace(RandomPhases):
@@ -85,7 +90,7 @@ class OnePlace(RandomPhases):
 def test_bounds_hold_for_crests_between_two_nodes():
     """The endless series with all its crests at that place touches at h = 0, and no bound lies below."""
     kept = Profile(1.25, 5, 2)
-    points = laws.bem_points(kept, endless.BOUND_SHARE * kept.tail_amplitude, "compliance")
+    points = laws.bem_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
     lower, upper = endless.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
     truth = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
     assert np.all(lower <= truth)
@@ -121,7 +126,7 @@ def test_loads_that_the_equations_do_not_carry_are_refused(load):
 def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     """Within the error of the mesh, 9e-4 of a wave, twice as much where a node is all of the contact."""
     profile = Profile(1.25, 5, math.inf)
-    found, exact = endless.curve(profile, list(endless.LOADS), 1), layer.curve(endless.LOADS, 1.25, 5, math.inf)
+    found, exact = endless.curve(profile, list(CARRIED), 1), layer.curve(CARRIED, 1.25, 5, math.inf)
     assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
     assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
     assert np.all(found.resistance >= 0)

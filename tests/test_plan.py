@@ -10,9 +10,10 @@ import weier
 from benchmarks.verify import verify, verify_endless
 from weier import Profile, batch, dataset, endless, laws, patches, planned, random_phases, scene
 from weier.bounds import compliance_bounds
-from weier.plan import OutOfReachError, cheapest, contacts, plan
+from weier.plan import OutOfReachError, cheapest, plan
 from weier.solve import NotApplicableError
 from weier.terms import left_out, truncated
+from weier.ways import contacts
 
 LOADS = np.geomspace(1e-3, 10, 12)
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from weier import bem, demelio, endless, laws, layer, patches, westergaard
 from weier.bounds import complete_bounds, resistance_bounds
-from weier.plan import TOLERANCE, Part, plan
+from weier.part import Part
+from weier.plan import TOLERANCE, plan
 from weier.profile import Profile
 from weier.terms import left_out, truncated
 

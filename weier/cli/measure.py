@@ -39,7 +39,7 @@ def endless(scene_file: Path, path: Path, terms: int) -> None:
 
     Best estimates and bounds of the cases of a scene.
     """
-    from weier.endless import convergence
+    from weier.endless.convergence import convergence
 
     loaded = scene.load(scene_file)
     profiles = [case.profile for case in loaded.cases.values()]

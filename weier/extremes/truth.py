@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 LIGHT = 1e-20  # p_0*: below, a contact is so small that its relative error as a Hertzian one is p, times few
 TIGHTEST = 1e-12  # tolerance of the contact patches on the moved profile
 MOVE = 0.3  # lambda_0, by which the profile is moved for it
-LAYER: dict[str, Any] = {"points": 48, "accuracy": 1e-6}  # twice the points: errors fall as N^-2.4 at least
+LAYER: dict[str, Any] = {"points": 48, "accuracy": 1e-6}  # twice the points: a quarter of the error at most
 
 
 class Truth(NamedTuple):
