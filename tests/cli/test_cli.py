@@ -96,9 +96,23 @@ def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, 
     assert {each.name for each in tmp_path.iterdir()} == {"folder", "file"}
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_closed_folder_is_told_before_anything_is_solved(run, tmp_path):
-    (tmp_path / "closed").mkdir(mode=0o500)
-    code, _, err = run("solve", *PROFILE, "-o", tmp_path / "closed" / "x.nc")
+@pytest.fixture
+def closed(tmp_path):
+    """A folder closed to writing: for root, who may write everywhere, a disk that is."""
+    folder, root = tmp_path / "closed", os.geteuid() == 0
+    folder.mkdir(mode=0o500)
+    if root:
+        mounted = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", folder], capture_output=True, text=True
+        )
+        if mounted.returncode:
+            pytest.skip(f"this root may not mount a disk: {mounted.stderr.strip()}")
+    yield folder
+    if root:
+        subprocess.run(["umount", folder], check=True)
+
+
+def test_a_closed_folder_is_told_before_anything_is_solved(run, closed):
+    code, _, err = run("solve", *PROFILE, "-o", closed / "x.nc")
     assert code == 1
     assert "closed is closed to writing" in err
