@@ -18,6 +18,7 @@ import pytest
 import xarray as xr
 
 from weier import dataset, jit
+from weier.sources import PACKAGE
 
 SCENE = """
 title: test
@@ -36,9 +37,9 @@ COMMAND = ["snakemake", "--cores", "2", "--config", "scenes=test"]
 def undisturbed(tmp_path_factory):
     """A copy of the checkout with a finished run."""
     folder = tmp_path_factory.mktemp("undisturbed")
-    for name in ("Snakefile", "config", "profiles", "weier"):
-        copy = shutil.copytree if Path(name).is_dir() else shutil.copy2
-        copy(name, folder / name)
+    for path in (Path("Snakefile"), Path("config"), Path("profiles"), PACKAGE):
+        copy = shutil.copytree if path.is_dir() else shutil.copy2
+        copy(path, folder / path.name)
     (folder / "config/scenes/test.yaml").write_text(SCENE)
     assert run(folder)[0] == 0
     return folder
