@@ -87,7 +87,7 @@ class _Compiling(event.Listener):
 
 
 _COMPILING = _Compiling()
-event.register("numba:compiler_lock", _COMPILING)  # type: ignore[no-untyped-call]
+event.register("numba:compiler_lock", _COMPILING)  # type: ignore[no-untyped-call]  # numba has no types
 
 
 def compiling_seconds() -> float:
@@ -112,7 +112,7 @@ class _FirstCompiling(event.Listener):
 
 def announce_compiling(say: Callable[[], None]) -> None:
     """Have `say` called once, before seconds pass in silence: when the first kernel is compiled."""
-    event.register("numba:compile", _FirstCompiling(say))  # type: ignore[no-untyped-call]
+    event.register("numba:compile", _FirstCompiling(say))  # type: ignore[no-untyped-call]  # numba has no types
 
 
 def kernel(function: Function) -> Function:

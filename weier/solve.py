@@ -184,7 +184,7 @@ def checked_method(name: str, settings: Iterable[str] = ()) -> Method:
 def checked_settings(method: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings, if the method takes them: of the right kind and within range, before a solver meets them.
 
-    Numbers may be written as text: YAML takes 1e-9 for a word.
+    Numbers may be written as text.
 
     Raises
     ------
