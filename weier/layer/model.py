@@ -1,0 +1,130 @@
+"""The tables of a series on one mesh: which are made, and from which of them each load takes its answer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.errors import ConvergenceError
+from weier.layer.closure import Closure
+from weier.layer.fixed_point import FixedPoint
+from weier.layer.rows import BOTTOMS, CELL, LIGHTEST, log_load_at, position_of
+from weier.layer.scales import Answer, Scaling, Waves, coarser_units, finer_waves, scale_on
+from weier.layer.wave import Mesh, midpoints
+from weier.series import tail_amplitude
+
+Array = NDArray[np.float64]
+
+MIN_TOLERANCE = 1e-13  # rounding allows no smaller one at the lightest loads
+TABLE_TOLERANCE = 1e-5  # of the accuracy: waves of a table are solved so well that their residuals do not add up
+MAX_SCALES = 1000  # of a finite series that differs from the infinite one
+TAIL_SHARE = 0.1  # of the accuracy: by how much a series that is taken for infinite may differ from it
+FIRST_REACH = 3  # cells from the first top of the tables to the second; each further one is twice as far
+
+
+@dataclass(frozen=True)
+class Model:
+    """The layer model of a series of at least two terms."""
+
+    D: float
+    gamma: float
+    m: float
+    points: int
+    accuracy: float
+    tolerance: float
+
+    @property
+    def scaling(self) -> Scaling:
+        """Of the next finer wave."""
+        return Scaling.of(self.D, self.gamma)
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """The nodes of every wave."""
+        return midpoints(self.points)
+
+    @property
+    def table_tolerance(self) -> float:
+        """Largest relative residual of the waves in a table."""
+        return max(min(self.tolerance, TABLE_TOLERANCE * self.accuracy), MIN_TOLERANCE)
+
+    def solve(self, loads: Array) -> Answer:
+        """The coarsest wave under these increasing loads, each on the smallest tables that are made for it."""
+        light = int(np.searchsorted(loads, LIGHTEST[0]))
+        parts = []
+        for bottom, some in zip(BOTTOMS, (loads[light:], loads[:light]), strict=True):
+            if some.size:
+                parts.append(self._solve(bottom, np.log(some)))
+        return Answer(*(np.concatenate(columns) for columns in zip(*parts[::-1], strict=True)))
+
+    def _solve(self, bottom: float, log_load: Array) -> Answer:
+        tops = self.tops(float(log_load[-1]))
+        group = np.searchsorted(log_load_at(np.array(tops)), log_load)
+        used, parts = np.unique(group), []
+        for number, finer in zip(used, self.finer_waves(bottom, tops, used), strict=True):
+            scale = scale_on(finer, self.scaling, self.mesh, self.tolerance)
+            parts.append(scale.solve(log_load[group == number]))
+        return Answer(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+    def tops(self, log_load: float) -> list[float]:
+        """The positions where tables may end, up to the first that is no less than this ln xi.
+
+        Finer waves carry no more than 1 + xi in coarser units, which is at most xi in their own from the first top on:
+        so a table that reaches a load reaches the pressures of all finer waves.
+        """
+        self_contained = position_of(max(-_log_expm1(self.scaling.log_pressure), 0.0))
+        cells, reach = math.ceil((self_contained - BOTTOMS[0]) / CELL), FIRST_REACH
+        tops = [BOTTOMS[0] + CELL * cells]
+        while log_load_at(tops[-1]) < log_load:
+            tops.append(tops[-1] + CELL * reach)
+            reach *= 2
+        return tops
+
+    def finer_waves(self, bottom: float, tops: list[float], used: Array) -> list[Waves]:
+        """The waves finer than the first, on tables from the bottom up to those of the tops that are used."""
+        infinite = FixedPoint(self.D, self.gamma, self.mesh, self.accuracy, self.table_tolerance)
+        if self._may_be_infinite(bottom):
+            found = infinite.waves(bottom, tops)
+            if self._is_infinite(found[0]):
+                return [found[number] for number in used]
+        if self.m > MAX_SCALES + 1:
+            raise ConvergenceError(
+                f"a series of {self.m} terms still differs from the infinite one, and the layer model takes at most "
+                f"{MAX_SCALES} scales one by one: choose a smaller m, or m = inf",
+                tail_amplitude(self.m, self.D, self.gamma) / tail_amplitude(0, self.D, self.gamma),
+            )
+        arguments = self.scaling, self.mesh, self.accuracy, self.table_tolerance
+        return [finer_waves(int(self.m), bottom, tops[number], *arguments) for number in used]
+
+    def _may_be_infinite(self, bottom: float) -> bool:
+        """Whether the tail may be too small to be seen: ln W is -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
+        decay = -self.scaling.log_height
+        lightest = 2 * math.sqrt(decay * -log_load_at(bottom))
+        return self.m * decay >= lightest - math.log(TAIL_SHARE * self.accuracy)
+
+    def _is_infinite(self, waves: Waves) -> bool:
+        """Whether the tail, which changes no compliance by more than its amplitude, is too small to be seen."""
+        if math.isinf(self.m):
+            return True
+        tail = float(tail_amplitude(self.m, self.D, self.gamma))
+        return tail <= TAIL_SHARE * self.accuracy * math.exp(waves.rows.log_compliance[0])
+
+
+def tail_closure(D: float, gamma: float, heaviest: float, points: int, accuracy: float, tolerance: float) -> Closure:
+    """The closure of the layer that stands for all waves of an infinite series, in the units of its first wave.
+
+    For pressures up to the heaviest, in its p*.
+    """
+    model = Model(D, gamma, math.inf, points, accuracy, tolerance)
+    tops = model.tops(math.log(heaviest))
+    (waves,) = model.finer_waves(BOTTOMS[0], tops, np.array([len(tops) - 1]))
+    return waves.rows.closure
+
+
+def _log_expm1(x: float) -> float:
+    """ln(e^x - 1) for x > 0, however large."""
+    return x + math.log(-math.expm1(-x))
