@@ -175,7 +175,7 @@ class FixedPoint:
             step = np.linalg.solve(np.eye(position.size) - derivative, image.log_compliance - rows.log_compliance[known:])
             change = float(np.max(np.abs(step)))
             log_W, slope = rows.log_compliance.copy(), rows.slope.copy()
-            log_W[known:] += np.clip(step, -MAX_STEP, MAX_STEP)
+            log_W[known:] = np.minimum(log_W[known:] + np.clip(step, -MAX_STEP, MAX_STEP), math.log(self.amplitude))
             slope[first:] = by_values @ log_W[first:] + by_first * slope[first]
             states = (np.concatenate([old[:known], new]) for old, new in zip(rows[3:], image[3:], strict=True))
             rows = Rows(rows.position, log_W, slope, *states)
