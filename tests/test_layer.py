@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.fft import dct, idct
 from scipy.optimize import minimize
-
-from weier import ConvergenceError, archard, layer, westergaard
 from weier.layer.certificate import cosines, violation
 from weier.layer.law import Layer
 from weier.layer.stack import ACCURACY, POINTS, TOLERANCE, Recursion, _scaling, _tables
+
+from weier import ConvergenceError, archard, layer, westergaard
 from weier.layer.wave import midpoints, trace
 from weier.series import leading_amplitude, tail_amplitude
 

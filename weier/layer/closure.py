@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 
 MAX_PRESSURE_STEP = 50.0  # of ln p, in steps of ln w: where dw/dp is tiny, longer steps are not trusted
 MAX_NEWTON_STEPS = 60  # for the pressure; 2-4 are usual
-CLOSE_PRESSURE = 1e-3  # of ln p: the first guess of a wave needs it no closer
-SCALE = 4.0  # of ln p: up to here positions are even in it
+MAX_PRESSURE_ERROR = 1e-3  # of ln p: the first guess of a wave needs it no closer
+POSITION_SCALE = 4.0  # of ln p: up to here positions are even in it
 MAX_SLOPE_RATIO = 3.0  # of a slope to the chord of its cubic: above it the cubic may not be monotone
 
 
@@ -39,8 +39,8 @@ def compression(closure: Closure, log_pressure: float) -> tuple[float, float]:
     The two slopes of a cubic are limited to three times its chord. The limit looks at no other row, so that a table
     that is continued to other pressures has the same values between the rows that it had before.
     """
-    scaled, rows = (log_pressure - closure.origin) / SCALE, closure.position.size
-    position, stretch = math.asinh(scaled), SCALE * math.sqrt(1 + scaled**2)
+    scaled, rows = (log_pressure - closure.origin) / POSITION_SCALE, closure.position.size
+    position, stretch = math.asinh(scaled), POSITION_SCALE * math.sqrt(1 + scaled**2)
     if position <= closure.position[0]:
         return _power(closure, 0, log_pressure)
     if position >= closure.position[rows - 1]:
@@ -62,8 +62,8 @@ def compression(closure: Closure, log_pressure: float) -> tuple[float, float]:
 def _power(closure: Closure, row: int, log_pressure: float) -> tuple[float, float]:
     """The power law through the first or last row."""
     position = closure.position[row]
-    power = closure.slope[row] / (SCALE * math.cosh(position))
-    distance = log_pressure - closure.origin - SCALE * math.sinh(position)
+    power = closure.slope[row] / (POSITION_SCALE * math.cosh(position))
+    distance = log_pressure - closure.origin - POSITION_SCALE * math.sinh(position)
     w = math.exp(closure.log_compression[row] + power * distance)
     return w, w * power
 
@@ -85,6 +85,6 @@ def log_pressure_of(closure: Closure, log_w: float, log_p: float) -> float:
         w, rate = compression(closure, log_p)
         step = (log_w - math.log(w)) * w / max(rate, w / MAX_PRESSURE_STEP)
         log_p += step
-        if abs(step) < CLOSE_PRESSURE:
+        if abs(step) < MAX_PRESSURE_ERROR:
             break
     return log_p

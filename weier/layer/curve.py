@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier import westergaard
+from weier.layer.closure import compressions
 from weier.layer.model import MIN_TOLERANCE, Model
-from weier.layer.rows import LIGHTEST
+from weier.layer.rows import BOTTOM_POSITIONS, MIN_LOADS, log_load_at
 from weier.series import checked_dimension, checked_terms
 
 Array = NDArray[np.float64]
@@ -95,7 +96,7 @@ def curve(
     """
     _check_series(D, gamma, m)
     _check_settings(points, accuracy, tolerance)
-    given = _checked_loads(mean_pressure)
+    given = _check_loads(mean_pressure)
     loads, position = np.unique(given, return_inverse=True)
     if m == 1:
         h, R = westergaard.compliance(loads), westergaard.resistance(loads)
@@ -103,7 +104,13 @@ def curve(
     else:
         answer = Model(D, gamma, m, int(points), accuracy, tolerance).solve(loads)
         found = Curve(answer.compliance, answer.rate / loads, answer.residual, answer.work)
-    return Curve(*(np.asarray(column[position.reshape(given.shape)]) for column in found))
+    place = position.reshape(given.shape)
+    return Curve(
+        np.asarray(found.compliance[place]),
+        np.asarray(found.resistance[place]),
+        np.asarray(found.residual[place]),
+        np.asarray(found.work[place]),
+    )
 
 
 def compliance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
@@ -116,12 +123,38 @@ def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Ar
     return curve(mean_pressure, D, gamma, m).resistance
 
 
-def _checked_loads(mean_pressure: ArrayLike) -> Array:
+def tail_table(D: float, gamma: float, heaviest: float, subdivision: int) -> tuple[Array, Array, Array]:
+    """The compliance W of an infinite series over its load xi, as the closure of a layer that stands for its waves.
+
+    Parameters
+    ----------
+    D, gamma : float
+        Fractal dimension and ratio of wavelengths.
+    heaviest : float
+        Load that the table reaches, in p_0*.
+    subdivision : int
+        Points for each of its rows.
+
+    Returns
+    -------
+    log_load, log_compliance, power : ndarray
+        ln xi, increasing from below 1e-18; ln W; and d ln W/d ln xi.
+    """
+    model = Model(D, gamma, math.inf, POINTS, ACCURACY, TOLERANCE)
+    tops = model.tops(math.log(heaviest))
+    (waves,) = model.finer_waves(BOTTOM_POSITIONS[0], tops, np.array([len(tops) - 1]))
+    rows = waves.rows.position
+    number = np.arange(subdivision * (rows.size - 1) + 1) / subdivision
+    log_load = log_load_at(np.interp(number, np.arange(rows.size), rows))
+    return log_load, *compressions(waves.rows.closure, log_load)
+
+
+def _check_loads(mean_pressure: ArrayLike) -> Array:
     loads = np.asarray(mean_pressure, float)
-    wrong = ~((loads >= LIGHTEST[1]) & np.isfinite(loads))
+    wrong = ~((loads >= MIN_LOADS[1]) & np.isfinite(loads))
     if loads.size == 0 or np.any(wrong):
         found = loads[wrong].flat[0] if loads.size else "none"
-        raise ValueError(f"mean_pressure must be finite and at least {LIGHTEST[1]:g} p_0*, got {found}")
+        raise ValueError(f"mean_pressure must be finite and at least {MIN_LOADS[1]:g} p_0*, got {found}")
     return loads
 
 

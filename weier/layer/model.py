@@ -1,4 +1,7 @@
-"""The tables of a series on one mesh: which are made, and from which of them each load takes its answer."""
+"""The layer model of one series: which tables it takes, and which of them each load is solved on.
+
+The tables for a load depend on that load alone, so that the other loads do not change its compliance.
+"""
 
 from __future__ import annotations
 
@@ -10,20 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.errors import ConvergenceError
-from weier.layer.closure import Closure
 from weier.layer.fixed_point import FixedPoint
-from weier.layer.rows import BOTTOMS, CELL, LIGHTEST, log_load_at, position_of
-from weier.layer.scales import Answer, Scaling, Waves, coarser_units, finer_waves, scale_on
+from weier.layer.rows import BOTTOM_POSITIONS, CELL_LENGTH, MAX_POSITION, MIN_LOADS, log_load_at, position_of
+from weier.layer.scales import Answer, Scaling, Waves, finer_waves, scale_on
 from weier.layer.wave import Mesh, midpoints
 from weier.series import tail_amplitude
 
 Array = NDArray[np.float64]
 
 MIN_TOLERANCE = 1e-13  # rounding allows no smaller one at the lightest loads
-TABLE_TOLERANCE = 1e-5  # of the accuracy: waves of a table are solved so well that their residuals do not add up
+RESIDUAL_SHARE = 1e-5  # of the accuracy, for the waves of a table: their residuals add up over the scales
 MAX_SCALES = 1000  # of a finite series that differs from the infinite one
-TAIL_SHARE = 0.1  # of the accuracy: by how much a series that is taken for infinite may differ from it
-FIRST_REACH = 3  # cells from the first top of the tables to the second; each further one is twice as far
+TAIL_SHARE = 0.1  # of the accuracy: a series that is taken for infinite may differ from it by as much
+FIRST_EXTENSION = 3  # cells from the first top of the tables to the second; each further one is twice as far
 
 
 @dataclass(frozen=True)
@@ -50,20 +52,20 @@ class Model:
     @property
     def table_tolerance(self) -> float:
         """Largest relative residual of the waves in a table."""
-        return max(min(self.tolerance, TABLE_TOLERANCE * self.accuracy), MIN_TOLERANCE)
+        return max(min(self.tolerance, RESIDUAL_SHARE * self.accuracy), MIN_TOLERANCE)
 
     def solve(self, loads: Array) -> Answer:
         """The coarsest wave under these increasing loads, each on the smallest tables that are made for it."""
-        light = int(np.searchsorted(loads, LIGHTEST[0]))
+        light = int(np.searchsorted(loads, MIN_LOADS[0]))
         parts = []
-        for bottom, some in zip(BOTTOMS, (loads[light:], loads[:light]), strict=True):
+        for bottom, some in zip(BOTTOM_POSITIONS, (loads[light:], loads[:light]), strict=True):
             if some.size:
                 parts.append(self._solve(bottom, np.log(some)))
         return Answer(*(np.concatenate(columns) for columns in zip(*parts[::-1], strict=True)))
 
     def _solve(self, bottom: float, log_load: Array) -> Answer:
         tops = self.tops(float(log_load[-1]))
-        group = np.searchsorted(log_load_at(np.array(tops)), log_load)
+        group = np.minimum(np.searchsorted(log_load_at(np.array(tops)), log_load), len(tops) - 1)
         used, parts = np.unique(group), []
         for number, finer in zip(used, self.finer_waves(bottom, tops, used), strict=True):
             scale = scale_on(finer, self.scaling, self.mesh, self.tolerance)
@@ -73,14 +75,15 @@ class Model:
     def tops(self, log_load: float) -> list[float]:
         """The positions where tables may end, up to the first that is no less than this ln xi.
 
-        Finer waves carry no more than 1 + xi in coarser units, which is at most xi in their own from the first top on:
-        so a table that reaches a load reaches the pressures of all finer waves.
+        No pressure in a wave exceeds 1 + xi, which from the first top on is at most xi in the units of the next finer
+        wave. So a table that reaches a load reaches all pressures under that load, at all scales.
         """
         self_contained = position_of(max(-_log_expm1(self.scaling.log_pressure), 0.0))
-        cells, reach = math.ceil((self_contained - BOTTOMS[0]) / CELL), FIRST_REACH
-        tops = [BOTTOMS[0] + CELL * cells]
-        while log_load_at(tops[-1]) < log_load:
-            tops.append(tops[-1] + CELL * reach)
+        cells, reach = math.ceil((self_contained - BOTTOM_POSITIONS[0]) / CELL_LENGTH), FIRST_EXTENSION
+        tops = [min(BOTTOM_POSITIONS[0] + CELL_LENGTH * cells, MAX_POSITION)]
+        while log_load_at(tops[-1]) < log_load and tops[-1] < MAX_POSITION:
+            following = tops[-1] + CELL_LENGTH * reach
+            tops.append(following if following < MAX_POSITION - CELL_LENGTH else MAX_POSITION)
             reach *= 2
         return tops
 
@@ -95,34 +98,23 @@ class Model:
             raise ConvergenceError(
                 f"a series of {self.m} terms still differs from the infinite one, and the layer model takes at most "
                 f"{MAX_SCALES} scales one by one: choose a smaller m, or m = inf",
-                tail_amplitude(self.m, self.D, self.gamma) / tail_amplitude(0, self.D, self.gamma),
+                float(tail_amplitude(self.m, self.D, self.gamma) / tail_amplitude(0, self.D, self.gamma)),
             )
         arguments = self.scaling, self.mesh, self.accuracy, self.table_tolerance
         return [finer_waves(int(self.m), bottom, tops[number], *arguments) for number in used]
 
     def _may_be_infinite(self, bottom: float) -> bool:
-        """Whether the tail may be too small to be seen: ln W is -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
+        """Whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
         decay = -self.scaling.log_height
         lightest = 2 * math.sqrt(decay * -log_load_at(bottom))
         return self.m * decay >= lightest - math.log(TAIL_SHARE * self.accuracy)
 
     def _is_infinite(self, waves: Waves) -> bool:
-        """Whether the tail, which changes no compliance by more than its amplitude, is too small to be seen."""
+        """Whether the tail is negligible: it changes no compliance by more than its amplitude."""
         if math.isinf(self.m):
             return True
         tail = float(tail_amplitude(self.m, self.D, self.gamma))
         return tail <= TAIL_SHARE * self.accuracy * math.exp(waves.rows.log_compliance[0])
-
-
-def tail_closure(D: float, gamma: float, heaviest: float, points: int, accuracy: float, tolerance: float) -> Closure:
-    """The closure of the layer that stands for all waves of an infinite series, in the units of its first wave.
-
-    For pressures up to the heaviest, in its p*.
-    """
-    model = Model(D, gamma, math.inf, points, accuracy, tolerance)
-    tops = model.tops(math.log(heaviest))
-    (waves,) = model.finer_waves(BOTTOMS[0], tops, np.array([len(tops) - 1]))
-    return waves.rows.closure
 
 
 def _log_expm1(x: float) -> float:

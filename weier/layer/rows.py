@@ -1,8 +1,12 @@
 """Tables of the compliance of a wave over its load, at rows that do not depend on the loads asked for.
 
-A table begins at the same lightest load whatever is asked for, its rows first stand on a fixed lattice, and
-a cell between two rows is halved by what is found in that cell alone. So a table that reaches heavier loads continues
-a shorter one and changes none of its numbers.
+Every table begins at a fixed load. Its first rows form a fixed lattice, and a cell between two rows is halved or not
+by what is found in that cell alone. So a table that reaches heavier loads is the continuation of a shorter one, with
+the same numbers where both have rows.
+
+The pressure of a wave falls to 0 at the edges of its contact, so there is always a part of it below the first row.
+There W is continued as a power. The pressures that the continuation concerns are below e^-17 of the mean pressure at
+the lightest load that a table is used for (e^-9 at 1e-305), and bear less than this share of the load.
 """
 
 from __future__ import annotations
@@ -12,19 +16,22 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from weier.errors import ConvergenceError
-from weier.layer.closure import SCALE, Closure, compressions
+from weier.layer.closure import POSITION_SCALE, Closure, compressions
 
 Array = NDArray[np.float64]
 
-BOTTOMS = -3.375, -5.875  # positions of the first row: for loads from 1e-18, and for all others
-LIGHTEST = 1e-18, 1e-305  # loads that these tables are for: far enough above the first row that it bears nothing
-CELL = 0.25  # of the lattice, in positions; a last cell of a thousandth of it is joined to the one before
+BOTTOM_POSITIONS = -3.375, -5.875  # of the first row, e^-58 and e^-711
+MIN_LOADS = 1e-18, 1e-305  # the lightest loads that these tables are used for
+MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # of the last row: double precision ends at e^709.8
+CELL_LENGTH = 0.25  # of the lattice, in positions
+MIN_CELL = 1e-3  # of a cell of the lattice: a shorter last cell is joined to the one before it
 SLOPE_SHARE = 0.25  # of a slope over half the distance between rows; a cubic is off by 4/27 of it
-MAX_HALVINGS = 30  # of a cell, and rows of a table: the smallest accuracy took 17 halvings
-MAX_ROWS = 100_000
+MIN_REDUCTION = 2.0  # by which a row in the middle of a cell reduces its error at least, even beside a kink
+MAX_HALVINGS = 30  # of a cell; the smallest accuracy took 17
+MAX_ROWS = 100_000  # of a table; the smallest accuracy took some thousands
 
 
 class Rows(NamedTuple):
@@ -49,26 +56,26 @@ class Rows(NamedTuple):
 WaveMap = Callable[[Array, Array | None], Rows]  # of increasing positions and states to start from
 
 
-def log_load_at(position: Array) -> Array:
+def log_load_at(position: ArrayLike) -> Array:
     """ln xi at these positions."""
-    return np.asarray(SCALE * np.sinh(position))
+    return np.asarray(POSITION_SCALE * np.sinh(position))
 
 
 def position_of(log_load: float) -> float:
     """The position of a ln xi."""
-    return math.asinh(log_load / SCALE)
+    return math.asinh(log_load / POSITION_SCALE)
 
 
 def lattice(bottom: float, top: float) -> Array:
     """The fixed positions where tables have rows, up to the top and ending there."""
-    position = bottom + CELL * np.arange(max(math.ceil((top - bottom) / CELL - 1e-3), 1))
+    position = bottom + CELL_LENGTH * np.arange(max(math.ceil((top - bottom) / CELL_LENGTH - MIN_CELL), 1))
     return np.append(position, top)
 
 
-def tabulated(waves: WaveMap, first: Array, accuracy: float) -> Rows:
-    """Rows at the first loads, and between them as many as the cubics need to meet the next midpoints.
+def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
+    """Rows at the first positions, and as many between them as the cubics need to meet the next midpoints.
 
-    They must meet the slope too: beside a kink a cubic may meet the value by chance.
+    They must meet the slopes too: beside a kink a cubic may meet the value by chance.
 
     Raises
     ------
@@ -78,40 +85,40 @@ def tabulated(waves: WaveMap, first: Array, accuracy: float) -> Rows:
     rows = waves(first, None)
     left, right = first[:-1], first[1:]
     for _ in range(MAX_HALVINGS):
-        between, errors = midway(waves, rows, left, right)
-        rows = merged(rows, between)
-        wrong = ~(errors <= accuracy)
+        between, errors = evaluate_midpoints(waves, rows, left, right)
+        rows = merge(rows, between)
+        wrong = ~(errors <= MIN_REDUCTION * accuracy)
         if not np.any(wrong):
             return rows
         if rows.position.size > MAX_ROWS:
             break
-        left, right = halves(left[wrong], right[wrong])
-    raise missed(float(np.max(errors)), rows, accuracy)
+        left, right = halve(left[wrong], right[wrong])
+    raise accuracy_error(float(np.max(errors)), rows, accuracy)
 
 
-def midway(waves: WaveMap, rows: Rows, left: Array, right: Array) -> tuple[Rows, Array]:
-    """The rows in the middle of these cells, and the relative errors of the table there, each of shape (cells,)."""
+def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) -> tuple[Rows, Array]:
+    """Rows in the middle of these cells, and the relative errors of the table there, of shape (cells,)."""
     middle, half = (left + right) / 2, (right - left) / 2
-    between = waves(middle, interpolated_states(rows, middle))
-    log_W, slope = cubics(rows, middle)
+    between = waves(middle, interpolate_states(rows, middle))
+    log_W, slope = interpolate(rows, middle)
     by_slope = SLOPE_SHARE * half * np.abs(between.slope - slope)
     return between, np.maximum(np.abs(between.log_compliance - log_W), by_slope)
 
 
-def halves(left: Array, right: Array) -> tuple[Array, Array]:
-    """The cells cut in two: their ends, in order."""
+def halve(left: Array, right: Array) -> tuple[Array, Array]:
+    """The left and right ends of the two halves of each cell, in order."""
     middle = (left + right) / 2
     return np.stack([left, middle], 1).ravel(), np.stack([middle, right], 1).ravel()
 
 
-def merged(rows: Rows, more: Rows) -> Rows:
-    """All rows in order."""
+def merge(rows: Rows, more: Rows) -> Rows:
+    """The rows of both, in order."""
     order = np.argsort(np.concatenate([rows.position, more.position]))
     return Rows(*(np.concatenate(pair)[order] for pair in zip(rows, more, strict=True)))
 
 
-def missed(error: float, rows: Rows, accuracy: float) -> ConvergenceError:
-    """What to raise where a table misses its accuracy."""
+def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceError:
+    """The error that a table raises if it misses its accuracy."""
     return ConvergenceError(
         f"a table of the layer model is still off by {error:.1e} of itself after {rows.position.size} rows, above "
         f"{accuracy:.1e}, its share of the accuracy: choose a larger accuracy or a smaller tolerance",
@@ -119,13 +126,13 @@ def missed(error: float, rows: Rows, accuracy: float) -> ConvergenceError:
     )
 
 
-def cubics(rows: Rows, position: Array) -> tuple[Array, Array]:
-    """ln W and its slope between the rows, at positions of shape (n,)."""
+def interpolate(rows: Rows, position: Array) -> tuple[Array, Array]:
+    """ln W and its slope at positions of shape (n,), by the cubics between the rows."""
     log_W, power = compressions(rows.closure, log_load_at(position))
-    return log_W, power * SCALE * np.cosh(position)
+    return log_W, power * POSITION_SCALE * np.cosh(position)
 
 
-def interpolated_states(rows: Rows, position: Array) -> Array:
+def interpolate_states(rows: Rows, position: Array) -> Array:
     """States at these positions, of shape (n, unknowns), from the cubics through states and tangents."""
     right = np.clip(np.searchsorted(rows.position, position), 1, rows.position.size - 1)
     left = right - 1

@@ -1,12 +1,13 @@
 """The scales of a series: each wave bears through a layer that stands for all finer waves (4.3).
 
 W(xi) is the compliance of a wave together with all finer ones, in that wave's units. To the next coarser wave it is
-the closure of a layer, w(p) = gamma^(D-2) W(gamma^(1-D) p) in the coarser units. One scale is the same map T, from W
-to the next coarser W, at every wavelength: m waves have W = T^(m-1) W_1, from Westergaard's W_1 (12), and the infinite
-series has the fixed point of T. Between scales ln W is tabulated over ln xi, with its slope.
+the closure of a layer, w(p) = gamma^(D-2) W(gamma^(1-D) p) in the coarser units. A scale is a map T from W to the next
+coarser W, and it is the same map at every wavelength. So m waves have W = T^(m-1) W_1, from Westergaard's W_1 (12), and
+the infinite series has the fixed point of T. Between scales ln W is a table over ln xi, with slopes.
 
-T carries errors on without increasing them. If W is changed by a constant, T W is changed by gamma^(D-2) of it; if W
-is everywhere off by at most some share of itself, so is T W. The errors of m - 1 tables add up to their sum at most.
+T passes errors on without increasing them. If W changes by a constant, T W changes by gamma^(D-2) times as much. If W
+is off by no more than some share of itself, so is T W. So the errors of m - 1 tables add up to their sum at most, and
+each table has an equal share of the accuracy.
 """
 
 from __future__ import annotations
@@ -18,11 +19,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import westergaard
 from weier.errors import ConvergenceError
-from weier.layer.certificate import violations
-from weier.layer.closure import SCALE, Closure
-from weier.layer.rows import Rows, lattice, log_load_at, position_of, tabulated
+from weier.layer.closure import POSITION_SCALE, Closure
+from weier.layer.conditions import violations
+from weier.layer.rows import Rows, lattice, log_load_at, position_of, tabulate
 from weier.layer.wave import Mesh, Solutions, depths, solve_waves
 
 Array = NDArray[np.float64]
@@ -73,14 +73,14 @@ class Scale:
     mesh: Mesh
     tolerance: float
 
-    def waves(self, position: Array, guess: Array | None) -> Rows:
-        """W at these positions of ln xi, short of full contact or just there."""
+    def rows(self, position: Array, guess: Array | None) -> Rows:
+        """W at these positions, which are not beyond full contact, from waves that start at the guessed states."""
         found = self._solved(log_load_at(position), guess)
-        h, stretch = np.minimum(found.compliance, self.amplitude), SCALE * np.cosh(position)
+        h, stretch = np.minimum(found.compliance, self.amplitude), POSITION_SCALE * np.cosh(position)
         return Rows(position, np.log(h), found.rate / h * stretch, found.state, found.tangent * stretch[:, None])
 
     def solve(self, log_load: Array) -> Answer:
-        """The wave under increasing loads, its contact conditions checked on a freshly applied operator."""
+        """The wave under increasing loads. Its contact conditions are checked on a freshly applied operator."""
         n = log_load.size
         answer = Answer(np.full(n, self.amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64))
         partial = int(np.searchsorted(log_load, self.log_full))  # beyond: full contact, exactly
@@ -127,15 +127,15 @@ def coarser_units(closure: Closure, scaling: Scaling) -> Closure:
     return closure._replace(log_compression=log_compression, origin=origin)
 
 
-def finest(bottom: float, top: float, accuracy: float) -> Waves:
+def finest_wave(bottom: float, top: float, accuracy: float) -> Waves:
     """Westergaard's wave (12)."""
 
     def waves(position: Array, _: Array | None) -> Rows:
         y = np.minimum(log_load_at(position), 0)
-        slope, nothing = -y / (1 - y) * SCALE * np.cosh(position), np.zeros((y.size, 0))
+        slope, nothing = -y / (1 - y) * POSITION_SCALE * np.cosh(position), np.zeros((y.size, 0))
         return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
 
-    return Waves(tabulated(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
+    return Waves(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
 
 
 def finer_waves(
@@ -143,9 +143,9 @@ def finer_waves(
 ) -> Waves:
     """The waves finer than the first of m, in the units of the second, on tables between these positions."""
     share = accuracy / (m - 1)
-    waves = finest(bottom, top, share)
+    waves = finest_wave(bottom, top, share)
     for _ in range(m - 2):
         scale = scale_on(waves, scaling, mesh, tolerance)
-        rows = tabulated(scale.waves, lattice(bottom, min(top, position_of(scale.log_full))), share)
+        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
         waves = Waves(rows, scale.amplitude, scale.log_full)
     return waves

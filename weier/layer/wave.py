@@ -38,7 +38,7 @@ MAX_STEP = 2.0  # of a logarithm: further away the tangents of exponentials misl
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # of ln xi, from one load to the next
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
 GUESS_HALVINGS = 16  # of the error of ln sin^2(pi a) in the first guess, which is 700 at most
-NEARLY_CLOSED = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
+MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
 
 
 class Mesh(NamedTuple):
@@ -273,7 +273,7 @@ def _first_guess(log_load: float, closure: Closure, mesh: Mesh) -> Array:
         w, _ = compression(closure, log_load + crowding)
         sine_squared = math.sqrt(sine_squared) * math.sqrt(min(1.0, load + w / 2))  # their product may underflow
     state = np.zeros(points + 1)
-    if sine_squared > NEARLY_CLOSED:
+    if sine_squared > MIN_CLOSED_SINE:
         state[points] = w
         return state
     state[points] = math.log(sine_squared)
@@ -291,13 +291,13 @@ def _first_guess(log_load: float, closure: Closure, mesh: Mesh) -> Array:
 
 @kernel
 def _point(equations: Balance, state: Array) -> Point:
-    """A solution with its tangent; the jacobian is used up."""
+    """A solution with its tangent, from the equations there; the jacobian is overwritten."""
     return Point(state, _eliminate(equations.jacobian, -equations.drift), equations.trust)
 
 
 @kernel
 def _approach(log_load: float, closure: Closure, mesh: Mesh, tolerance: float) -> tuple[Point, float, int]:
-    """The solution at a load, from a lighter one upwards in strides along the tangent: for where a guess fails."""
+    """The solution at a load whose first guess fails: from a lighter one upwards, in strides along the tangent."""
     here, stride = min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE, MAX_STRIDE
     state = _first_guess(here, closure, mesh)
     equations, reached, work = _newton(state, here, closure, mesh, tolerance, MAX_NEWTON_STEPS)

@@ -1,6 +1,6 @@
-"""The certificate of a wave: its contact conditions on a freshly applied operator, in contact and outside.
+"""The contact conditions of a wave, checked in contact and outside on a freshly applied operator.
 
-What a state of `weier.layer.wave` stands for is summed again as a cosine series, with none of the mesh's matrices.
+The displacements of a state of `weier.layer.wave` are summed again as a cosine series, without the matrices of the mesh.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from weier.layer.wave import Solutions, depth_of, excesses, log_pressure_factor
 
 Array = NDArray[np.float64]
 
-POINTS_OUTSIDE = 8  # where the gap is checked
+POINTS_OUTSIDE = 8  # of the gap where it is checked
 
 
 @kernel
