@@ -1,6 +1,6 @@
 """The contact conditions of a wave, checked in contact and outside on a freshly applied operator.
 
-The displacements of a state of `weier.layer.wave` are summed again as a cosine series, without the matrices of the mesh.
+The displacements of a state of `weier.layer.wave` are summed again as a cosine series, without the mesh's matrices.
 """
 
 from __future__ import annotations

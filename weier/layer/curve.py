@@ -89,7 +89,7 @@ def curve(
     The resistance is the exact derivative of the discrete compliance. With more `points` the error of the
     compliance falls as N^-2 or faster, that of the resistance as N^-1 to N^-2.7 and at times unevenly: the pressure
     has kinks where the layer is pressed flat. With the defaults the compliance is within 5e-6 of the total amplitude
-    and the resistance below p_0* within 1.5e-3 of itself, mostly 2e-6 and 6e-4 (135 series with D from 1.1 to 1.9,
+    and the resistance below p_0* within 1.5e-3 of itself, mostly 3e-6 and 6e-4 (135 series with D from 1.1 to 1.9,
     gamma from 2 to 10, m up to 4); where the resistance vanishes, close to full contact, its relative error reaches
     a few per cent.
 

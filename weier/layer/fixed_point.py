@@ -91,8 +91,8 @@ class FixedPoint:
     def waves(self, bottom: float, tops: list[float]) -> list[Waves]:
         """The waves for positions up to each of these increasing tops, each table a continuation of the one before.
 
-        W at a load depends on W at lighter and heavier loads, since the pressure varies along the wave. But up to a top
-        it depends on no load above that top.
+        W at a load depends on W at lighter and heavier loads, since the pressure varies along the wave. But up to a
+        top it depends on no load above that top.
 
         Raises
         ------
@@ -132,8 +132,8 @@ class FixedPoint:
         limit = TABLE_SHARE * self.accuracy / (1 + float(np.max(gain)))
         if not limit >= self.tolerance:
             raise ConvergenceError(
-                f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the accuracy "
-                f"{self.accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
+                f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the "
+                f"accuracy {self.accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
                 self.accuracy * self.tolerance / limit,
             )
         return limit
@@ -223,7 +223,7 @@ def _accumulate(size: Array, known: Array, source: Array) -> Array:
 def slopes_of_spline(y: Array, clamped: bool) -> Spline:
     """The slopes of the cubic spline through values at increasing y.
 
-    The first two cubics are one and the same unless the spline is clamped to the first slope, and so are the last two.
+    The first two cubics are the same, unless the spline is clamped to the first slope, and so are the last two.
     """
     n, h = y.size, np.diff(y)
     chord = np.diff(np.eye(n), axis=0) / h[:, None]

@@ -1,9 +1,9 @@
 """The scales of a series: each wave bears through a layer that stands for all finer waves (4.3).
 
 W(xi) is the compliance of a wave together with all finer ones, in that wave's units. To the next coarser wave it is
-the closure of a layer, w(p) = gamma^(D-2) W(gamma^(1-D) p) in the coarser units. A scale is a map T from W to the next
-coarser W, and it is the same map at every wavelength. So m waves have W = T^(m-1) W_1, from Westergaard's W_1 (12), and
-the infinite series has the fixed point of T. Between scales ln W is a table over ln xi, with slopes.
+the closure of a layer, w(p) = gamma^(D-2) W(gamma^(1-D) p) in the coarser units. A scale is a map T from W to the
+next coarser W, and it is the same map at every wavelength. So m waves have W = T^(m-1) W_1, from Westergaard's W_1
+(12), and the infinite series has the fixed point of T. Between scales ln W is a table over ln xi, with slopes.
 
 T passes errors on without increasing them. If W changes by a constant, T W changes by gamma^(D-2) times as much. If W
 is off by no more than some share of itself, so is T W. So the errors of m - 1 tables add up to their sum at most, and
@@ -23,7 +23,7 @@ from weier.errors import ConvergenceError
 from weier.layer.closure import POSITION_SCALE, Closure
 from weier.layer.conditions import violations
 from weier.layer.rows import Rows, lattice, log_load_at, position_of, tabulate
-from weier.layer.wave import Mesh, Solutions, depths, solve_waves
+from weier.layer.wave import LOG_ROUNDING, Mesh, Solutions, depths, solve_waves
 
 Array = NDArray[np.float64]
 
@@ -99,10 +99,10 @@ class Scale:
         if guess is None:
             guess = np.full((log_load.size, self.mesh.rise.size + 1), np.nan)
         found = solve_waves(log_load, guess, self.closure, self.mesh, self.tolerance)
-        self._check_residual(log_load, found.residual, self.tolerance)
+        self._check_residual(log_load, found.residual, np.maximum(self.tolerance, LOG_ROUNDING * np.abs(log_load)))
         return found
 
-    def _check_residual(self, log_load: Array, residual: Array, limit: Array | float) -> None:
+    def _check_residual(self, log_load: Array, residual: Array, limit: Array) -> None:
         over = np.flatnonzero(~(residual <= limit))
         if over.size:
             worst = float(residual[over[0]])

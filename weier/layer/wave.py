@@ -38,6 +38,7 @@ MAX_STEP = 2.0  # of a logarithm: further away the tangents of exponentials misl
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # of ln xi, from one load to the next
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
 GUESS_HALVINGS = 16  # of the error of ln sin^2(pi a) in the first guess, which is 700 at most
+LOG_ROUNDING = 1e-15  # of ln p, relative to itself: a few units in the last place
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
 
 
@@ -319,6 +320,12 @@ def _approach(log_load: float, closure: Closure, mesh: Mesh, tolerance: float) -
 
 
 @kernel
+def attainable(log_load: float, tolerance: float) -> float:
+    """The tolerance, or what the rounding of ln p leaves of a residual, if that is more."""
+    return max(tolerance, LOG_ROUNDING * abs(log_load))
+
+
+@kernel
 def solve_waves(log_load: Array, guess: Array, closure: Closure, mesh: Mesh, tolerance: float) -> Solutions:
     """Solve the wave under each load, independently of the other loads.
 
@@ -346,13 +353,13 @@ def solve_waves(log_load: Array, guess: Array, closure: Closure, mesh: Mesh, tol
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros((n, size)), np.zeros((n, size))
     )
     for i in range(n):
-        y = log_load[i]
+        y, limit = log_load[i], attainable(log_load[i], tolerance)
         state = guess[i].copy() if math.isfinite(guess[i, 0]) else _first_guess(y, closure, mesh)
-        equations, reached, steps = _newton(state, y, closure, mesh, tolerance, MAX_DIRECT_STEPS)
-        if reached <= tolerance:
+        equations, reached, steps = _newton(state, y, closure, mesh, limit, MAX_DIRECT_STEPS)
+        if reached <= limit:
             at = _point(equations, state)
         else:
-            at, reached, further = _approach(y, closure, mesh, tolerance)
+            at, reached, further = _approach(y, closure, mesh, limit)
             steps += further
         found.residual[i], found.work[i] = reached, steps
         for j in range(size):
