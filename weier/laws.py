@@ -27,12 +27,14 @@ BEM_RESISTANCE = 18.0
 # sum g_n (waves_n/points)^2; and a crest that the grid takes for lower than it is touches too late.
 LIGHT = 3000.0  # times missed: contacts of 35 nodes
 NARROW = 0.002  # times sum g_n (waves_n/waves of the finest)^2, on any grid: contacts of a 35th of the finest wave
+UNBORN = 5.0  # g_0/p_0*: -2 ln(pi a), the compliance rate of a contact of half-width a = 0.03, wide for a new one
+EVENT_SHARE = 0.25  # of the error of a resistance, left to births and mergers that a grid sees at other loads
 FEWEST_PER_WAVE = 12  # fewer were not measured
 MOST_PER_WAVE = 1e15  # more than any computer holds, and still an integer
 HALVED_TO = 8  # points a wave that the coarsest of the nested grids has at least
 
 PATCHES_COMPLIANCE = 0.01  # times the tolerance
-PATCHES_RESISTANCE = 1.0
+PATCHES_RESISTANCE = 50.0  # 1 but for loads as near as 1e-5 of themselves below a merger
 # At a looser tolerance symmetric contacts take hundreds of times as long, and no others less.
 PATCHES_TOLERANCES = (1e-8, 1e-10, 1e-12)
 # What misses the contact conditions by a length is exact for a surface as far from the given one, and the bounds
@@ -86,6 +88,17 @@ def bem_resistance_error(profile: Profile, points: int, mean_pressure: Array) ->
     """Error of the resistance by boundary elements, shape (loads,): BEM_RESISTANCE waves/points, inf where light."""
     seen = mean_pressure >= bem_light_load(profile, points)
     return np.where(seen, BEM_RESISTANCE * profile.wavenumber[-1] / points, np.inf)
+
+
+def bem_event_shift(profile: Profile, points: int) -> float:
+    """How much lighter or heavier than it is a load may be at which a grid sees a birth or a merger, in p_0*.
+
+    Heights of a crest and of the flat are off by the error of the compliance each, and under more load a crest nears
+    the flat at a rate t. Its contact then lowers the resistance by t^2 over UNBORN or more: by less than the grid is
+    off anyway, if t is smaller than sqrt(UNBORN error).
+    """
+    slowest = math.sqrt(UNBORN * BEM_RESISTANCE * profile.wavenumber[-1] / points)
+    return 2 * bem_compliance_error(profile, points) / slowest
 
 
 def light_resistance_error(profile: Profile, points: int, mean_pressure: Array, resistance: Array) -> Array:

@@ -25,8 +25,8 @@ class Part(NamedTuple):
     memory : expected, in bytes
     why : in a sentence
     whole : whether the method answers for the whole series, not for the terms alone
-    chord_loads : of each load, others to be solved with it, shape (loads, others), in p_0*: the chords to them bound
-        the resistance; none of them where the method knows its own error
+    other_loads : of each load, others to be solved with it, shape (loads, others), in p_0*: they tell how far the
+        resistance may be off; None where the method knows by itself
     """
 
     mean_pressure: Array
@@ -41,7 +41,7 @@ class Part(NamedTuple):
     memory: float
     why: str
     whole: bool = False
-    chord_loads: Array | None = None
+    other_loads: Array | None = None
 
     @property
     def error(self) -> Array:
@@ -54,13 +54,13 @@ class Part(NamedTuple):
         return self.seconds_start + float(self.seconds_load.sum())
 
     def fails_like(self, other: Part) -> bool:
-        """Whether this will not do where the other did not: the same, or chords of no more terms."""
-        if self.chord_loads is not None and other.chord_loads is not None:
+        """Whether this will not do where the other did not: the same, or bounds from no more terms."""
+        if np.any(other.truncation > 0) and np.any(self.truncation > 0):
             return self.terms <= other.terms
-        return (self.method, self.terms) == (other.method, other.terms)
+        return (self.method, self.terms, self.settings) == (other.method, other.terms, other.settings)
 
     def at(self, loads: slice) -> Part:
         """The same for some of its loads."""
         names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load")
-        chords = None if self.chord_loads is None else self.chord_loads[loads]
-        return self._replace(chord_loads=chords, **{name: getattr(self, name)[loads] for name in names})
+        chords = None if self.other_loads is None else self.other_loads[loads]
+        return self._replace(other_loads=chords, **{name: getattr(self, name)[loads] for name in names})

@@ -82,7 +82,9 @@ def curve(
     left, and half of what the bounds theorem leaves open between h_k and full contact. The error of a resistance is
     that of the method where all terms are modelled, or what the chords of a concave curve within the errors of the
     compliance allow, if that is less: those to no load, and to the loads that a plan for the resistance solves beside
-    each one that it was asked for.
+    each one that it was asked for. A grid sees births and mergers of contacts at other loads than they happen: as
+    much as the resistance changes within that distance is added to its error, and a load at which that is too much
+    is solved by contact patches. A plan for the compliance solves no other loads, and has no such error.
     """
     return _within(profile, mean_pressure, tolerance, quantity, ())
 
@@ -144,17 +146,19 @@ def run(profile: Profile, parts: tuple[Part, ...]) -> Curve:
 def _solved(profile: Profile, part: Part) -> Solved:
     """One part for the whole series, its resistance held by the chords of each load to the others it brings."""
     p = part.mean_pressure
-    others = np.empty((p.size, 0)) if part.chord_loads is None else part.chord_loads
+    others = np.empty((p.size, 0)) if part.other_loads is None else part.other_loads
     loads, place = np.unique(np.column_stack([p, others]), return_inverse=True)
     place = place.reshape(p.size, -1)
-    found = part if part.chord_loads is None else part._replace(mean_pressure=loads)
+    found = part if part.other_loads is None else part._replace(mean_pressure=loads)
     h, R, miss, rough = (values[place] for values in _completed(profile, found, RUN[part.method](profile, found)))
     off = miss + laws.FLOOR * h
     low, high = chord_bounds(p, h[:, 0], off[:, 0], others, np.array([h[:, 1:], off[:, 1:]]))
     between = np.clip(R[:, 0], low, high)
     steep = np.maximum(high - between, between - low)
-    known = rough[:, 0] <= steep
-    return Solved(h[:, 0], np.where(known, R[:, 0], between), miss[:, 0], np.where(known, rough[:, 0], steep))
+    # What happens to the contacts between a load and those beside it may have happened at the other side of the load.
+    itself = rough[:, 0] + np.abs(R[:, 1:] - R[:, :1]).max(axis=1, initial=0.0)
+    known = itself <= steep
+    return Solved(h[:, 0], np.where(known, R[:, 0], between), miss[:, 0], np.where(known, itself, steep))
 
 
 def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
@@ -206,8 +210,11 @@ def _on_grid(profile: Profile, part: Part) -> Solved:
     grid = bem.curve(kept, loads, tolerance=laws.BEM_RESIDUAL, **part.settings)
     miss = laws.bem_compliance_error(kept, grid.points) + laws.RESIDUAL * grid.residual
     rough = laws.bem_resistance_error(kept, grid.points, loads) * np.maximum(grid.resistance, 1)
+    light_load = np.isinf(rough)
+    if part.other_loads is None:  # nothing tells whether a contact is about to be born, or was just now
+        rough[:] = np.inf
     light = laws.light_resistance_error(kept, grid.points, loads, grid.resistance)
-    return Solved(grid.compliance, grid.resistance, miss, np.where(np.isinf(rough), light, rough))
+    return Solved(grid.compliance, grid.resistance, miss, np.where(light_load, light, rough))
 
 
 def _by_contacts(profile: Profile, part: Part) -> Solved:

@@ -31,6 +31,8 @@ MOST_SAMPLES = 2**17  # where first contact is looked for
 SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude
 UNSEEN = 0.1  # contacts for each of the finest waves, where these are too many to look at
 SERIES = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
+# Of an error, for a grid by itself. Near births and mergers a resistance needs more room, or else a finer grid.
+GRID_SHARES = {"compliance": (1.0,), "resistance": (1 - laws.EVENT_SHARE, laws.EVENT_SHARE)}
 BOUND_SHARE = 0.1  # of the amplitude left out, that a method may be off where it finds bounds on the resistance
 SHARES = np.geomspace(1e-6, 0.999, 120)  # of a load, by which another is lighter; the same of heavier ones
 FORESEEN = np.geomspace(1e-4, 1e5, 226)  # p_0*, on which the bounds on the resistance are foreseen
@@ -179,12 +181,12 @@ def _between_chords(kept: Profile, loads: Array, amplitude: float) -> Iterator[P
     The chords to two more loads, a lighter and a heavier one, hold the slope at each load: it takes three solutions.
     """
     miss = BOUND_SHARE * amplitude
-    width, chord_loads = _foreseen_chords(kept, loads, amplitude + miss)
+    width, other_loads = _foreseen_chords(kept, loads, amplitude + miss)
     for part in _numerical(kept, loads, width, miss, "compliance"):
         yield part._replace(
             discretisation=np.where(np.isfinite(part.discretisation), 0.0, np.inf),
-            chord_loads=chord_loads,
-            seconds_load=(1 + chord_loads.shape[1]) * part.seconds_load,
+            other_loads=other_loads,
+            seconds_load=(1 + other_loads.shape[1]) * part.seconds_load,
             why=f"{part.why}; chords to a lighter and a heavier load hold the resistance of the longer series",
         )
 
@@ -199,10 +201,10 @@ def _foreseen_chords(kept: Profile, loads: Array, amplitude: float) -> tuple[Arr
     steepest = (here - foreseen_compliance(kept, lighter) + 2 * amplitude) / (p - lighter)
     flattest = (foreseen_compliance(kept, heavier) - here - 2 * amplitude) / (heavier - p)
     best = steepest.argmin(axis=1, keepdims=True), flattest.argmax(axis=1, keepdims=True)
-    chord_loads = [np.take_along_axis(*each, axis=1) for each in zip((lighter, heavier), best, strict=True)]
+    other_loads = [np.take_along_axis(*each, axis=1) for each in zip((lighter, heavier), best, strict=True)]
     start = ((here + 2 * amplitude) / p)[:, 0]  # the chord from no load, which needs no solution
     upper, lower = np.minimum(steepest.min(axis=1), start), np.maximum(flattest.max(axis=1), 0)
-    return (upper - lower) / np.maximum(lower, 1), np.hstack(chord_loads)
+    return (upper - lower) / np.maximum(lower, 1), np.hstack(other_loads)
 
 
 def foreseen_compliance(kept: Profile, loads: Array) -> Array:
@@ -226,9 +228,10 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
         yield _closed_form("westergaard", loads, 1, why, truncation=truncation)
         return
     count = contacts(kept, loads) if _seen(kept) else np.full(loads.size, kept.wavenumber[-1] * UNSEEN)
-    left = laws.RESIDUAL * laws.BEM_RESIDUAL if quantity == "compliance" else 0.0
-    if error > left and (points := laws.bem_points(kept, error - left, quantity)) <= MOST_GRID_POINTS:
-        yield _on_grid(kept, points, count, loads, truncation, quantity)
+    for share in GRID_SHARES[quantity]:
+        rest = share * error - (laws.RESIDUAL * laws.BEM_RESIDUAL if quantity == "compliance" else 0)
+        if rest > 0 and (points := laws.bem_points(kept, rest, quantity)) <= MOST_GRID_POINTS:
+            yield _on_grid(kept, points, count, loads, truncation, quantity)
     able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
     if able and _seen(kept):
         yield _by_contacts(kept, able[0], count, loads, truncation, quantity)
@@ -237,8 +240,11 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
 def _on_grid(kept: Profile, points: int, count: Array, loads: Array, truncation: Array, quantity: str) -> Part:
     if quantity == "compliance":
         miss = np.full(loads.size, laws.bem_compliance_error(kept, points) + laws.RESIDUAL * laws.BEM_RESIDUAL)
+        others = None
     else:
-        miss = laws.bem_resistance_error(kept, points, loads)
+        miss = laws.bem_resistance_error(kept, points, loads) * (1 + laws.EVENT_SHARE)
+        shift = np.minimum(laws.bem_event_shift(kept, points), loads / 2)
+        others = np.column_stack([loads - shift, loads + shift])
     start, load = laws.bem_seconds(points, count)
     waves = kept.wavenumber[-1]
     return Part(
@@ -250,9 +256,10 @@ def _on_grid(kept: Profile, points: int, count: Array, loads: Array, truncation:
         discretisation=miss,
         estimate=np.zeros(loads.size),
         seconds_start=start,
-        seconds_load=load,
+        seconds_load=load if others is None else (1 + others.shape[1]) * load,
         memory=laws.grid_bytes("bem", points),
         why=f"{points / waves:.0f} points for each of {waves} waves are the fewest that do",
+        other_loads=others,
     )
 
 
