@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # the checkout, not an installed copy
 
 from weier import scene  # noqa: E402 - only now is it found
+from weier.data.provenance import VERSION  # noqa: E402 - likewise
 from weier.figures import style  # noqa: E402 - likewise
 from weier.figures.captions import caption  # noqa: E402 - likewise
-from weier.version import VERSION  # noqa: E402 - likewise
 
 project = "weier"
 author = "The weier developers"

@@ -13,8 +13,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, claims, dataset, demelio, provenance, scene, study, tradeoff, variables
-from weier.endless.convergence import convergence
+from weier import scene
+from weier.accuracy import tradeoff
+from weier.accuracy.convergence import convergence
+from weier.data import dataset, provenance, variables
+from weier.methods import demelio
+from weier.pipeline import batch, claims
+from weier.pipeline import gather as study
 
 SCENE = """
 title: Ünïcode waves
@@ -73,7 +78,7 @@ def measured_trade(folder):
     """Of one wave and few points."""
     (folder / "trade.yaml").write_text(TRADE, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.tradeoff.contenders"), "MOST_COMPARED_POINTS", 100)
+        patch.setattr(import_module("weier.accuracy.tradeoff.contenders"), "MOST_COMPARED_POINTS", 100)
         return tradeoff.measure(scene.load(folder / "trade.yaml"))
 
 

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from weier import cli, scene
-from weier.solve import METHODS as ALL_METHODS
+from weier.methods.solve import METHODS as ALL_METHODS
 
 FEW = settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=3400, derandomize=False, database=None)  # of three tests at least: 10^4

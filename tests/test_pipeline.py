@@ -7,8 +7,8 @@ import subprocess
 
 import pytest
 
-from weier import dataset
-from weier.sources import PACKAGE
+from weier.data import dataset
+from weier.kernels.sources import PACKAGE
 
 SCENE = """
 title: test

@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import dataset, jit
-from weier.sources import PACKAGE
+from weier.data import dataset
+from weier.kernels import jit
+from weier.kernels.sources import PACKAGE
 
 SCENE = """
 title: test
@@ -315,7 +316,7 @@ def test_a_clock_that_goes_back_within_a_run(checkout, undisturbed, tmp_path):
 
 
 KERNEL = """
-from weier.jit import kernel
+from weier.kernels.jit import kernel
 
 @kernel
 def square(x):

@@ -10,10 +10,10 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import plain_yaml
-from weier.files import check_target
-from weier.loads import MOST_LOADS, checked_loads
-from weier.solve import METHODS
+from weier.data import yaml as plain_yaml
+from weier.data.files import check_target
+from weier.methods.solve import METHODS
+from weier.theory.loads import MOST_LOADS, checked_loads
 
 Array = NDArray[np.float64]
 Command = Callable[..., Any]

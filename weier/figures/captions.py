@@ -6,9 +6,9 @@ import re
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from weier.curves import ESTIMATES
 from weier.figures.style import METHODS, PANELS
-from weier.methods import NUMERICAL
+from weier.methods.registry import NUMERICAL
+from weier.pipeline.curves import ESTIMATES
 from weier.scene import Scene
 
 # Where all methods stand beside each other, {drawn} tells them apart.

@@ -11,8 +11,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from weier import curves
 from weier.figures import style
+from weier.pipeline import curves
 
 Array = NDArray[np.float64]
 

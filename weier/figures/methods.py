@@ -9,9 +9,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import style
-from weier.methods import NUMERICAL
+from weier.methods.registry import NUMERICAL
+from weier.pipeline import curves
 
 
 def compare(

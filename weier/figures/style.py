@@ -12,8 +12,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
-from weier.profile import LARGEST_DENOMINATOR
+from weier.pipeline import curves
+from weier.theory.profile import LARGEST_DENOMINATOR
 
 Shown = TypeVar("Shown")
 Color = tuple[float, ...]

@@ -10,10 +10,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
+from weier.accuracy.tradeoff.numbers import pareto, seconds_per_load, typical, worst_over_loads
 from weier.figures import style
-from weier.methods import NUMERICAL
-from weier.tradeoff.numbers import pareto, seconds_per_load, typical, worst_over_loads
+from weier.methods.registry import NUMERICAL
+from weier.pipeline import curves
 
 FLOOR = 1e-15  # an error of 0 is drawn here
 LABELS = {

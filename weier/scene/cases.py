@@ -14,11 +14,11 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.limits import check_resolvable
-from weier.methods import NUMERICAL
-from weier.phases import RandomPhases, random_phases
-from weier.plain_yaml import number
-from weier.profile import Profile
+from weier.data.yaml import number
+from weier.methods.registry import NUMERICAL
+from weier.theory.limits import check_resolvable
+from weier.theory.phases import RandomPhases, random_phases
+from weier.theory.profile import Profile
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")

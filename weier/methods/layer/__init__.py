@@ -1,0 +1,5 @@
+"""The non-linear layer model (4.3): one wave at a time, on a half-plane through a layer of all finer waves."""
+
+from weier.methods.layer.stack import Curve, compliance, curve, resistance
+
+__all__ = ["Curve", "compliance", "curve", "resistance"]

@@ -1,0 +1,7 @@
+"""Contact patches: the exact solution, with unknowns only where there is contact, or only where there is a gap."""
+
+from weier.methods.patches.curve import Curve, curve, solve_load, solve_loads
+from weier.methods.patches.history import Events, events
+from weier.methods.patches.solution import Solution
+
+__all__ = ["Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]
