@@ -154,7 +154,7 @@ def test_the_checker_would_complain(folder, tmp_path):
 
 def test_plain_xarray_reads_it(folder):
     with xr.open_dataset(folder / "contact.nc") as data:
-        curve = data.sel({"method": "demelio"}).isel(case=data.m.values == 2)
+        curve = data.sel(solution_method="demelio").isel(case=data.m.values == 2)
         exact = demelio.compliance(1.0, 1.25, 5, 2)
         assert float(curve.compliance.sel(mean_pressure=1.0)[0]) == pytest.approx(exact, rel=1e-12)
         assert set(data.coords) >= {"D", "gamma", "m", "phase", "key"}
@@ -167,8 +167,8 @@ def test_netcdf4_reads_it_and_no_value_is_out_of_range(files):
             for name, variable in file.variables.items():
                 assert {"long_name", "units"} <= set(variable.ncattrs()), name
             if path.stem not in ("endless", "tradeoff"):
-                assert [str(name) for name in file["method"][:]] == METHODS
-            assert file["method"].size > 1
+                assert [str(name) for name in file["solution_method"][:]] == METHODS
+            assert file["solution_method"].size > 1
             file.set_auto_mask(False)
             for name, variable in file.variables.items():
                 if variable.dtype.kind == "f":

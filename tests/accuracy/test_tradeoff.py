@@ -35,7 +35,7 @@ def measured(tmp_path_factory):
 
 
 def error(measured, name, case=1, quantity="compliance"):
-    return worst_over_loads(measured, quantity)[case, measured["method"].values.tolist().index(name)]
+    return worst_over_loads(measured, quantity)[case, measured["solution_method"].values.tolist().index(name)]
 
 
 def test_errors_fall_with_points_and_are_those_of_the_reference(measured):
@@ -49,7 +49,7 @@ def test_errors_fall_with_points_and_are_those_of_the_reference(measured):
 
 def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
     run = np.isfinite(seconds_per_load(measured))
-    names = measured["method"].values.tolist()
+    names = measured["solution_method"].values.tolist()
     assert run[:, names.index("bem 384")].tolist() == [True, False]
     assert run[:, names.index("bem 96")].all()
     assert np.isnan(error(measured, "bem 384"))
@@ -72,7 +72,7 @@ def test_shipped_laws_bound_what_is_measured(measured):
 
 def test_a_fit_finds_the_laws_that_made_the_data(measured):
     seconds = measured["seconds"].copy(deep=True)
-    names = measured["method"].values.tolist()
+    names = measured["solution_method"].values.tolist()
     for at, name in enumerate(names):
         for case in range(2):
             points, contacts = measured["points"].values[case, at], measured["patch_count"].values[case, at]
@@ -109,7 +109,7 @@ def test_files_table_and_figure(measured, tmp_path):
     tradeoff.write_table(again, "Small", tmp_path / "tradeoff.md")
     text = (tmp_path / "tradeoff.md").read_text()
     assert text.startswith("# Small")
-    assert text.count("| bem ") == sum(name.startswith("bem") for name in measured["method"].values.tolist())
+    assert text.count("| bem ") == sum(name.startswith("bem") for name in measured["solution_method"].values.tolist())
     figures.draw("work_precision", [again], "", tmp_path / "figure.png")
     assert (tmp_path / "figure.svg").exists()
     with pytest.raises(ValueError, match="no times"):

@@ -115,8 +115,7 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
 
 
 def test_bounds_stand_around_the_exact_methods_only(waves):
-    # Not sel(method=...): that keyword of xarray means another thing.
-    bem = waves.sel({"method": "bem"}).isel(case=[0, 1])
+    bem = waves.sel(solution_method="bem").isel(case=[0, 1])
     # At most: 64 nodes a wave miss 5 g_n (waves_n/points)^2 of each, and the residual is 1e-10.
     mesh = laws.BEM_COMPLIANCE * bem.total_amplitude / 64**2 + 1e-9
     assert np.all((bem.compliance_lower <= bem.compliance) & (bem.compliance - mesh <= bem.compliance_lower))
@@ -126,7 +125,7 @@ def test_bounds_stand_around_the_exact_methods_only(waves):
     one, two = bem.isel(case=0), bem.isel(case=1)  # both hold the same endless series
     assert np.all((one.compliance_lower < two.compliance_upper) & (two.compliance_lower < one.compliance_upper))
     assert np.all((bem.resistance_lower <= bem.resistance) & (bem.resistance <= bem.resistance_upper))
-    assert waves.sel({"method": "demelio"}).compliance_lower.isnull().all()
+    assert waves.sel(solution_method="demelio").compliance_lower.isnull().all()
 
 
 BETWEEN_NODES = """
@@ -184,11 +183,11 @@ def test_netcdf4_alone_finds_everything(waves, tmp_path):
     dataset.write(waves, path, "test")
     with netCDF4.Dataset(path) as file:
         h = file["compliance"]
-        assert h.dimensions == ("case", "method", "mean_pressure")
+        assert h.dimensions == ("case", "solution_method", "mean_pressure")
         assert h.units == "1"
         assert h.normalised_by == "g_0"
         assert file["status"].flag_meanings.split()[2] == "not_applicable"
-        assert list(file["method"][:]) == ["westergaard", "demelio", "bem"]
+        assert list(file["solution_method"][:]) == ["westergaard", "demelio", "bem"]
         assert "g_0" in file.normalisation
         assert all("long_name" in variable.ncattrs() for variable in file.variables.values())
 

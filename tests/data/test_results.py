@@ -60,11 +60,13 @@ def test_selection_by_labels(path, labels, rows):
 
 def test_method_is_a_label(path):
     with weier.open(path) as contact:
-        bem = contact.sel(method="bem", D=1.25)["compliance"]
+        bem = contact.sel(solution_method="bem", D=1.25)["compliance"]
         assert bem.dims == ("case", "mean_pressure")
         assert bem.values[0] == pytest.approx(1 + LOADS / 10)
-        assert contact.sel(method=["bem"]).data.sizes["method"] == 1
-        assert float(contact.sel(method="bem", mean_pressure=4.0, m=np.inf)["compliance"][0]) == pytest.approx(31.4)
+        assert contact.sel(solution_method=["bem"]).data.sizes["solution_method"] == 1
+        assert float(
+            contact.sel(solution_method="bem", mean_pressure=4.0, m=np.inf)["compliance"][0]
+        ) == pytest.approx(31.4)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +75,7 @@ def test_method_is_a_label(path):
         ({"D": 1.3}, r"no case has D = 1.3: choose from 1.25, 1.5"),
         ({"D": slice(1, 2)}, "D must be a number or a list of numbers, got slice"),
         ({"gamma": "x"}, "gamma must be a ratio such as 2.5 or \"5/2\", or a list of them, got 'x'"),
-        ({"method": "bme"}, "no method 'bme': choose from demelio, bem"),
+        ({"solution_method": "bme"}, "no solution_method 'bme': choose from demelio, bem"),
         ({"phase": 3.0, "m": 2}, "no case has phase = 3.0"),
         ({"phase": [0, 1, 2, 3]}, "at most 3 numbers, got 4"),
         ({"mean_pressure": 2.0}, r"no mean_pressure 2.0: choose from 0.001, .*\.\.\."),
@@ -86,7 +88,7 @@ def test_an_unknown_label_says_what_is_there(path, labels, message):
 
 def test_nothing_is_read_before_it_is_asked_for(path):
     with weier.open(path) as contact:
-        one = contact.sel(method="bem")
+        one = contact.sel(solution_method="bem")
         assert not one.data["compliance"].variable._in_memory
         assert one["compliance"].values.shape == (5, 40)
 
@@ -110,9 +112,10 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 LOOK = """
 import resource, sys
 import weier
-weier.open(sys.argv[2]).sel(D=1.25, method="bem")["compliance"].values
+weier.open(sys.argv[2]).sel(D=1.25, solution_method="bem")["compliance"].values
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found = weier.open(sys.argv[1]).sel(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20], method="bem")["compliance"].values
+found = weier.open(sys.argv[1]).sel(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20], solution_method="bem")
+found = found["compliance"].values
 assert found.shape[0] == 2, found.shape
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """

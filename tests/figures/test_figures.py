@@ -174,7 +174,7 @@ def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
 def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, xr.Dataset]) -> None:
     (tmp_path / "figure.pdf").write_text("old")
     with pytest.raises(ValueError, match="no series"):
-        figures.draw("phases", [studies["one"].sel({"method": ["archard"]})], "", tmp_path / "figure.pdf")
+        figures.draw("phases", [studies["one"].sel(solution_method=["archard"])], "", tmp_path / "figure.pdf")
     assert (tmp_path / "figure.pdf").read_text() == "old"
 
 
@@ -188,7 +188,7 @@ def test_look_of_the_user_is_left_out(tmp_path: Path) -> None:
 def test_exact_method_is_the_line_and_the_other_points(studies: dict[str, xr.Dataset]) -> None:
     both = studies["one"]
     assert curves.numerical_method(both.isel(case=0)) == "patches"
-    assert curves.numerical_method(both.isel(case=0, method=slice(-1))) == "bem"
+    assert curves.numerical_method(both.isel(case=0, solution_method=slice(-1))) == "bem"
     (axes,) = sketch("compliance", [both]).axes
     styles = {line.get_label(): line.get_linestyle() for line in axes.get_lines()}
     assert styles["contact patches"] == "-"
@@ -196,14 +196,14 @@ def test_exact_method_is_the_line_and_the_other_points(studies: dict[str, xr.Dat
 
 
 def test_boundary_elements_are_points_beside_each_exact_curve(studies: dict[str, xr.Dataset]) -> None:
-    for m, values in zip([1, 2], studies["terms"].sel({"method": "bem"})["resistance"].values, strict=True):
+    for m, values in zip([1, 2], studies["terms"].sel(solution_method="bem")["resistance"].values, strict=True):
         alone = studies["terms"].isel(case=[m - 1])
         lines = sketch("truncated_resistance", [alone]).axes[0].get_lines()
         points, legend = (line.get_ydata() for line in lines if line.get_marker() == "o")
         assert np.array_equal(points, values)
         assert len(legend) == 0
         assert len([each for each in sketch("phases", [alone]).axes[0].get_lines() if each.get_marker() == "o"]) == 2
-        without = sketch("truncated_resistance", [alone.sel({"method": ["bem"]})]).axes[0].get_lines()
+        without = sketch("truncated_resistance", [alone.sel(solution_method=["bem"])]).axes[0].get_lines()
         assert [line.get_marker() for line in without] == ["None"]
 
 

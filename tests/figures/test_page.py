@@ -210,7 +210,7 @@ def test_a_plan_stands_against_what_it_took_and_missed(planned):
 
 def test_an_error_is_unknown_where_nothing_measured_it(planned):
     loaded, data, cost = planned
-    assert {row[7] for row in plans.rows(loaded, data.sel({"method": ["planned"]}), [cost])} == {"unknown"}
+    assert {row[7] for row in plans.rows(loaded, data.sel(solution_method=["planned"]), [cost])} == {"unknown"}
 
 
 def test_a_scene_without_a_tolerance_has_no_plans(planned, tmp_path):

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from weier import Profile, figures, random_phases
+from weier.accuracy import convergence as study
 from weier.methods import bem, laws, layer, patches
 from weier.methods import hybrid as endless
-from weier.accuracy import convergence as study
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.bounds import BOUND_SHARE
 from weier.methods.hybrid.curve import LOADS as CARRIED
@@ -138,4 +138,4 @@ def test_the_figure(convergence, tmp_path):
     figures.draw("endless", [convergence.expand_dims("case")], "", tmp_path / "endless.png")
     assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
     with pytest.raises(ValueError, match="resolve more terms"):
-        figures.draw("endless", [convergence.isel(method=[0]).expand_dims("case")], "", tmp_path / "one.png")
+        figures.draw("endless", [convergence.isel(solution_method=[0]).expand_dims("case")], "", tmp_path / "one.png")

@@ -220,7 +220,7 @@ def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
         assert str(data["claim_statement"][0]).startswith("The Archard approximation overestimates")
         assert all(data[name].long_name and data[name].units for name in data.variables)
     again = dataset.read(tmp_path / "contact.nc")
-    assert again["compliance"].sizes == {"case": 2, "method": 4, "mean_pressure": LOADS.size}
+    assert again["compliance"].sizes == {"case": 2, "solution_method": 4, "mean_pressure": LOADS.size}
     table = (tmp_path / "new" / "claims.md").read_text()
     assert [line.split(" | ")[-1] for line in table.splitlines() if line.startswith("| ")][2:] == [
         "no |", "no |", "not measured |",

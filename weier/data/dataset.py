@@ -42,32 +42,40 @@ def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) 
 
 def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0) -> xr.Dataset:
     """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet."""
-    sizes = {"case": cases, "method": len(methods), "mean_pressure": loads.size, "term": terms, "edge": edges}
+    sizes = {
+        "case": cases,
+        "solution_method": len(methods),
+        "mean_pressure": loads.size,
+        "term": terms,
+        "edge": edges,
+    }
     names = variables.of_curves(methods, edges > 0)
     data = xr.Dataset({name: variables.blank(name, sizes) for name in names}).set_coords(COORDINATES)
     data["status"].values[:] = Status.not_requested
     return data.assign_coords(
-        method=("method", list(methods), variables.attributes("method")),
+        solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")),
     )
 
 
 def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset:
     """The seconds and settings of each case and method, with nothing in it yet."""
-    sizes = {"case": cases, "method": len(methods), "term": terms}
+    sizes = {"case": cases, "solution_method": len(methods), "term": terms}
     data = xr.Dataset({name: variables.blank(name, sizes) for name in COST})
     data = data.set_coords([name for name in COST if name in COORDINATES])
-    return data.assign_coords(method=("method", list(methods), variables.attributes("method")))
+    return data.assign_coords(
+        solution_method=("solution_method", list(methods), variables.attributes("solution_method"))
+    )
 
 
 def widened(data: xr.Dataset, methods: Sequence[str], terms: int, edges: int) -> xr.Dataset:
     """The same cases over more methods, terms and edges of contact: blank where they were not asked for."""
-    own = data["method"].values.tolist()
+    own = data["solution_method"].values.tolist()
     if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
         return data
     wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges)
     places: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
-    places["method"] = [list(methods).index(method) for method in own]
+    places["solution_method"] = [list(methods).index(method) for method in own]
     for name in data.variables.keys() - data.sizes.keys():
         values = data.variables[name]
         wide.variables[name][{dim: places.get(dim, slice(None)) for dim in values.dims}] = values.values

@@ -87,7 +87,7 @@ def _create_variable(
 
 
 def _chunks(dims: list[str], shape: list[int], itemsize: int) -> list[int]:
-    chunk = [1 if dim == "method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
+    chunk = [1 if dim == "solution_method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
     if dims[0] == "case":
         row = itemsize * int(np.prod(chunk[1:]))
         chunk[0] = min(shape[0], max(1, min(CHUNK_CASES, CHUNK_BYTES // row)))

@@ -24,15 +24,15 @@ Ratio = int | float | str | Fraction
 class Contact:
     """Curves over case, method and mean_pressure, read from the file where they are asked for.
 
-    Unlike a Dataset's, whose `sel(method="bem")` sets a method of look-up and selects nothing, its `sel` takes the
-    method by name. What it selects is a Contact again; `data` is the xarray Dataset, and `contact["compliance"]` a
-    DataArray. Close the file with `close`, or open it in a `with` statement.
+    Its `sel` also selects cases by what describes them (D, gamma, m, phase), which are no index of an xarray Dataset,
+    and takes gamma as a fraction. What it selects is a Contact again; `data` is the xarray Dataset, and
+    `contact["compliance"]` a DataArray. Close the file with `close`, or open it in a `with` statement.
 
     Examples
     --------
     >>> import weier
     >>> with weier.open(path) as contact:
-    ...     one = contact.sel(m=2, method="demelio")
+    ...     one = contact.sel(m=2, solution_method="demelio")
     ...     print(one["compliance"].dims, one.data.sizes["mean_pressure"])
     ('case', 'mean_pressure') 2
     """
@@ -46,7 +46,7 @@ class Contact:
         gamma: Ratio | Sequence[Ratio] | None = None,
         m: ArrayLike | None = None,
         phase: ArrayLike | None = None,
-        method: str | Sequence[str] | None = None,
+        solution_method: str | Sequence[str] | None = None,
         mean_pressure: ArrayLike | None = None,
     ) -> Contact:
         """Those cases, methods and loads that have the labels given.
@@ -57,8 +57,8 @@ class Contact:
             Of the cases; gamma also as a Fraction or "5/2", m also inf.
         phase : number or list of m numbers
             In radians: of every term but the first, which then has phase 0; or of each term.
-        method : str or list of str
-            One name leaves no dimension `method`, a list keeps it.
+        solution_method : str or list of str
+            One name leaves no dimension `solution_method`, a list keeps it.
         mean_pressure : number or list of numbers
             Loads of the file, in p_0*. One number leaves no dimension `mean_pressure`.
 
@@ -80,8 +80,9 @@ class Contact:
                 data = _with_parameter(data, name, np.atleast_1d(_numbers(name, wanted)))
         if phase is not None:
             data = _with_phase(data, _numbers("phase", phase))
-        if method is not None:
-            data = data.isel(method=_rows(data["method"].values, method, "method"))
+        if solution_method is not None:
+            rows = _rows(data["solution_method"].values, solution_method, "solution_method")
+            data = data.isel(solution_method=rows)
         if mean_pressure is not None:
             data = data.isel(mean_pressure=_rows(data["mean_pressure"].values, mean_pressure, "mean_pressure"))
         return Contact(data)
@@ -111,7 +112,7 @@ def open(path: str | Path) -> Contact:
     Returns
     -------
     Contact
-        Its `sel` selects by D, gamma, m, phase, method and mean_pressure; its `data` is the xarray Dataset.
+        Its `sel` selects by D, gamma, m, phase, solution_method and mean_pressure; its `data` is the xarray Dataset.
 
     Raises
     ------
@@ -122,7 +123,8 @@ def open(path: str | Path) -> Contact:
     --------
     >>> import weier
     >>> with weier.open(path) as contact:
-    ...     print(contact.sel(D=1.25, m=2, method="demelio", mean_pressure=0.1)["compliance"].values.round(4))
+    ...     one = contact.sel(D=1.25, m=2, solution_method="demelio", mean_pressure=0.1)
+    ...     print(one["compliance"].values.round(4))
     [0.4044]
 
     """

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-CURVE = ("case", "method", "mean_pressure")
-RUN = ("case", "method")
+CURVE = ("case", "solution_method", "mean_pressure")
+RUN = ("case", "solution_method")
 LOADS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # a difference of heights that is 0 may come out this much below
@@ -52,7 +52,7 @@ class Variable(NamedTuple):
 
 # Text has a fixed width, so that files of many cases can be joined, compressed and read by any netCDF library.
 VARIABLES = {
-    "method": Variable(("method",), "method of solution", dtype="U16", content=LABEL),
+    "solution_method": Variable(("solution_method",), "method of solution", dtype="U16", content=LABEL),
     "mean_pressure": Variable(("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL),
     "key": Variable(("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL),
     "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL),

@@ -69,6 +69,6 @@ def _many(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
 
 def _rows(case: xr.Dataset, quantity: str) -> dict[str, np.ndarray]:
     """The curves there are, in the order of the estimates, then other methods, then the numerical ones on top."""
-    others = [m for m in case["method"].values.tolist() if m not in (*curves.ESTIMATES, *NUMERICAL)]
+    others = [m for m in case["solution_method"].values.tolist() if m not in (*curves.ESTIMATES, *NUMERICAL)]
     found = {m: curves.curve(case, quantity, m) for m in (*curves.ESTIMATES, *others, *NUMERICAL)}
     return {method: row for method, row in found.items() if row is not None}

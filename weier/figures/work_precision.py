@@ -40,7 +40,12 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         raise ValueError("there are no times to draw in these data")
     figure, axes = style.column(2, sharex=True)
     for number, (panel, quantity) in enumerate(zip(axes, LABELS, strict=True)):
-        _panel(panel, data["method"].values.tolist(), 1e3 * cost, np.maximum(worst_over_loads(data, quantity), FLOOR))
+        _panel(
+            panel,
+            data["solution_method"].values.tolist(),
+            1e3 * cost,
+            np.maximum(worst_over_loads(data, quantity), FLOOR),
+        )
         panel.set(xscale="log", yscale="log", ylabel=LABELS[quantity])
         style.name_panel(panel, number, 2, quantity)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -1,9 +1,10 @@
 """What each method costs and how far it is off, before it is run.
 
 The constants stand above what the rule `tradeoff` measures (`weier.accuracy.tradeoff.fit` fits them again, side by
-side in results/tradeoff/tradeoff.md). `python -m benchmarks.planned` checks them on random profiles, and
-those of memory come from `python -m benchmarks.memory`. Heights in g_0, pressures in p_0*, seconds on one core of a 2.5 GHz server,
-bytes beyond those of the interpreter. The error of a resistance is relative to the larger of itself and 1 g_0/p_0*.
+side in results/tradeoff/tradeoff.md). `python -m benchmarks.planned` checks them on random profiles, and those of
+memory come from `python -m benchmarks.memory`. Heights in g_0, pressures in p_0*, seconds on one core of a 2.5 GHz
+server, bytes beyond those of the interpreter. The error of a resistance is relative to the larger of itself and
+1 g_0/p_0*.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         case = cases[number]
         describe_case(data, number, case)
         for method in case.methods:
-            _solve_into(curves, costs, {"case": number, "method": methods.index(method)}, case, method)
+            _solve_into(curves, costs, {"case": number, "solution_method": methods.index(method)}, case, method)
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
         seconds = np.nansum(costs["seconds"][number])

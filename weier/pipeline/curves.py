@@ -33,7 +33,7 @@ def groups(of: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
 
 def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
     """The values of a variable over the loads by one method, or None if it has none."""
-    methods = case["method"].values.tolist()
+    methods = case["solution_method"].values.tolist()
     if method not in methods:
         return None
     values: Array = case[name].values[methods.index(method)]

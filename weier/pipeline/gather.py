@@ -81,7 +81,7 @@ def add_bounds(data: xr.Dataset) -> xr.Dataset:
     (`python -m benchmarks.planned`).
     """
     data = data.copy(deep=True)
-    exact = np.flatnonzero(np.isin(data["method"].values, NUMERICAL))
+    exact = np.flatnonzero(np.isin(data["solution_method"].values, NUMERICAL))
     loads = data["mean_pressure"].values
     h = data["compliance"].values[:, exact]
     names = ("total_amplitude", "tail_amplitude", "first_contact")
@@ -139,7 +139,7 @@ def _layout(files: Sequence[str | Path], missing: set[str]) -> tuple[xr.Dataset,
 
 def _together(one: xr.Dataset, other: xr.Dataset) -> tuple[list[str], int, int]:
     """Methods, terms and edges of contact that have room for both."""
-    methods = dict.fromkeys([*one["method"].values.tolist(), *other["method"].values.tolist()])
+    methods = dict.fromkeys([*one["solution_method"].values.tolist(), *other["solution_method"].values.tolist()])
     terms, edges = (max(data.sizes.get(dim, 0) for data in (one, other)) for dim in ("term", "edge"))
     return list(methods), terms, edges
 

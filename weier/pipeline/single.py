@@ -114,7 +114,7 @@ def as_json(data: xr.Dataset) -> str:
     """The curves of one case as JSON: what each method has, null where a number is missing or without bound."""
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
-    curves = {method: _curves(_of(case, method)) for method in case["method"].values.tolist()}
+    curves = {method: _curves(_of(case, method)) for method in case["solution_method"].values.tolist()}
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
     units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
@@ -124,7 +124,7 @@ def as_json(data: xr.Dataset) -> str:
 
 def _of(case: xr.Dataset, method: str) -> xr.Dataset:
     """What belongs to a method."""
-    run = case.sel({"method": method})
+    run = case.sel(solution_method=method)
     return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].only_with not in ("", method)])
 
 
@@ -146,7 +146,9 @@ def _plain(values: Array) -> Any:
 
 
 def _check_solved(data: xr.Dataset) -> None:
-    for method, number in zip(data["method"].values.tolist(), data["status"].values[0].tolist(), strict=True):
+    for method, number in zip(
+        data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True
+    ):
         if number != Status.solved:
             kind = ConvergenceError if number == Status.not_converged else ValueError
             raise kind(f"method {method!r} {WHY[Status(number)]}")

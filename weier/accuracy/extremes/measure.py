@@ -74,7 +74,7 @@ def _blank(cases: Sequence[Extreme]) -> xr.Dataset:
     terms = max(_finite_terms(extreme.case.profile) for extreme in cases)
     data = dataset.blank(len(cases), names, loads, terms)
     data = data.drop_vars(set(data.data_vars) - set(KEPT))
-    shape = {"case": len(cases), "method": len(names), "mean_pressure": loads.size}
+    shape = {"case": len(cases), "solution_method": len(names), "mean_pressure": loads.size}
     run, curve = (tuple(shape[dim] for dim in dims) for dims in (RUN, CURVE))
     data["extreme"] = "case", [extreme.name for extreme in cases], _about("what is extreme")
     data["outcome"] = CURVE, np.zeros(curve, "i1"), _about("what a method made of a load", Outcome)
@@ -99,7 +99,7 @@ def _about(long_name: str, meanings: type[IntEnum] | None = None) -> dict[str, A
 
 def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Contender) -> None:
     profile, loads = extreme.case.profile, extreme.loads
-    place = number, data["method"].values.tolist().index(contender.name)
+    place = number, data["solution_method"].values.tolist().index(contender.name)
     rows = np.searchsorted(data["mean_pressure"].values, loads)
     found = examine(contender, profile, loads)
     solved = found.outcome == Outcome.finite

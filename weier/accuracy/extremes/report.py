@@ -51,7 +51,7 @@ def failures(data: xr.Dataset) -> list[str]:
     """What is not as it should be, a line each: none where all is well."""
     found = []
     for case, method in _runs(data):
-        run = data.isel(case=case, method=method)
+        run = data.isel(case=case, solution_method=method)
         faults = [
             f"not {name}".replace("_", " ") for name in VERDICTS if run[name] == Verdict.no and name != "together"
         ]
@@ -62,7 +62,7 @@ def failures(data: xr.Dataset) -> list[str]:
         if run["together"] == Verdict.no and set(outcome) <= {Outcome.not_run, Outcome.finite}:
             faults.append("not as one curve")
         if faults:
-            found.append(f"{run['extreme'].item()}, {run['method'].item()}: {', '.join(faults)}")
+            found.append(f"{run['extreme'].item()}, {run['solution_method'].item()}: {', '.join(faults)}")
     return found
 
 
@@ -85,14 +85,14 @@ def _markdown(data: xr.Dataset, title: str) -> str:
 
 def _row(data: xr.Dataset, place: tuple[int, int], messages: list[str]) -> list[str]:
     case, method = place
-    run = data.isel(case=case, method=method)
+    run = data.isel(case=case, solution_method=method)
     outcome = run["outcome"].values
     loads = data["mean_pressure"].values[outcome != Outcome.not_run]
     shape = [_verdict(run[name].item()) for name in ("monotone", "concave", "inside", "as_expected")]
     digits = [_worst(run[name].values, np.fmin, "{:.1f}") for name in ("compliance_digits", "resistance_digits")]
     return [
         plain(str(run["extreme"].item())),
-        str(run["method"].item()),
+        str(run["solution_method"].item()),
         f"{loads.size}: {loads[0]:.0e}..{loads[-1]:.0e}" if loads.size > 1 else f"{loads[0]:.0e}",
         _outcome(run, messages),
         *shape,

@@ -74,7 +74,7 @@ def _largest(values: Sequence[float]) -> float:
 
 def _runs(data: xr.Dataset, name: str) -> list[Run]:
     """A contender on all profiles it ran on."""
-    methods = data["method"].values.tolist()
+    methods = data["solution_method"].values.tolist()
     if name not in methods:
         return []
     at = methods.index(name)
@@ -104,7 +104,7 @@ def _resistance_missed(run: Run, loads: Array) -> float:
 
 def _shares(data: xr.Dataset, name: str) -> list[float]:
     """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
-    error = data["compliance_error"].sel({"method": name}).values
+    error = data["compliance_error"].sel(solution_method=name).values
     found = []
     for case in np.flatnonzero(data["m"].values > 1):
         D, amplitude = float(data["D"][case]), float(data["total_amplitude"][case]) - 1

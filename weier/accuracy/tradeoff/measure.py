@@ -47,7 +47,7 @@ def measure(scene: Scene) -> xr.Dataset:
     cases = list(scene.cases.values())
     names = _names(cases)
     data = dataset.blank(len(cases), names, scene.loads, scene.layout.terms)
-    data["seconds"] = variables.blank("seconds", {"case": len(cases), "method": len(names)})
+    data["seconds"] = variables.blank("seconds", {"case": len(cases), "solution_method": len(names)})
     for number, case in enumerate(cases):
         print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}", file=sys.stderr)
         describe_case(data, number, case)
@@ -64,7 +64,7 @@ def _names(cases: Sequence[Case]) -> list[str]:
 
 
 def _run(data: xr.Dataset, number: int, case: Case, contender: Contender) -> None:
-    place = number, data["method"].values.tolist().index(contender.name)
+    place = number, data["solution_method"].values.tolist().index(contender.name)
     loads = data["mean_pressure"].values
     try:
         seconds, curve = _timed(case, loads, contender)
@@ -96,7 +96,7 @@ def _timed(case: Case, loads: np.ndarray, contender: Contender) -> tuple[float, 
 
 def _compare(data: xr.Dataset, number: int) -> None:
     """Fill in the errors of a case."""
-    reference = data["method"].values.tolist().index(REFERENCE)
+    reference = data["solution_method"].values.tolist().index(REFERENCE)
     for name in ("compliance", "resistance"):
         values = data[name].values[number]
         data[f"{name}_error"].values[number] = np.abs(values - values[reference])

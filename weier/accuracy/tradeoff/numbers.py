@@ -17,7 +17,7 @@ def by_load(data: xr.Dataset, quantity: str) -> Array:
     """
     error = data[f"{quantity}_error"].values
     if quantity == "resistance":
-        exact = data["resistance"].sel({"method": data.attrs["reference_method"]}).values
+        exact = data["resistance"].sel(solution_method=data.attrs["reference_method"]).values
         error = error / np.maximum(exact, 1)[:, None]
     return np.asarray(error)
 

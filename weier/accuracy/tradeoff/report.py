@@ -25,7 +25,7 @@ def _markdown(data: xr.Dataset, title: str) -> str:
         "method and setting", "profiles", "ms a load", "error of h", "worst", "p < 0.03", "0.03..1", "p > 1",
         "error of R", "worst",
     ]  # fmt: skip
-    rows = table(head, (_row(data, number) for number in range(data.sizes["method"])))
+    rows = table(head, (_row(data, number) for number in range(data.sizes["solution_method"])))
     laws = table(LAWS, map(_law, constants(data)))
     return "\n".join([f"# {title}", "", rows, "", NOTE, "", laws, "", LAWS_NOTE, ""])
 
@@ -63,7 +63,7 @@ def _row(data: xr.Dataset, number: int) -> list[str]:
     values = [np.median(h), h.max(), *bands, np.median(R), R.max()]
     cost = f"{1e3 * np.median(seconds_per_load(data)[run, number]):.2g}"
     return [
-        plain(str(data["method"].values[number])),
+        plain(str(data["solution_method"].values[number])),
         str(run.sum()),
         cost,
         *("" if np.isnan(v) else f"{v:.0e}" for v in values),

@@ -142,7 +142,7 @@ def _errors(data: xr.Dataset) -> str:
     """What became of the cases by each method, the largest violation of a contact condition, and errors expected."""
     measures = {name: heading for name, heading in LARGEST.items() if name in data and data[name].notnull().any()}
     rows = []
-    for row, method in enumerate(data["method"].values.tolist()):
+    for row, method in enumerate(data["solution_method"].values.tolist()):
         status = data["status"][:, row].values
         counts = [int((status == each).sum()) for each in Status]
         rows.append([method, *counts, *(_largest(data[name][:, row].values) for name in measures)])
@@ -156,9 +156,9 @@ def _largest(values: np.ndarray) -> str:
 
 
 def _costs(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> str:
-    seconds: dict[str, list[float]] = {method: [] for method in data["method"].values.tolist()}
+    seconds: dict[str, list[float]] = {method: [] for method in data["solution_method"].values.tolist()}
     for cost in costs:
-        for row, method in enumerate(cost["method"].values.tolist()):
+        for row, method in enumerate(cost["solution_method"].values.tolist()):
             known = cost["seconds"].values[:, row]
             seconds[method].extend(known[np.isfinite(known)].tolist())
     rows = [

@@ -35,7 +35,7 @@ SMALL |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}  # on a narro
 def explorer(data: xr.Dataset) -> Column:
     """Two plots of one case, and what chooses it; data over case, method and mean_pressure, in memory."""
     labels = {name: _labels(data, name) for name in LABELS}
-    methods = data["method"].values.tolist()
+    methods = data["solution_method"].values.tolist()
     table = {f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()
              for quantity in QUANTITIES for number, method in enumerate(methods)}  # fmt: skip
     every = ColumnDataSource(table, name="every")

@@ -57,16 +57,16 @@ def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> It
 
 
 def _seconds(cost: xr.Dataset) -> Iterator[tuple[str, float]]:
-    if PLANNED in cost["method"].values:
-        values = cost["seconds"].sel({"method": PLANNED}).values.tolist()
+    if PLANNED in cost["solution_method"].values:
+        values = cost["seconds"].sel(solution_method=PLANNED).values.tolist()
         yield from zip(cost["key"].values.tolist(), values, strict=True)
 
 
 def _error(case: xr.Dataset, quantity: str) -> float:
     """The largest distance from the exact curve over the loads, NaN where there is none."""
-    if EXACT not in case["method"].values:
+    if EXACT not in case["solution_method"].values:
         return np.nan
-    found, exact = (case[quantity].sel({"method": method}).values for method in (PLANNED, EXACT))
+    found, exact = (case[quantity].sel(solution_method=method).values for method in (PLANNED, EXACT))
     scale = np.maximum(exact, 1) if quantity == "resistance" else 1.0
     off = np.abs(found - exact) / scale
     return float(np.nanmax(off)) if np.isfinite(off).any() else np.nan

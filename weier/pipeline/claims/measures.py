@@ -73,7 +73,7 @@ def few_elements(cases: Cases) -> Measured:
     """A few elements against Eq. (12): the relative error with one in contact, and with more."""
     (case, *_) = cases
     h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
-    points = float(case["points"].values[case["method"].values.tolist().index("bem")])
+    points = float(case["points"].values[case["solution_method"].values.tolist().index("bem")])
     single = points * fraction < 1.5
     need(single.any() and not single.all(), "loads with one element in contact and loads with more")
     error = h / exact - 1
