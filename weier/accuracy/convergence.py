@@ -5,19 +5,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from weier.data import dataset
+from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.bounds import TooManyPointsError, bounds
 from weier.methods.hybrid.curve import MOST_POINTS, POINTS_PER_WAVE, curve
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 from weier.theory.terms import truncated
-
-Array = NDArray[np.float64]
 
 
 def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_terms: int) -> xr.Dataset:

@@ -8,14 +8,13 @@ from typing import Any
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.data import yaml as plain_yaml
 from weier.data.files import check_target
+from weier.kernels.arrays import Array
 from weier.methods.solve import METHODS
 from weier.theory.loads import MOST_LOADS, checked_loads
 
-Array = NDArray[np.float64]
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from weier import scene
-from weier.cli.options import FILE, LOADS, Array, loads, of_any_profile, parameters, parsed_loads
+from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parsed_loads
+from weier.kernels.arrays import Array
 from weier.methods.planned.plan import QUANTITIES, Plan
 from weier.pipeline import single
 from weier.pipeline.plan import ScenePlan

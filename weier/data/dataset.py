@@ -14,19 +14,17 @@ from typing import Any
 import netCDF4
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.provenance import NORMALISED, PAPER
 from weier.data.variables import COORDINATES, COST, CURVE, RUN, VARIABLES, Status, Variable
+from weier.kernels.arrays import Array
 
 __all__ = [
     "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
     "curve", "open_lazily", "read", "reading", "widened", "write",
 ]  # fmt: skip
-
-Array = NDArray[np.float64]
 
 
 def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) -> xr.Dataset:

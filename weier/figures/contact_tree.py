@@ -9,12 +9,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from weier.figures import style
+from weier.kernels.arrays import Array
 from weier.pipeline import curves
-
-Array = NDArray[np.float64]
 
 SAMPLES = 2000
 

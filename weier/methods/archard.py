@@ -19,13 +19,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
 from weier.theory.series import full_contact_pressure
-
-Array = NDArray[np.float64]
 
 LN2 = np.log(2)
 UNSEEN = 1e-20  # less than the rounding of the differences that it keeps positive

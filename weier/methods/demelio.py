@@ -7,12 +7,11 @@ scaled by g_{N+1} and p_{N+1}*. Heights are in g_0, pressures in p_0*.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
-
-Array = NDArray[np.float64]
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:

@@ -20,13 +20,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.series import amplitude, full_contact_pressure, leading_amplitude
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 ENDLESS = 1e300  # for m = inf: no sum of doubles can tell them apart, and ENDLESS - ENDLESS = 0
 MARGIN = 1e-12  # more than the rounding of a power: a load so close to the end of a run finds its own

@@ -10,12 +10,12 @@ from time import perf_counter
 from types import ModuleType, NoneType
 from typing import Any, NamedTuple
 
-import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from weier.data import dataset
 from weier.data.yaml import number
+from weier.kernels.arrays import Array
 from weier.kernels.jit import compiling_seconds
 from weier.methods import archard, bem, demelio, layer, patches, westergaard
 from weier.methods.planned import curve as planned
@@ -23,8 +23,6 @@ from weier.methods.planned.plan import OutOfReachError
 from weier.theory.limits import MOST_POINTS, check_resolvable
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 
 class Kind(NamedTuple):

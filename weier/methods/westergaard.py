@@ -7,9 +7,9 @@ pressure (9). The functions broadcast.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 def compliance(xi: ArrayLike) -> Array:

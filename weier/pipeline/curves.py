@@ -6,12 +6,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array
 from weier.methods.registry import NUMERICAL
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 ESTIMATES = ("archard", "demelio", "layer")  # in the order of Section 4
 FULL = 0.99  # of the compliance of full contact: where a linear axis shows no more change

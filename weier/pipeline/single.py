@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 import yaml
-from numpy.typing import NDArray
 
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.files import write_text
 from weier.data.variables import VARIABLES
+from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.planned.plan import Plan
 from weier.methods.registry import PLANNED
@@ -24,8 +24,6 @@ from weier.pipeline.batch import solve_batch
 from weier.pipeline.plan import plan
 from weier.scene import Case, Scene
 from weier.theory.loads import check_range
-
-Array = NDArray[np.float64]
 
 PROFILE = ("D", "gamma", "m", "phase", "total_amplitude", "tail_amplitude", "first_contact")
 WHY = {

@@ -12,15 +12,14 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.data.yaml import number
+from weier.kernels.arrays import Array
 from weier.methods.registry import NUMERICAL
 from weier.theory.limits import check_resolvable
 from weier.theory.phases import RandomPhases, random_phases
 from weier.theory.profile import Profile
 
-Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
 # What a scene or a command may ask for, so that a slip of the pen ends in a sentence and not in a lost night.

@@ -7,9 +7,9 @@ Hertzian curves and its convex force curve has a slope between two tangents to t
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:

@@ -8,9 +8,9 @@ between two lines. The functions know arrays only: any consistent units will do.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:

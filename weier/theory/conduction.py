@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:

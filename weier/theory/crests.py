@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
 NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding

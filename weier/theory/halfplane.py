@@ -10,10 +10,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import zeta
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 @lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again: zeta takes a tenth of a curve

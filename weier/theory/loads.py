@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 MOST_LOADS = 10_000  # of a scene or a command
 RANGE = 1e-12, 1e12  # p_0*

@@ -12,13 +12,12 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array
 from weier.theory import series
 from weier.theory.crests import sampled, summits
 from weier.theory.phases import Phases, RandomPhases, checked_phases
-
-Array = NDArray[np.float64]
 
 MOST_DESCRIBED = 8  # phases in a line
 LARGEST_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused

@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:

@@ -7,15 +7,14 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array
 from weier.methods import patches
 from weier.methods.variant import Contender
 from weier.scene import Case
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 SHALLOW = 10  # terms, of which the layer has a curve in a second; each load of a deeper stack takes some
 MOST_WAVES = 300  # of the finest term in a period, for dense matrices

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.linalg import circulant
 
 from weier.theory.halfplane import eigenvalues, influence_coefficients
-
-Array = NDArray[np.float64]
 
 NODES = np.array([3, *(2**k for k in range(2, 21))])
 MOST_DENSE = 1024  # nodes of a matrix that is decomposed: seconds

@@ -13,13 +13,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array
 from weier.kernels.sources import PACKAGE
 from weier.methods.errors import ConvergenceError
 from weier.methods.solve import NotApplicableError, solve
 from weier.methods.variant import Contender
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 OBSCURE = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that are none helps nobody
 

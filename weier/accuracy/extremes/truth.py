@@ -8,16 +8,14 @@ from typing import Any, NamedTuple
 
 import mpmath as mp
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.accuracy.extremes import exact
 from weier.accuracy.extremes.cases import SHALLOW, few_waves
 from weier.accuracy.extremes.examine import examine
+from weier.kernels.arrays import Array
 from weier.methods.patches.surface import Surface, surface_of
 from weier.methods.variant import Contender
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 LIGHT = 1e-20  # p_0*: below, a contact is so small that its relative error as a Hertzian one is p, times few
 TIGHTEST = 1e-12  # tolerance of the contact patches on the moved profile

@@ -11,15 +11,13 @@ from typing import Any, NamedTuple
 
 import mpmath as mp
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.accuracy.extremes.exact import DIGITS
+from weier.kernels.arrays import Array
 from weier.methods import westergaard
 from weier.methods.planned.plan import TOLERANCE
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 MOST_DIGITS = 16.0  # an error of 0 counts as so many
 TINY = float(np.finfo(float).tiny)  # what is less may be 0

@@ -7,16 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from weier.accuracy.tradeoff.contenders import PATCH_TOLERANCES, POINTS_PER_WAVE
 from weier.accuracy.tradeoff.numbers import by_load, worst_over_loads
+from weier.kernels.arrays import Array
 from weier.methods import laws
 from weier.pipeline import curves
 from weier.theory.profile import Profile
-
-Array = NDArray[np.float64]
 
 GRIDS = tuple(f"bem {count}" for count in POINTS_PER_WAVE)  # solved to the default residual
 EXACT = tuple(f"patches {limit:.0e}" for limit in PATCH_TOLERANCES if limit in laws.PATCHES_TOLERANCES)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 
 def by_load(data: xr.Dataset, quantity: str) -> Array:

@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from weier.kernels.arrays import Array, Flags
 from weier.pipeline import curves
 from weier.pipeline.claims.readings import (
     HALF,
     ROUNDING,
-    Array,
-    Flags,
     MissingError,
     curve,
     describe,

@@ -6,12 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array, Flags
 from weier.pipeline import curves
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 HALF = 0.5  # of the compliance at full contact: low loads lie below, high loads above
 ROUNDING = 1e-9
