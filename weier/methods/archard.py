@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
 from weier.theory.series import full_contact_pressure
 
 LN2 = np.log(2)

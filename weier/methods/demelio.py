@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.flattened import Indices, Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
