@@ -12,10 +12,10 @@ from weier import Profile, random_phases, scene
 from weier.data import dataset
 from weier.methods import hybrid as endless
 from weier.methods import laws, patches
+from weier.methods.errors import NotApplicableError, OutOfReachError
 from weier.methods.planned import curve as planned
 from weier.methods.planned.candidates import contacts
-from weier.methods.planned.plan import OutOfReachError, cheapest, plan
-from weier.methods.solve import NotApplicableError
+from weier.methods.planned.plan import cheapest, plan
 from weier.pipeline import batch
 from weier.theory.bounds import compliance_bounds
 from weier.theory.terms import left_out, truncated
@@ -316,7 +316,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
     assert weier.plan(loaded, tolerance=1e-9).plans[0].parts[0].method == "patches"
     data, _ = batch.solve_batch(loaded, loaded.studies["one"])
-    assert data.method.values.tolist() == ["planned"]
+    assert data.solution_method.values.tolist() == ["planned"]
     for case in range(2):
         exact = patches.curve(loaded.studies["one"][case].profile, loaded.loads).compliance
         error = np.abs(data.compliance.values[case, 0] - exact)

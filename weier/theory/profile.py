@@ -116,6 +116,15 @@ class Profile:
         """Sum G_m of the amplitudes that the truncation leaves out, in g_0 (27)."""
         return float(series.tail_amplitude(self.m, self.D, float(self.gamma)))
 
+    def truncated(self, terms: int) -> Profile:
+        """The first `terms` of the series, as a profile."""
+        phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
+        return Profile(self.D, self.gamma, terms, phases)
+
+    def amplitude_beyond(self, terms: float) -> float:
+        """Sum of the amplitudes of this series after the first `terms`, in g_0."""
+        return 0.0 if terms == self.m else self.total_amplitude - self.truncated(int(terms)).total_amplitude
+
     @property
     def period(self) -> int:
         """Length after which the truncated series repeats, in lambda_0: denominator(gamma)^(m-1)."""

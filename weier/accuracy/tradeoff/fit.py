@@ -9,15 +9,16 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import nnls
 
-from weier.accuracy.tradeoff.contenders import PATCH_TOLERANCES, POINTS_PER_WAVE
 from weier.accuracy.tradeoff.numbers import by_load, worst_over_loads
 from weier.kernels.arrays import Array
 from weier.methods import laws
+from weier.methods.bem.method import POINTS_COMPARED
+from weier.methods.patches.method import TOLERANCES_COMPARED
 from weier.pipeline import curves
 from weier.theory.profile import Profile
 
-GRIDS = tuple(f"bem {count}" for count in POINTS_PER_WAVE)  # solved to the default residual
-EXACT = tuple(f"patches {limit:.0e}" for limit in PATCH_TOLERANCES if limit in laws.PATCHES_TOLERANCES)
+GRIDS = tuple(f"bem {count}" for count in POINTS_COMPARED)  # solved to the default residual
+EXACT = tuple(f"patches {limit:.0e}" for limit in TOLERANCES_COMPARED if limit in laws.PATCHES_TOLERANCES)
 ESTIMATES = {"LAYER": "layer 24", "DEMELIO": "demelio"}  # 24 points are the layer's own choice
 
 

@@ -2,6 +2,7 @@
 
 from weier.methods.patches.curve import Curve, curve, solve_load, solve_loads
 from weier.methods.patches.history import Events, events
+from weier.methods.patches.method import METHOD
 from weier.methods.patches.solution import Solution
 
-__all__ = ["Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]
+__all__ = ["METHOD", "Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.methods import demelio, laws, layer, westergaard
-from weier.methods.hybrid.curve import LOADS, MOST_POINTS, POINTS_PER_WAVE
+from weier.methods.hybrid.solver import LOADS, MOST_POINTS, POINTS_PER_WAVE
 from weier.methods.patches.surface import Surface, surface_of
 from weier.methods.planned.segment import Part
 from weier.theory.bounds import resistance_bounds

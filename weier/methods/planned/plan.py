@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier.methods import laws
+from weier.methods.errors import OutOfReachError
 from weier.methods.planned.candidates import MOST_GRID_POINTS, resolved_lengths, truncation_error, ways
 from weier.methods.planned.segment import Part
 from weier.theory.loads import checked_loads
@@ -25,10 +26,6 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-3
 QUANTITIES = ("compliance", "resistance")
 LEAST_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
-
-
-class OutOfReachError(ValueError):
-    """No method within reach is as accurate as asked."""
 
 
 @dataclass(frozen=True)
