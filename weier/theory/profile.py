@@ -187,10 +187,14 @@ class Profile:
 
 
 def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+    if isinstance(gamma, np.floating):
+        gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
     try:
-        ratio = Fraction(gamma)
+        given = Fraction(gamma)
     except (ValueError, OverflowError, TypeError, ZeroDivisionError):
         raise ValueError(f'gamma must be an integer or a fraction such as "5/2", got {gamma!r}') from None
+    # A Fraction keeps the integers that it is made of, and NumPy's overflow in its powers without a word.
+    ratio = Fraction(int(given.numerator), int(given.denominator))
     if isinstance(gamma, float):
         ratio = ratio.limit_denominator(LARGEST_DENOMINATOR)
         if float(ratio) != gamma:

@@ -23,7 +23,7 @@ ESTIMATES = {"LAYER": "layer 24", "DEMELIO": "demelio"}  # 24 points are the lay
 
 
 class Constant(NamedTuple):
-    """A constant of weier.laws: its name, the value shipped, and the one measured.
+    """A constant of weier.methods.laws: its name, the value shipped, and the one measured.
 
     Of an error the largest over profiles, settings and loads, which a shipped one must not fall below; of seconds
     (`bound` is False) the least squares of the relative misfit.
