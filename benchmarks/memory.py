@@ -1,6 +1,6 @@
 """Peak memory of boundary elements by their nodes, and of contact patches by their contacts.
 
-`python -m benchmarks.memory` runs each in a process of its own and prints what stands in `weier.laws`.
+`python -m benchmarks.memory` runs each in a process of its own and prints what stands in `weier.methods.laws`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from weier import Profile, bem, endless, laws, patches, random_phases
+from weier import Profile, random_phases
+from weier.methods import bem, laws, patches
+from weier.methods import hybrid as endless
 
 UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
 NODES = (2**14, 2**17, 2**20)

@@ -9,12 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import bem, laws, patches, planned
-from weier.bounds import complete_bounds
-from weier.phases import RandomPhases, random_phases
-from weier.plan import QUANTITIES, plan
-from weier.profile import Profile
-from weier.terms import truncated
+from weier.methods import bem, laws, patches
+from weier.methods.planned import curve as planned
+from weier.methods.planned.plan import QUANTITIES, plan
+from weier.theory.bounds import complete_bounds
+from weier.theory.phases import RandomPhases, random_phases
+from weier.theory.profile import Profile
+from weier.theory.terms import truncated
 
 Array = NDArray[np.float64]
 
