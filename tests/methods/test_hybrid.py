@@ -9,7 +9,7 @@ import pytest
 
 from weier import Profile, figures, random_phases
 from weier.accuracy import convergence as study
-from weier.methods import bem, laws, layer, patches
+from weier.methods import bem, layer, patches
 from weier.methods import hybrid as endless
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.solver import LOADS as CARRIED
@@ -43,7 +43,7 @@ def convergence():
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
     h = convergence["compliance"].values
     low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
-    mesh = laws.BEM_COMPLIANCE / 32**2  # of the estimate's grid, in g_0
+    mesh = bem.error_model.COMPLIANCE / 32**2  # of the estimate's grid, in g_0
     assert np.all((low - mesh <= h) & (h <= high + mesh))
     # The last estimate lies within the bounds of every shorter series: they are about the same endless one.
     assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
@@ -92,7 +92,7 @@ class OnePlace(RandomPhases):
 def test_bounds_hold_for_crests_between_two_nodes():
     """The endless series with all its crests at that place touches at h = 0, and no bound lies below."""
     kept = Profile(1.25, 5, 2)
-    points = laws.bem_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
+    points = bem.error_model.fewest_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
     lower, upper = endless.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
     truth = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
     assert np.all(lower <= truth)

@@ -18,7 +18,7 @@ from weier.theory.profile import Profile
 Array = NDArray[np.float64]
 
 POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
-MOST_POINTS = 2**14  # more take minutes
+MAX_POINTS = 2**14  # more take minutes
 LOADS = 1e-6, 1e3  # p_0*: lighter ones drown in the tolerance, heavier ones leave the table
 
 
@@ -76,8 +76,8 @@ def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile,
     check_endless(profile)
     kept = profile.truncated(terms)
     points = checked_points(kept, points or POINTS_PER_WAVE * kept.wavenumber[-1])
-    if points > MOST_POINTS:
-        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MOST_POINTS}")
+    if points > MAX_POINTS:
+        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
     return kept, points
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.methods import bem, laws
+from weier.methods import bem, error_model
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -55,13 +55,13 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     check_endless(profile)
     kept = profile.truncated(terms)
     tail = kept.tail_amplitude
-    points, miss = laws.bem_points(kept, BOUND_SHARE * tail, "compliance"), BOUND_SHARE * tail
+    points, miss = bem.error_model.fewest_points(kept, BOUND_SHARE * tail, "compliance"), BOUND_SHARE * tail
     if points > MOST_BOUND_POINTS:
         raise TooManyPointsError(
             f"terms must be fewer, got {terms}: {points} points are more than {MOST_BOUND_POINTS}"
         )
     h = bem.curve(kept, checked_loads(mean_pressure), points=points, tolerance=miss / 10, resistance=False).compliance
-    off = laws.bem_compliance_error(kept, points) + laws.RESIDUAL * miss / 10
+    off = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL * miss / 10
     return complete_bounds(h, tail, profile.total_amplitude, off)
 
 
