@@ -107,7 +107,7 @@ def _seen(kept: Profile) -> bool:
 def _full_load(kept: Profile) -> float:
     """A load from which on contact is full: that of the pressure which flattens all waves, or the sum of all p_n*."""
     if _seen(kept):
-        return _surface(kept).full_load
+        return _surface(kept).full_contact_load
     with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
         return float(kept.full_contact_pressure.sum())
 
@@ -236,6 +236,6 @@ def contacts(kept: Profile, loads: Array) -> Array:
     """
     seen, ratio = _surface(kept), float(kept.gamma)
     near = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))
-    crests = np.searchsorted(np.sort(-seen.heights.rise), near, side="right")
-    troughs = np.searchsorted(np.sort(-seen.pressures.rise), seen.full_load - loads, side="right")
+    crests = np.searchsorted(np.sort(-seen.heights.crest_offset), near, side="right")
+    troughs = np.searchsorted(np.sort(-seen.tensions.crest_offset), seen.full_contact_load - loads, side="right")
     return np.maximum(np.minimum(crests, troughs), 1).astype(float)
