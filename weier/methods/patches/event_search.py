@@ -26,7 +26,7 @@ from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, 
 from weier.theory.profile import Profile
 
 STEPS_PER_DECADE = 16
-MAX_ROOT_INTERVAL = 0.02  # of ln(p): in shorter intervals the load of an event is found by root-finding
+MAX_ROOT_INTERVAL = 0.02  # of ln(p): in shorter intervals the load of an event is sought by root-finding
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
 LOAD_ACCURACY = 1e-13  # relative
 SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
@@ -94,33 +94,33 @@ def events(profile: Profile, low: float, high: float, tolerance: float = TOLERAN
     search = _Search(profile, surface, tolerance)
     state, _ = first_state(profile, surface, low, tolerance)
     patch_count = state.segments.centre.size
-    found: list[tuple[float, _Event]] = []
+    located: list[tuple[float, _Event]] = []
     for load in np.geomspace(low, last, count)[1:]:
         heavier, _ = next_state(profile, surface, state, float(load), tolerance)
-        found += search.between(state, heavier)
+        located += search.between(state, heavier)
         state = heavier
     if high >= surface.full_contact_load:
-        found += _last_events(surface, state)
-    return _sort_events(found, patch_count, surface)
+        located += _last_events(surface, state)
+    return _sort_events(located, patch_count, surface)
 
 
 def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Event]]:
     """The merges at the load of full contact: all gaps that are left just below it close."""
     edges, period = make_solution(surface, state, state.load).edges, surface.heights.period
-    found = []
+    located = []
     for left, right in zip(edges[:, 1], np.roll(edges[:, 0], -1), strict=True):
-        found.append((surface.full_contact_load, _Event(False, left, left + (right - left) % period)))
-    return found
+        located.append((surface.full_contact_load, _Event(False, left, left + (right - left) % period)))
+    return located
 
 
-def _sort_events(found: list[tuple[float, _Event]], patch_count: int, surface: Surface) -> Events:
+def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface: Surface) -> Events:
     """Events in order of load, from the number of contacts before the first."""
-    found = sorted(found, key=lambda item: item[0])
-    birth = np.array([event.birth for _, event in found], bool)
-    middle = np.array([0.5 * (event.left + event.right) for _, event in found])
+    located = sorted(located, key=lambda item: item[0])
+    birth = np.array([event.birth for _, event in located], bool)
+    middle = np.array([0.5 * (event.left + event.right) for _, event in located])
     change = np.where(birth, 1, -1)
     return Events(
-        np.array([load for load, _ in found]),
+        np.array([load for load, _ in located]),
         birth,
         middle - surface.heights.period * np.floor(middle / surface.heights.period),
         patch_count + np.cumsum(change, dtype=np.int64),
@@ -143,10 +143,10 @@ class _Search(NamedTuple):
         if width < MIN_INTERVAL:
             return [(high.load, event) for event in changes]
         if width < MAX_ROOT_INTERVAL:
-            found = self._locate_all(low, high, changes)
-            loads = [load for load, _ in found]
-            if found and max(loads) <= (1 + MIN_INTERVAL) * min(loads):  # one event, or several by symmetry
-                return found
+            located = self._locate_all(low, high, changes)
+            loads = [load for load, _ in located]
+            if located and max(loads) <= (1 + MIN_INTERVAL) * min(loads):  # one event, or several by symmetry
+                return located
         middle_load = float(np.sqrt(low.load) * np.sqrt(high.load))
         middle, _ = next_state(self.profile, self.surface, low, middle_load, self.tolerance)
         return self.between(low, middle) + self.between(middle, high)
@@ -203,17 +203,17 @@ class _Search(NamedTuple):
 def _changes(surface: Surface, low: ContactState, high: ContactState) -> list[_Event]:
     """Contacts of `high` that hold none of `low`, and gaps of `low` within a contact of `high`."""
     before, after = (make_solution(surface, state, state.load) for state in (low, high))
-    period, found = surface.heights.period, []
+    period, changes = surface.heights.period, []
     for left, right in after.edges:
         order = np.argsort((before.centre - left) % period)
         inside = order[(before.centre[order] - left) % period < right - left]
         if inside.size == 0:
-            found.append(_Event(True, left, right))
+            changes.append(_Event(True, left, right))
         for i, j in pairwise(inside):
             end = before.centre[i] + before.half_width[i]
             width = (before.centre[j] - before.half_width[j] - end) % period
-            found.append(_Event(False, end, end + width))
-    return found
+            changes.append(_Event(False, end, end + width))
+    return changes
 
 
 def _minimum(
@@ -223,13 +223,13 @@ def _minimum(
     x = np.linspace(left, right, SAMPLES + 2)[1:-1]
     lowest = int(np.argmin([_gap_or_pressure(state, series, of_gap, each) for each in x]))
     step = x[1] - x[0]
-    found = scipy.optimize.minimize_scalar(
+    minimum = scipy.optimize.minimize_scalar(
         lambda position: _gap_or_pressure(state, series, of_gap, position),
         bounds=(x[lowest] - step, x[lowest] + step),
         method="bounded",
         options={"xatol": POSITION_ACCURACY * step},
     )
-    return float(found.x), float(found.fun)
+    return float(minimum.x), float(minimum.fun)
 
 
 @kernel

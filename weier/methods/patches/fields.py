@@ -16,7 +16,7 @@ from weier.methods.patches.chebyshev import evaluate_expansion, expansion_coeffi
 from weier.methods.patches.segments import Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest_crest
 
-POLE_ANGLE = 1e-3  # nearer to a pole, the kernels less that pole come from their power series
+MAX_POLE_ANGLE = 1e-3  # nearer to a pole, the kernels less that pole come from their power series
 
 
 class ContactState(NamedTuple):
@@ -137,7 +137,7 @@ def _kernels_without_poles(d: float, period: float, images: int) -> tuple[float,
     factor = np.pi / period
     nearest = min(max(np.rint(d / period), -images), images)
     angle = factor * (d - nearest * period)
-    if abs(angle) < POLE_ANGLE:
+    if abs(angle) < MAX_POLE_ANGLE:
         value, slope, logarithm = -angle / 3, -factor / 3, np.log(2 * factor) - angle * angle / 6
     else:
         sine = np.sin(angle)

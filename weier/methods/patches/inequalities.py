@@ -69,10 +69,10 @@ def find_missing_segments(state: ContactState, series: CosineSeries, tolerance: 
     value = complementary_residuals(state, series, x)
     negative = value < -tolerance
     x, value, i = x[negative], value[negative], bracket[negative]
-    room = _distance_to_neighbours(x, edge[interval[i]], edge[interval[i]] + distance[interval[i]])
-    curvature = np.maximum((slope[i + 1] - slope[i]) / (probe[i + 1] - probe[i]), -value / room**2)
+    nearest = _distance_to_neighbours(x, edge[interval[i]], edge[interval[i]] + distance[interval[i]])
+    curvature = np.maximum((slope[i + 1] - slope[i]) / (probe[i + 1] - probe[i]), -value / nearest**2)
     widening = NEW_GAP_WIDTH if state.dual else NEW_CONTACT_WIDTH
-    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), MAX_NEW_WIDTH * room)
+    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), MAX_NEW_WIDTH * nearest)
     return MissingSegments(*nearest_crests(series, x), half_width, curvature)
 
 
@@ -119,7 +119,7 @@ def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIn
     first = state.segments.first_node
     size = SAMPLES_PER_NODE * first[-1] + 2 * first.size
     segment, start, end = np.zeros(size, np.int64), np.zeros(size), np.zeros(size)
-    found = 0
+    count = 0
     for j in range(first.size - 1):
         a = state.coefficient[first[j] : first[j + 1]]
         t, value = _sign_samples(state.dual, a)
@@ -134,13 +134,13 @@ def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIn
                     k += 1
                 while i > 0 and value[i - 1] < 0:
                     i -= 1
-                segment[found] = j
-                start[found] = _sign_change(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
-                end[found] = _sign_change(state.dual, a, t[k], t[k + 1]) if k + 1 < t.size else 1.0
-                found += 1
+                segment[count] = j
+                start[count] = _sign_change(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
+                end[count] = _sign_change(state.dual, a, t[k], t[k + 1]) if k + 1 < t.size else 1.0
+                count += 1
                 i = k
             i += 1
-    return NegativeIntervals(segment[:found], start[:found], end[:found])
+    return NegativeIntervals(segment[:count], start[:count], end[:count])
 
 
 @kernel
@@ -157,7 +157,7 @@ def _sign_samples(dual: bool, a: Array) -> tuple[Array, Array]:
     value = sample.copy()
     for i in range(1, count):
         rise = max(sample[i - 1], sample[i + 1]) - sample[i]
-        # A minimum that is higher than the function rises beside it will not turn out to be negative.
+        # The minimum is taken to be positive where it is no lowest sample, or exceeds the rise to its neighbours.
         if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
             continue
         t[i] = _minimise_sign_function(dual, a, t[i - 1], t[i + 1])

@@ -1,7 +1,7 @@
 """Newton's method on a given number of segments, which gives up when that number turns out to be wrong.
 
-There are too many segments where Newton's steps insist on making one vanish, or on making two meet. Both are left to
-the caller, who removes or merges segments.
+There are too many segments if step after step would leave one of them no width, or make two of them overlap. Then the
+caller removes the one or merges the two.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ MAX_STEPS = 25
 MIN_GROWTH, MAX_GROWTH = -0.6, 1.2  # of a half-width in one step, relative to it
 MAX_DISTANCE_LOSS = 0.7  # of the distance between two segments, in one step
 MAX_TOPOLOGY_STEPS = 2  # steps that would merge or remove segments before Newton's method gives up
-MEETING_DISTANCE = 0.1  # over the distance at the start: two segments this close that still approach will meet
-DOUBLE_ROOT = 1e-3  # of a width or distance at the start: one that Newton goes on halving is a double root at 0
-HALVING = 0.3  # of a width or distance in one step, from which on it counts as being halved
-ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, of a contact that has just been born
-MIN_REDUCTION = 0.3  # of a step over the one before; far from rounding the ratio is about the step before itself
-REUSE_STEP = 1e-5  # steps below this change the matrix so little that its last factors serve, with refinement
+MAX_MEETING_DISTANCE = 0.1  # over the distance at the start: two segments this close that still approach will meet
+MAX_DOUBLE_ROOT = 1e-3  # of a width or distance at the start: one that Newton goes on halving is a double root at 0
+MIN_HALVING = 0.3  # of a width or distance in one step, from which on it counts as being halved
+MAX_ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, as in a contact that has just been born
+MIN_ROUNDING_RATIO = 0.3  # of a step over the one before: free of rounding, Newton's steps shrink far more
+MAX_REUSE_STEP = 1e-5  # steps below this change the matrix so little that its last factors serve, with refinement
 MAX_REFINEMENTS = 3
 REFINEMENT_TOLERANCE = 1e-13  # of the sensitivities: the change that one more refinement would make
 
 
 class NewtonStatus(IntEnum):
-    """How Newton's method ended; `topology` means that segments insist on vanishing or on meeting."""
+    """How Newton's method ended; `topology` means that segments vanish or meet."""
 
     converged = 0
     stalled = 1
@@ -48,8 +48,8 @@ class NewtonResult(NamedTuple):
     status, steps : how it ended, and after how many steps
     step_size : of the last step, the largest relative change of a density, or of a centre or width in half-widths
     segments, phi, approach, sensitivity : the unknowns and their derivatives in the load, as in `ContactState`
-    meeting : whether each segment and the next one on its right insist on meeting, shape (segments,)
-    vanishing : whether each segment insists on vanishing, shape (segments,)
+    meeting : whether each segment meets the next one on its right, shape (segments,)
+    vanishing : whether each segment vanishes, shape (segments,)
     """
 
     status: NewtonStatus
@@ -72,7 +72,7 @@ def newton_iteration(
     limits = _StepLimits(1.0, *np.zeros((2, segments.centre.size), bool))
     while status == NewtonStatus.stalled and steps < MAX_STEPS:
         jacobian, right_side = assemble(segments, phi, approach, series, load, dual)
-        solution, factors = _solve(jacobian, right_side, factors if step_size < REUSE_STEP else None)
+        solution, factors = _solve(jacobian, right_side, factors if step_size < MAX_REUSE_STEP else None)
         steps += 1
         previous_size, step_size = step_size, _step_size(segments, phi, solution[:, 0])
         if not step_size < np.inf:
@@ -94,7 +94,7 @@ def newton_iteration(
 
 def _small_enough(step_size: float, previous_size: float, tolerance: float) -> bool:
     """Whether a step is below the tolerance, or so small that it should have shrunk more, were it not rounding."""
-    return step_size < tolerance or (step_size < ROUNDING_STEP and step_size > MIN_REDUCTION * previous_size)
+    return step_size < tolerance or (step_size < MAX_ROUNDING_STEP and step_size > MIN_ROUNDING_RATIO * previous_size)
 
 
 def _solve(matrix: Array, right_side: Array, near: Factors | None) -> tuple[Array, Factors]:
@@ -136,7 +136,7 @@ class _Layout(NamedTuple):
 
 
 class _StepLimits(NamedTuple):
-    """The share of a step that keeps all segments apart and their widths positive, and what the step insists on.
+    """The share of a step that keeps all segments apart and their widths positive, and which would meet or vanish.
 
     meeting, vanishing : as in `NewtonResult`
     """
@@ -153,20 +153,20 @@ def _step_limits(segments: Segments, solution: Array, period: float, start: _Lay
     loss = r * (growth + shift) + values_of_next(r * (growth - shift))
     return _StepLimits(
         _damping(loss / distance, growth),
-        _insist_on_meeting(loss, distance, start.distance),
-        _insist_on_vanishing(growth, r, start.half_width),
+        _meeting_segments(loss, distance, start.distance),
+        _vanishing_segments(growth, r, start.half_width),
     )
 
 
-def _insist_on_meeting(loss: Array, distance: Array, start: Array) -> Flags:
-    """Whether a full step, with this loss of distance, would make segments meet, or halve what is next to nothing."""
-    meeting = (loss > MAX_DISTANCE_LOSS * distance) & ((loss > distance) | (distance < MEETING_DISTANCE * start))
-    return meeting | (loss > HALVING * distance) & (distance < DOUBLE_ROOT * start)
+def _meeting_segments(loss: Array, distance: Array, start: Array) -> Flags:
+    """Whether a full step would make segments meet, or halve a distance that has nearly gone; `loss` is its loss."""
+    meeting = (loss > MAX_DISTANCE_LOSS * distance) & ((loss > distance) | (distance < MAX_MEETING_DISTANCE * start))
+    return meeting | (loss > MIN_HALVING * distance) & (distance < MAX_DOUBLE_ROOT * start)
 
 
-def _insist_on_vanishing(growth: Array, half_width: Array, start: Array) -> Flags:
-    """Whether a full step would leave segments no width, or halve what is next to nothing."""
-    return (growth < -1) | (growth < -HALVING) & (half_width < DOUBLE_ROOT * start)
+def _vanishing_segments(growth: Array, half_width: Array, start: Array) -> Flags:
+    """Whether a full step would leave segments no width, or halve a width that has nearly gone."""
+    return (growth < -1) | (growth < -MIN_HALVING) & (half_width < MAX_DOUBLE_ROOT * start)
 
 
 def _damping(loss: Array, growth: Array) -> float:

@@ -77,14 +77,14 @@ class Solution(NamedTuple):
         return np.maximum(p, 0.0).reshape(np.shape(x))
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap between flat and surface, in g_0, for x in lambda_0 of any shape; 0 on the contacts."""
+        """Gap between the rigid plane and the surface, in g_0, for x in lambda_0 of any shape; 0 on the contacts."""
         if self.state is None:
             return np.zeros(np.shape(x))
         gap = gaps(self.state, self.surface.series(self.state.dual), np.ravel(np.asarray(x, float)))
         return np.maximum(gap, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Elastic displacement u(x) away from the flat, in g_0, of mean 0: gap = d - z + u."""
+        """Elastic displacement u(x) away from the rigid plane, in g_0, of mean 0: gap = d - z + u."""
         return self.gap(x) + _series_at(self.surface.heights, x) - self.mean_gap
 
 

@@ -17,8 +17,10 @@ from weier.theory.crests import summits
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
-EQUAL_HEIGHTS = 1e-14  # of the sum of amplitudes: crests that differ by less, which is rounding, are equally high
-SMALL_ANGLE = 0.3  # below it sin(y) - y, which would cancel, is summed as a power series
+MAX_HEIGHT_ROUNDING = (
+    1e-14  # of the sum of amplitudes: crests that differ by less, which is rounding, are equally high
+)
+MAX_SERIES_ANGLE = 0.3  # up to it sin(y) - y, which would cancel, is summed as a power series
 
 
 class CosineSeries(NamedTuple):
@@ -88,7 +90,7 @@ def make_series(amplitude: Array, waves_per_period: list[int], phase: Array, per
     height = np.cos(theta) @ amplitude
     maximum = float(height.max())
     offset = height - maximum
-    offset[offset > -EQUAL_HEIGHTS * np.abs(amplitude).sum()] = 0.0
+    offset[offset > -MAX_HEIGHT_ROUNDING * np.abs(amplitude).sum()] = 0.0
     return CosineSeries(amplitude, wavenumber, float(period), x, np.cos(theta), np.sin(theta), offset, maximum)
 
 
@@ -111,7 +113,7 @@ def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, 
 @kernel
 def _sine_less_angle(y: float, sine: float) -> float:
     """sin(y) - y = -y^3/3! + y^5/5! - ..."""
-    if abs(y) > SMALL_ANGLE:
+    if abs(y) > MAX_SERIES_ANGLE:
         return sine - y
     q = y * y
     return -y * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156)))))
