@@ -11,9 +11,10 @@ from time import process_time
 import numpy as np
 
 from weier import Profile, random_phases
+from weier.methods.errors import OutOfReachError
 from weier.methods.planned import curve as planned
 from weier.methods.planned.candidates import ways
-from weier.methods.planned.plan import OutOfReachError, cheapest, plan
+from weier.methods.planned.plan import cheapest, plan
 from weier.methods.planned.segment import Part
 
 LOADS = np.geomspace(1e-3, 10, 40)

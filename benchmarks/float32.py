@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from weier import Profile
 from weier.methods.bem import fft
-from weier.methods.bem.curve import full_contact, nested_grids
+from weier.methods.bem.solver import full_contact, nested_grids
 from weier.theory.halfplane import eigenvalues
 
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))

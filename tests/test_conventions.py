@@ -78,7 +78,7 @@ def measured_trade(folder):
     """Of one wave and few points."""
     (folder / "trade.yaml").write_text(TRADE, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.accuracy.tradeoff.contenders"), "MOST_COMPARED_POINTS", 100)
+        patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", 100)
         return tradeoff.measure(scene.load(folder / "trade.yaml"))
 
 

@@ -122,7 +122,7 @@ def test_all_that_is_public_is_described(site):
     }
     public |= {
         "weier.methods.planned.curve.curve",
-        "weier.methods.hybrid.curve",
+        "weier.methods.hybrid.solver",
         "weier.accuracy.convergence.convergence",
     }
     assert {name for name in public if f'id="{name}"' not in text} == set()

@@ -11,7 +11,8 @@ from weier.accuracy.tradeoff.fit import constants
 from weier.accuracy.tradeoff.numbers import pareto, seconds_per_load, worst_over_loads
 from weier.data import dataset
 from weier.methods import laws
-from weier.methods.solve import checked_method
+from weier.methods.registry import method_named
+from weier.methods.settings import check_names
 
 SCENE = """
 title: Small
@@ -30,7 +31,7 @@ def measured(tmp_path_factory):
     path = tmp_path_factory.mktemp("scene") / "small.yaml"
     path.write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.accuracy.tradeoff.contenders"), "MOST_COMPARED_POINTS", 600)
+        patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", 600)
         return tradeoff.measure(scene.load(path))
 
 
@@ -57,7 +58,7 @@ def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
 
 def test_every_contender_is_a_method_with_its_settings(measured):
     for contender in tradeoff.contenders(Profile(1.25, 5, 2)):
-        checked_method(contender.method, contender.settings)
+        check_names(method_named(contender.method), contender.settings)
         assert len(contender.name) <= 16
 
 

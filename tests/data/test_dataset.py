@@ -102,7 +102,7 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
     (tmp_path / "mixed.yaml").write_text(MIXED)
     mixed = scene.load(tmp_path / "mixed.yaml")
     parts = [batch.solve_batch(mixed, cases)[0] for cases in mixed.batches.values()]
-    assert [(part.method.values.tolist(), part.sizes["term"], part.sizes["edge"]) for part in parts] == [
+    assert [(part.solution_method.values.tolist(), part.sizes["term"], part.sizes["edge"]) for part in parts] == [
         (["archard", "patches"], 1, 2), (["demelio"], 2, 10)
     ]  # fmt: skip
     for name, part in zip(("short", "long"), parts, strict=True):

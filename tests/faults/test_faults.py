@@ -38,7 +38,7 @@ COMMAND = ["snakemake", "--cores", "2", "--config", "scenes=test"]
 def undisturbed(tmp_path_factory):
     """A copy of the checkout with a finished run."""
     folder = tmp_path_factory.mktemp("undisturbed")
-    for path in (Path("Snakefile"), Path("config"), Path("profiles"), PACKAGE):
+    for path in (Path("Snakefile"), Path("config"), Path("rules"), Path("profiles"), PACKAGE):
         copy = shutil.copytree if path.is_dir() else shutil.copy2
         copy(path, folder / path.name)
     (folder / "config/scenes/test.yaml").write_text(SCENE)

@@ -228,8 +228,8 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
 
 
 def test_methods_differ_without_colour() -> None:
-    estimates = [style.METHODS[method] for method in (*curves.ESTIMATES, "westergaard")]
-    assert len({line.color for line in estimates}) == len({str(line.linestyle) for line in estimates}) == 4
+    estimates = [style.line(method) for method in (*curves.ESTIMATES, "westergaard")]
+    assert len({line["color"] for line in estimates}) == len({str(line["linestyle"]) for line in estimates}) == 4
     grey = [np.dot(look["color"][:3], [0.299, 0.587, 0.114]) for look in style.family(8)]
     assert np.all(np.diff(grey) < -0.03)
 

@@ -16,6 +16,7 @@ from weier.data.dataset import Status
 from weier.figures import page, style
 from weier.figures.captions import CAPTIONS
 from weier.figures.page import curves, plans
+from weier.methods import registry
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
@@ -145,18 +146,18 @@ def test_a_method_looks_as_in_the_figures():
 
     both, alone = drawn(["demelio", "bem", "patches"]), drawn(["demelio", "bem"])
     for method in ("demelio", "patches"):
-        look, glyph = style.METHODS[method], both[style.METHODS[method].label][0]
+        look, glyph = style.line(method), both[style.line(method)["label"]][0]
         assert isinstance(glyph, Line)
-        assert glyph.line_color == look.color
-        dashed = look.linestyle != "-"
+        assert glyph.line_color == look["color"]
+        dashed = look["linestyle"] != "-"
         assert (
-            glyph.line_dash == [round(2 * length) for length in look.linestyle[1]]
+            glyph.line_dash == [round(2 * length) for length in look["linestyle"][1]]
             if dashed
             else glyph.line_dash == []
         )
     circles, renderer = both["boundary elements"]
     assert isinstance(circles, Scatter)
-    assert circles.line_color == style.METHODS["bem"].color
+    assert circles.line_color == style.line("bem")["color"]
     assert 20 < len(renderer.view.filter.indices) <= 30
     assert isinstance(alone["boundary elements"][0], Line)
 
@@ -311,7 +312,7 @@ onmessage = (event) => { document.getElementById("answer").textContent = JSON.st
 
 def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     """With all methods, random phases, and cases that only their keys tell apart."""
-    data = dataset.blank(2, list(style.METHODS), LOADS, 6)
+    data = dataset.blank(2, registry.names(), LOADS, 6)
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phase"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
@@ -323,7 +324,7 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     answer = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
     found = json.loads(re.search(r'<pre id="answer">(.*?)</pre>', answer).group(1))
     assert found["page"] == found["window"] <= 420  # the frame, less a bar to scroll up and down
-    assert len(found["ends"]) > 5 + len(style.METHODS) + 2  # drop-downs, boxes, plots
+    assert len(found["ends"]) > 5 + len(registry.names()) + 2  # drop-downs, boxes, plots
     assert max(found["ends"]) <= found["window"]
 
 

@@ -38,9 +38,11 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     """numba alone returns the old constant; the folder's name brings a fresh compilation."""
     package = tmp_path / "weier"
     package.mkdir()
-    (package / "__init__.py").touch()
+    (package / "kernels").mkdir()
+    for name in ("__init__.py", "kernels/__init__.py"):
+        (package / name).touch()
     for name in ("jit.py", "sources.py"):
-        (package / name).write_text((jit.PACKAGE / name).read_text())
+        (package / "kernels" / name).write_text((jit.PACKAGE / "kernels" / name).read_text())
     (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier import constants"))
 
     def run(value):

@@ -12,8 +12,8 @@ from weier.accuracy import convergence as study
 from weier.methods import bem, laws, layer, patches
 from weier.methods import hybrid as endless
 from weier.methods.hybrid import newton
-from weier.methods.hybrid.bounds import BOUND_SHARE
-from weier.methods.hybrid.curve import LOADS as CARRIED
+from weier.methods.hybrid.solver import LOADS as CARRIED
+from weier.methods.hybrid.truncation_bounds import BOUND_SHARE
 from weier.theory.profile import RandomPhases
 
 LOADS = np.geomspace(3e-3, 3, 7)
@@ -65,7 +65,7 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
 def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
     monkeypatch.setattr(study, "MOST_POINTS", 300)
-    monkeypatch.setattr(sys.modules["weier.methods.hybrid.bounds"], "MOST_BOUND_POINTS", 2000)
+    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MOST_BOUND_POINTS", 2000)
     data = study.convergence([Profile(1.25, 5, math.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]

@@ -12,12 +12,13 @@ from weier import Profile, random_phases, scene
 from weier.data import dataset
 from weier.methods import hybrid as endless
 from weier.methods import laws, patches
+from weier.methods.errors import NotApplicableError, OutOfReachError
+from weier.methods.planned import candidates as ways
 from weier.methods.planned import curve as planned
 from weier.methods.planned.candidates import contacts
-from weier.methods.planned.plan import OutOfReachError, cheapest, plan
-from weier.methods.solve import NotApplicableError
+from weier.methods.planned.plan import cheapest, plan
 from weier.pipeline import batch
-from weier.theory.bounds import compliance_bounds
+from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.terms import left_out, truncated
 
 LOADS = np.geomspace(1e-3, 10, 12)
@@ -144,8 +145,8 @@ def test_full_contact_is_closed_form_and_exact():
 
 
 def test_terms_that_a_tolerance_does_not_need_are_left_out_within_the_bounds():
-    (part, flat) = plan(PROFILE, LOADS, 0.1).parts
-    assert part.terms == 2
+    (part, estimate, flat) = plan(PROFILE, LOADS, 0.1).parts
+    assert (part.terms, estimate.method) == (2, "demelio")
     assert part.truncation == pytest.approx(PROFILE.amplitude[2])
     kept = patches.curve(truncated(PROFILE, 2), LOADS).compliance
     low, high = compliance_bounds(kept + left_out(PROFILE, 2), part.truncation[0])
@@ -154,18 +155,18 @@ def test_terms_that_a_tolerance_does_not_need_are_left_out_within_the_bounds():
     # Once two terms are flat the third is told by half of its height, and no grid.
     assert (flat.method, flat.terms) == ("full contact", 2)
     assert flat.truncation == pytest.approx(PROFILE.amplitude[2] / 2)
-    curve = planned.run(PROFILE, (part, flat))
+    curve = planned.run(PROFILE, (part, estimate, flat))
     assert np.all(np.abs(curve.compliance - exact) <= curve.compliance_error)
     assert np.all(curve.compliance_error <= 0.1)
 
 
-def test_parts_are_the_cheapest_of_all_that_cover_the_loads():
-    """Dynamic programming finds what trying every sequence finds."""
+def test_each_load_takes_the_way_of_least_seconds_that_does():
+    """Whatever the others take, and in as few parts as that allows."""
     random = np.random.default_rng(4)
     (like,) = plan(Profile(1.5, 3, 1), [0.1] * 1, 1e-3).parts
     none = np.zeros(5)
     for _ in range(20):
-        ways = [
+        those = [
             like._replace(
                 method=name, mean_pressure=np.arange(1.0, 6.0), estimate=none, discretisation=none,
                 truncation=np.where(random.random(5) < 0.3, np.inf, 0.0) if number else none,
@@ -173,23 +174,54 @@ def test_parts_are_the_cheapest_of_all_that_cover_the_loads():
             )
             for number, name in enumerate("abc")
         ]  # fmt: skip
-        seconds = [
-            sum(part.seconds for part in cut(ways, order))
-            for order in itertools.product(range(3), repeat=5)
-            if all(np.isfinite(ways[way].truncation[load]) for load, way in enumerate(order))
+        least = [
+            min((way.seconds_load[load], way.method) for way in those if np.isfinite(way.truncation[load]))
+            for load in range(5)
         ]
-        parts = cheapest(ways, 1e-3)
-        assert sum(part.seconds for part in parts) == pytest.approx(min(seconds))
+        parts = cheapest(those, 1e-3)
+        taken = [(second, part.method) for part in parts for second in part.seconds_load]
+        assert taken == least
         assert np.concatenate([part.mean_pressure for part in parts]).tolist() == [1, 2, 3, 4, 5]
+        assert all(one.method != other.method for one, other in itertools.pairwise(parts))
 
 
-def cut(ways, order):
-    """The parts of a sequence of ways."""
-    loads = 0
-    for way, run in itertools.groupby(order):
-        count = len(list(run))
-        yield ways[way].at(slice(loads, loads + count))
-        loads += count
+@pytest.mark.parametrize("loads", [[1.0], [0.3, 1.0, 2.0]])
+@pytest.mark.parametrize("m", [12, math.inf])
+@pytest.mark.parametrize(("D", "gamma", "tolerance"), [(1.02, 5, 0.3), (1.1, 3, 0.25), (1.2, 5, 0.5)])
+def test_the_resistance_of_a_long_series_is_within_its_tolerance_whatever_the_loads(D, gamma, tolerance, m, loads):
+    """Against more terms than the plan took: the true resistance lies within what chords of theirs allow."""
+    profile = Profile(D, gamma, m, math.pi)
+    curve = weier.solve(profile, loads, "planned", tolerance=tolerance, quantity="resistance")
+    error = curve.resistance_error.values
+    assert np.all(error <= tolerance * np.maximum(curve.resistance.values, 1) * (1 + 1e-9))
+    most = {3: 9, 5: 6}[gamma]
+    assert curve.planned_terms.values.max() < most
+    kept, around = truncated(profile, most), np.sort(np.outer(loads, [0.9, 0.98, 1, 1.02, 1.1]).ravel())
+    points = 16 * kept.wavenumber[-1]
+    h = weier.methods.bem.curve(kept, around, points=points, resistance=False).compliance
+    low, high = resistance_bounds(around, h, left_out(profile, most) + laws.bem_compliance_error(kept, points))
+    here = np.searchsorted(around, loads)
+    assert np.all(curve.resistance.values - error <= high[here])
+    assert np.all(curve.resistance.values + error >= low[here])
+
+
+def test_what_misses_its_tolerance_is_solved_by_more_terms_or_refused(monkeypatch):
+    """Foreseen chords may turn out narrower than those found, here a tenth as wide."""
+    foreseen = ways._foreseen_chords
+
+    def too_narrow(*given):
+        width, chord_loads = foreseen(*given)
+        return width / 10, chord_loads
+
+    profile, loads = Profile(1.1, 3, math.inf, math.pi), [0.3, 2.0]
+    terms = weier.solve(profile, loads, "planned", tolerance=0.3, quantity="resistance").planned_terms.values
+    monkeypatch.setattr(ways, "_foreseen_chords", too_narrow)
+    assert plan(profile, loads, 0.3, "resistance").parts[0].terms < terms[0]
+    again = weier.solve(profile, loads, "planned", tolerance=0.3, quantity="resistance")
+    assert np.all(again.resistance_error <= 0.3 * np.maximum(again.resistance, 1))
+    monkeypatch.setattr(ways, "MOST_GRID_POINTS", 10_000)
+    with pytest.raises(NotApplicableError, match=r"was expected to do, and left an error of .* at 0\.3 p_0\*"):
+        weier.solve(Profile(1.3, 5, math.inf), [0.3], "planned", tolerance=0.1, quantity="resistance")
 
 
 def test_light_loads_are_a_few_exact_contacts_and_crowded_ones_a_grid():
@@ -316,7 +348,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
     assert weier.plan(loaded, tolerance=1e-9).plans[0].parts[0].method == "patches"
     data, _ = batch.solve_batch(loaded, loaded.studies["one"])
-    assert data.method.values.tolist() == ["planned"]
+    assert data.solution_method.values.tolist() == ["planned"]
     for case in range(2):
         exact = patches.curve(loaded.studies["one"][case].profile, loaded.loads).compliance
         error = np.abs(data.compliance.values[case, 0] - exact)

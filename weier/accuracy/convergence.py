@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike
 from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.bounds import TooManyPointsError, bounds
-from weier.methods.hybrid.curve import MOST_POINTS, POINTS_PER_WAVE, curve
+from weier.methods.hybrid.solver import MOST_POINTS, POINTS_PER_WAVE, curve
+from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
-from weier.theory.terms import truncated
 
 
 def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_terms: int) -> xr.Dataset:
@@ -49,7 +48,7 @@ def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_term
         values = {"D": profile.D, "gamma": float(profile.gamma), "m": profile.m, "tail_amplitude": 0.0}
         for name, value in {**values, "total_amplitude": profile.total_amplitude}.items():
             data[name].values[case] = value
-        data["phase"].values[case] = truncated(profile, most_terms).phase
+        data["phase"].values[case] = profile.truncated(most_terms).phase
         for row in range(most_terms):
             _resolve_into(data, (case, row), profile, loads)
     return data
@@ -58,7 +57,7 @@ def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_term
 def _resolve_into(data: xr.Dataset, place: tuple[int, int], profile: Profile, loads: Array) -> None:
     """The estimate with its bounds, or the bounds alone where there are too many points for it."""
     terms = place[1] + 1
-    points = POINTS_PER_WAVE * truncated(profile, terms).wavenumber[-1]
+    points = POINTS_PER_WAVE * profile.truncated(terms).wavenumber[-1]
     try:
         if points <= MOST_POINTS:
             found = curve(profile, loads, terms)._asdict()

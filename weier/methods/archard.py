@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.method import Estimate, Method, Reference, Style
+from weier.theory.profile import Profile
 from weier.theory.series import full_contact_pressure
 
 LN2 = np.log(2)
@@ -163,3 +165,25 @@ def _light_sum(zeta: Array, y: Array, waves: Waves, run: int, scratch: Array) ->
             z[i] = z[i] * (y[i] - fixed) + coefficient
     for i in range(y.size):
         y[i] = total[i] + weight * z[i]
+
+
+def _solve(profile: Profile, loads: Array) -> Estimate:
+    series = profile.D, float(profile.gamma), profile.m
+    return Estimate(compliance(loads, *series), resistance(loads, *series))
+
+
+def _reference(profile: Profile, loads: Array) -> Reference:
+    from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+    series = profile.D, float(profile.gamma), profile.m
+    return multiprecision.reference(multiprecision.archard(p, *series) for p in loads)
+
+
+METHOD = Method(
+    name="archard",
+    label="Archard",
+    summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
+    solve=_solve,
+    style=Style("#D55E00", (5, 1.5), "v"),
+    reference=_reference,
+)

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.method import Estimate, Method, Reference, Style
+from weier.theory.profile import Profile
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -102,3 +104,25 @@ def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
 def _geometric(gamma: Array, m: Array) -> Array:
     """Sum of gamma^-k over m terms."""
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
+
+
+def _solve(profile: Profile, loads: Array) -> Estimate:
+    series = profile.D, float(profile.gamma), profile.m
+    return Estimate(compliance(loads, *series), resistance(loads, *series))
+
+
+def _reference(profile: Profile, loads: Array) -> Reference:
+    from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+    series = profile.D, float(profile.gamma), profile.m
+    return multiprecision.reference(multiprecision.demelio(p, *series) for p in loads)
+
+
+METHOD = Method(
+    name="demelio",
+    label="Demelio",
+    summary="each wave carries the mean pressure (23)-(26); any m, also inf",
+    solve=_solve,
+    style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
+    reference=_reference,
+)

@@ -1,10 +1,10 @@
-"""What weier raises where a solver stops short; who asks for what cannot be is told so by a ValueError."""
+"""What weier raises beside the ValueErrors that name a value, its limit and what to do."""
 
 from __future__ import annotations
 
 
 class ConvergenceError(RuntimeError):
-    """A solver stopped before its answer met the contact conditions.
+    """A solver stopped before its solution met the contact conditions.
 
     Attributes
     ----------
@@ -15,3 +15,11 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, residual: float = float("nan")) -> None:
         super().__init__(message)
         self.residual = residual
+
+
+class NotApplicableError(ValueError):
+    """The method says nothing about this profile: it is for one wave only, or for finite series only."""
+
+
+class OutOfReachError(NotApplicableError):
+    """No method within reach is as accurate as asked."""

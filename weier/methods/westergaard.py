@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.methods.errors import NotApplicableError
+from weier.methods.method import Estimate, Method, Reference, Style
+from weier.theory.profile import Profile
 
 
 def compliance(xi: ArrayLike) -> Array:
@@ -63,3 +66,29 @@ def _wave(x: ArrayLike) -> tuple[Array, Array]:
     x = np.asarray(x, float)
     angle = np.pi * np.abs(x - np.rint(x))
     return np.sin(angle), np.cos(angle)
+
+
+def _solve(profile: Profile, loads: Array) -> Estimate:
+    return Estimate(compliance(loads), resistance(loads))
+
+
+def _applies(profile: Profile) -> None:
+    if profile.m != 1:
+        raise NotApplicableError(f'method "westergaard" is for one wave, m = 1, got m = {profile.m}')
+
+
+def _reference(profile: Profile, loads: Array) -> Reference:
+    from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+    return multiprecision.reference(multiprecision.westergaard(p) for p in loads)
+
+
+METHOD = Method(
+    name="westergaard",
+    label="Westergaard",
+    summary="the closed form for one wave (6)-(14); m = 1",
+    solve=_solve,
+    applies=_applies,
+    style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
+    reference=_reference,
+)

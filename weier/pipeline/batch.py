@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.variables import VARIABLES
-from weier.methods.errors import ConvergenceError
-from weier.methods.solve import NotApplicableError, all_settings, answer
+from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.registry import method_named
+from weier.methods.settings import all_settings
+from weier.methods.solve import answer
 from weier.scene.cases import Case, Scene
 from weier.theory.limits import resolvable
 
@@ -89,7 +91,7 @@ def _solve_into(curves: Arrays, costs: Arrays, place: Mapping[str, int], case: C
     """One curve, or why there is none, into its row of each array."""
     run = _row("status", place)
     given = case.settings.get(method, {})
-    curves["settings"][run] = _fitting(json.dumps(all_settings(method, given), sort_keys=True))
+    curves["settings"][run] = _fitting(json.dumps(all_settings(method_named(method), given), sort_keys=True))
     try:
         found, seconds = answer(case.profile, curves["mean_pressure"], method, given)
     except (NotApplicableError, ConvergenceError) as error:

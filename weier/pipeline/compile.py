@@ -7,8 +7,10 @@ from contextlib import suppress
 import numpy as np
 
 from weier.kernels import jit
+from weier.methods import registry
+from weier.methods.errors import NotApplicableError
 from weier.methods.fields import events, fields
-from weier.methods.solve import METHODS, NotApplicableError, solve
+from weier.methods.solve import solve
 from weier.theory.profile import Profile
 
 LOADS = np.geomspace(1e-3, 10, 12)  # few contacts and few gaps: the patches have a problem of their own for each
@@ -19,9 +21,9 @@ def compile_kernels() -> None:
     if jit.disabled():
         return
     profile = Profile(D=1.25, gamma=2, m=2)
-    for method in METHODS:
-        with suppress(NotApplicableError):
-            solve(profile, LOADS, method)
-    solve(profile, LOADS, "bem", solver="direct")
+    for method in registry.METHODS:
+        for settings in method.algorithms:
+            with suppress(NotApplicableError):
+                solve(profile, LOADS, method.name, **settings)
     fields(profile, 0.1)
     events(profile, LOADS[0], LOADS[-1])

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from weier.kernels.arrays import Array
-from weier.methods.registry import NUMERICAL
+from weier.methods.registry import numerical_names
 from weier.theory.profile import Profile
 
 ESTIMATES = ("archard", "demelio", "layer")  # in the order of Section 4
@@ -40,7 +40,7 @@ def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
 
 def numerical_method(case: xr.Dataset) -> str | None:
     """The most accurate method that solved the case itself, not an estimate of it, or None."""
-    return next((method for method in NUMERICAL if curve(case, "compliance", method) is not None), None)
+    return next((method for method in numerical_names() if curve(case, "compliance", method) is not None), None)
 
 
 def numerical(case: xr.Dataset, name: str) -> Array | None:
@@ -50,7 +50,7 @@ def numerical(case: xr.Dataset, name: str) -> Array | None:
 
 def second(case: xr.Dataset, name: str) -> Array | None:
     """The values of a variable by the other numerical method, where two solved the case, or None."""
-    solved = [method for method in NUMERICAL if curve(case, "compliance", method) is not None]
+    solved = [method for method in numerical_names() if curve(case, "compliance", method) is not None]
     return curve(case, name, solved[1]) if len(solved) > 1 else None
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
 from weier.methods import laws
-from weier.methods.registry import NUMERICAL
+from weier.methods.registry import numerical_names
 from weier.theory.bounds import complete_bounds, resistance_bounds
 from weier.theory.profile import Profile
 
@@ -81,7 +81,7 @@ def add_bounds(data: xr.Dataset) -> xr.Dataset:
     (`python -m benchmarks.planned`).
     """
     data = data.copy(deep=True)
-    exact = np.flatnonzero(np.isin(data["solution_method"].values, NUMERICAL))
+    exact = np.flatnonzero(np.isin(data["solution_method"].values, numerical_names()))
     loads = data["mean_pressure"].values
     h = data["compliance"].values[:, exact]
     names = ("total_amplitude", "tail_amplitude", "first_contact")

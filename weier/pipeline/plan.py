@@ -8,7 +8,8 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
-from weier.methods.planned.plan import OutOfReachError, Plan
+from weier.methods.errors import OutOfReachError
+from weier.methods.planned.plan import Plan
 from weier.methods.planned.plan import plan as plan_profile
 from weier.methods.registry import PLANNED
 from weier.scene import Case, Scene

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from weier.data import yaml as plain_yaml
 from weier.data.variables import of_curves
 from weier.data.yaml import number
-from weier.methods.registry import PLANNED
-from weier.methods.solve import checked_settings
+from weier.methods.registry import PLANNED, method_named
+from weier.methods.settings import checked_settings
 from weier.scene.cases import Case, Figure, Scene, SceneError
 from weier.scene.products import MOST_CASES, axis, check_count, combinations
 from weier.theory.loads import check_range, checked_loads
@@ -119,7 +119,7 @@ def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
     settings = study.get("settings", raw.get("settings", {}))
     if plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
-    checked = {method: checked_settings(method, settings.get(method, {})) for method in methods}
+    checked = {method: checked_settings(method_named(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
     for parameters in combinations(study):
         case = Case(parameters, methods, own)

@@ -116,6 +116,15 @@ class Profile:
         """Sum G_m of the amplitudes that the truncation leaves out, in g_0 (27)."""
         return float(series.tail_amplitude(self.m, self.D, float(self.gamma)))
 
+    def truncated(self, terms: int) -> Profile:
+        """The first `terms` of the series, as a profile."""
+        phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
+        return Profile(self.D, self.gamma, terms, phases)
+
+    def amplitude_beyond(self, terms: float) -> float:
+        """Sum of the amplitudes of this series after the first `terms`, in g_0."""
+        return 0.0 if terms == self.m else self.total_amplitude - self.truncated(int(terms)).total_amplitude
+
     @property
     def period(self) -> int:
         """Length after which the truncated series repeats, in lambda_0: denominator(gamma)^(m-1)."""
@@ -178,10 +187,14 @@ class Profile:
 
 
 def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+    if isinstance(gamma, np.floating):
+        gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
     try:
-        ratio = Fraction(gamma)
+        given = Fraction(gamma)
     except (ValueError, OverflowError, TypeError, ZeroDivisionError):
         raise ValueError(f'gamma must be an integer or a fraction such as "5/2", got {gamma!r}') from None
+    # A Fraction keeps the integers that it is made of, and NumPy's overflow in its powers without a word.
+    ratio = Fraction(int(given.numerator), int(given.denominator))
     if isinstance(gamma, float):
         ratio = ratio.limit_denominator(LARGEST_DENOMINATOR)
         if float(ratio) != gamma:

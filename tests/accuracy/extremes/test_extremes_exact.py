@@ -3,7 +3,7 @@
 import mpmath as mp
 import pytest
 
-from weier.accuracy.extremes import exact
+from weier.methods import multiprecision as exact
 
 TERMS = 200  # of a sum that falls by half a term: below the last digit
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from weier import Profile
 from weier.accuracy.extremes import Outcome, examine, verdicts
 from weier.methods import bem, laws
-from weier.methods.variant import Contender
+from weier.methods.method import Variant
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)
@@ -50,7 +50,7 @@ def waves(draw):
 
 
 def check(method, profile, mean_pressure, **options):
-    found = examine(Contender(method, method, options), profile, mean_pressure)
+    found = examine(Variant(method, method, options), profile, mean_pressure)
     assert not found.warned
     assert set(found.outcome) <= {Outcome.finite, Outcome.clear_error}, found.message
     solved = found.outcome == Outcome.finite

@@ -20,7 +20,7 @@ from weier.accuracy.extremes.truth import truth
 from weier.data import dataset
 from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
-from weier.methods.variant import Contender
+from weier.methods.method import Variant
 from weier.scene import Case
 from weier.theory.halfplane import influence_coefficients
 
@@ -119,14 +119,14 @@ def here(monkeypatch):
 )
 def test_what_is_a_clear_error(here, monkeypatch, error, outcome):
     monkeypatch.setattr(here, "solve", raising(error))
-    found = extremes.examine(Contender("bem", "bem", {}), ONE, np.array([0.1, 1.0]))
+    found = extremes.examine(Variant("bem", "bem", {}), ONE, np.array([0.1, 1.0]))
     assert set(found.outcome) == {outcome}
     assert found.message == f"{type(error).__name__}: {error}"
 
 
 def test_what_numpy_raises_is_not_clear(here, monkeypatch):
     monkeypatch.setattr(here, "solve", lambda *arguments, **settings: np.argmax([]))
-    found = extremes.examine(Contender("bem", "bem", {}), ONE, np.array([0.1]))
+    found = extremes.examine(Variant("bem", "bem", {}), ONE, np.array([0.1]))
     assert found.outcome.tolist() == [Outcome.unclear_error]
     assert found.message.startswith("ValueError: ")
 
@@ -141,7 +141,7 @@ def test_a_warning_is_seen_and_a_curve_that_breaks_is_tried_load_by_load(here, m
         return real(profile, loads, method, **settings)
 
     monkeypatch.setattr(here, "solve", solve)
-    found = extremes.examine(Contender("demelio", "demelio", {}), ONE, LOADS)
+    found = extremes.examine(Variant("demelio", "demelio", {}), ONE, LOADS)
     assert found.warned == ("divide by zero",)
     assert found.message == "ConvergenceError: together they stop"
     assert set(found.outcome) == {Outcome.finite}
@@ -158,7 +158,7 @@ def test_a_planned_curve_that_expects_too_little_is_a_fault(here, monkeypatch):
         return curve
 
     case = Case({"D": 1.25, "gamma": "5", "m": 3, "phases": [0.0, 1.0, 2.0]}, (), {})
-    some = [extremes.Extreme("light", case, np.geomspace(1e-12, 1e-4, 5), (Contender("planned", "planned", {}),))]
+    some = [extremes.Extreme("light", case, np.geomspace(1e-12, 1e-4, 5), (Variant("planned", "planned", {}),))]
     assert extremes.failures(extremes.measure(some)) == []
     monkeypatch.setattr(here, "solve", solve)
     assert extremes.failures(extremes.measure(some)) == ["light, planned: not as expected"]
@@ -168,7 +168,7 @@ def small():
     """Two extremes that are no trouble, and one that is refused."""
     one, three = (Case({"D": 1.25, "gamma": "5", "m": m}, (), {}) for m in (1, 3))
     deep = Case({"D": 1.25, "gamma": "1000000", "m": 3}, (), {})
-    methods = [Contender(name, name, {}) for name in ("archard", "demelio", "bem", "patches")]
+    methods = [Variant(name, name, {}) for name in ("archard", "demelio", "bem", "patches")]
     return [
         extremes.Extreme("one | wave", one, LOADS[2:], tuple(methods)),
         extremes.Extreme("three waves", three, LOADS[2:4], tuple(methods[1:3])),

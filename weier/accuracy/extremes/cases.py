@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods import patches
-from weier.methods.variant import Contender
+from weier.methods.method import Variant
 from weier.scene import Case
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
@@ -42,7 +42,7 @@ class Extreme(NamedTuple):
     name: str
     case: Case
     loads: Array
-    contenders: tuple[Contender, ...]
+    contenders: tuple[Variant, ...]
 
 
 def extremes() -> Iterator[Extreme]:
@@ -113,10 +113,10 @@ def _extreme(name: str, case: Case, loads: Array) -> Extreme:
     names += ["archard", "demelio"]
     names += ["layer"] if case.profile.m <= SHALLOW else []
     names += ["bem", "planned"] if math.isfinite(case.profile.m) else []
-    found = [Contender(method, method, {}) for method in names]
+    found = [Variant(method, method, {}) for method in names]
     if math.isfinite(case.profile.m) and (few_waves(case.profile) or not resolvable(case.profile)):
         direct = {"solver": "direct", **_paper_points(case.profile)}
-        found += [Contender("bem direct", "bem", direct), Contender("patches", "patches", {})]
+        found += [Variant("bem direct", "bem", direct), Variant("patches", "patches", {})]
     return Extreme(name, case, loads, tuple(found))
 
 
@@ -127,15 +127,15 @@ def few_waves(profile: Profile) -> bool:
 
 def _slow(name: str, case: Case, load: float) -> Extreme:
     """A long series by the methods that take seconds for it."""
-    return Extreme(name, case, np.array([load]), tuple(Contender(name, name, {}) for name in ("layer", "planned")))
+    return Extreme(name, case, np.array([load]), tuple(Variant(name, name, {}) for name in ("layer", "planned")))
 
 
 def _paper_points(profile: Profile) -> dict[str, int]:
     return {"points": PAPER_POINTS * profile.wavenumber[-1]} if resolvable(profile) else {}
 
 
-def _on_points(points: int) -> tuple[Contender, ...]:
+def _on_points(points: int) -> tuple[Variant, ...]:
     return (
-        Contender("bem", "bem", {"points": points}),
-        Contender("bem direct", "bem", {"solver": "direct", "points": points}),
+        Variant("bem", "bem", {"points": points}),
+        Variant("bem direct", "bem", {"solver": "direct", "points": points}),
     )

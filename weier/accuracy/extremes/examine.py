@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array
 from weier.kernels.sources import PACKAGE
-from weier.methods.errors import ConvergenceError
-from weier.methods.solve import NotApplicableError, solve
-from weier.methods.variant import Contender
+from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.method import Variant
+from weier.methods.solve import solve
 from weier.theory.profile import Profile
 
 OBSCURE = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that are none helps nobody
@@ -52,7 +52,7 @@ class Examined(NamedTuple):
     warned: tuple[str, ...]
 
 
-def examine(contender: Contender, profile: Profile, loads: Array) -> Examined:
+def examine(contender: Variant, profile: Profile, loads: Array) -> Examined:
     """Solve all loads at once and, if that ends in an error, each by itself."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -65,7 +65,7 @@ def examine(contender: Contender, profile: Profile, loads: Array) -> Examined:
     return Examined(h, R, miss, rough, outcome, together.message, warned)
 
 
-def _answer(contender: Contender, profile: Profile, loads: Array) -> Examined:
+def _answer(contender: Variant, profile: Profile, loads: Array) -> Examined:
     try:
         return _numbers(solve(profile, loads, contender.method, **contender.settings))
     except Exception as error:  # whatever it is belongs into the report

@@ -21,7 +21,8 @@ from weier.data import dataset
 from weier.data.check import Verdict
 from weier.data.variables import CURVE, RUN, flags
 from weier.methods import bem, laws
-from weier.methods.variant import Contender
+from weier.methods.method import Variant
+from weier.methods.registry import method_named
 from weier.pipeline.batch import describe_case
 from weier.theory.profile import Profile
 
@@ -97,7 +98,7 @@ def _about(long_name: str, meanings: type[IntEnum] | None = None) -> dict[str, A
     return about | (flags(meanings) if meanings else {})
 
 
-def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Contender) -> None:
+def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Variant) -> None:
     profile, loads = extreme.case.profile, extreme.loads
     place = number, data["solution_method"].values.tolist().index(contender.name)
     rows = np.searchsorted(data["mean_pressure"].values, loads)
@@ -127,16 +128,14 @@ def _fill(data: xr.Dataset, number: int, extreme: Extreme, contender: Contender)
     data["settings"].values[place] = json.dumps(dict(contender.settings), sort_keys=True)
 
 
-def _judged(
-    contender: Contender, profile: Profile, loads: NDArray[np.float64], found: Examined
-) -> dict[str, Verdict]:
+def _judged(contender: Variant, profile: Profile, loads: NDArray[np.float64], found: Examined) -> dict[str, Verdict]:
     """The verdicts on a curve; on its shape where there are two loads at least."""
     judged = {"together": Verdict(not found.message), "silent": Verdict(not found.warned)}
     solved = found.outcome == Outcome.finite
     p, h, R = loads[solved], found.compliance[solved], found.resistance[solved]
     if p.size == 0:
         return judged
-    noise, total = verdicts.NOISE[contender.method], profile.total_amplitude
+    noise, total = method_named(contender.method).noise, profile.total_amplitude
     mesh = laws.bem_compliance_error(profile, _points(contender, profile)) if contender.method == "bem" else 0.0
     judged["inside"] = Verdict(verdicts.inside(profile, p, h, R, noise, mesh))
     if p.size > 1:
@@ -159,5 +158,5 @@ def _expected(profile: Profile, found: Examined, solved: NDArray[np.bool_], know
     return {"as_expected": Verdict(all(said))} if said else {}
 
 
-def _points(contender: Contender, profile: Profile) -> int:
+def _points(contender: Variant, profile: Profile) -> int:
     return bem.checked_points(profile, contender.settings.get("points"))

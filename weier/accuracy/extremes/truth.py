@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import mpmath as mp
 import numpy as np
 
-from weier.accuracy.extremes import exact
 from weier.accuracy.extremes.cases import SHALLOW, few_waves
 from weier.accuracy.extremes.examine import examine
 from weier.kernels.arrays import Array
+from weier.methods import multiprecision as exact
+from weier.methods.method import Variant
 from weier.methods.patches.surface import Surface, surface_of
-from weier.methods.variant import Contender
 from weier.theory.profile import Profile
 
 LIGHT = 1e-20  # p_0*: below, a contact is so small that its relative error as a Hertzian one is p, times few
@@ -43,7 +43,7 @@ def truth(method: str, profile: Profile, loads: Array) -> Truth:
     if method == "layer" and profile.m > SHALLOW:
         return _unknown(loads)  # minutes a load
     if method == "layer":
-        return _collected(_solved(Contender("layer", "layer", LAYER), profile, loads), "finer layer")
+        return _collected(_solved(Variant("layer", "layer", LAYER), profile, loads), "finer layer")
     if math.isinf(profile.m) or not few_waves(profile):
         return _unknown(loads)
     return _contact(profile, tuple(loads.tolist()))
@@ -62,7 +62,7 @@ def _contact(profile: Profile, loads: tuple[float, ...]) -> Truth:
     """Closed forms at both ends; between them the contact patches of the moved profile at their tightest."""
     seen = surface_of(profile)
     single = int((seen.heights.crest_offset == 0).sum()) == 1 and profile.period == 1
-    pairs = _solved(Contender("patches", "patches", {"tolerance": TIGHTEST}), _moved(profile), np.array(loads))
+    pairs = _solved(Variant("patches", "patches", {"tolerance": TIGHTEST}), _moved(profile), np.array(loads))
     for i, load in enumerate(loads):
         if load >= seen.full_contact_load * (1 + 1e-12):
             pairs[i] = _total(profile), mp.mpf(0)
@@ -107,7 +107,7 @@ def _moved(profile: Profile) -> Profile:
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))
 
 
-def _solved(contender: Contender, profile: Profile, loads: Array) -> list[exact.Pair]:
+def _solved(contender: Variant, profile: Profile, loads: Array) -> list[exact.Pair]:
     """What another solution gives, NaN where it gives nothing."""
     found = examine(contender, profile, loads)
     return [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]

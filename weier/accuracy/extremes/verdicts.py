@@ -7,39 +7,20 @@ the bounds that the first wave alone, in closed form, sets to all longer series 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 
-from weier.accuracy.extremes.exact import DIGITS
 from weier.kernels.arrays import Array
 from weier.methods import westergaard
-from weier.methods.planned.plan import TOLERANCE
+from weier.methods.method import Noise
+from weier.methods.multiprecision import DIGITS
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.profile import Profile
 
 MOST_DIGITS = 16.0  # an error of 0 counts as so many
 TINY = float(np.finfo(float).tiny)  # what is less may be 0
-
-
-class Noise(NamedTuple):
-    """What rounding and iteration leave: of heights, in the total amplitude; of slopes, relative."""
-
-    height: float
-    slope: float
-
-
-CLOSED_FORM = Noise(1e-12, 1e-11)
-NOISE = {
-    "westergaard": CLOSED_FORM,
-    "archard": CLOSED_FORM,
-    "demelio": CLOSED_FORM,
-    "layer": Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5
-    "bem": Noise(1e-9, 1e-5),  # a residual of 1e-10, a rate solved to 1e-6
-    "patches": Noise(1e-10, 1e-7),  # a tolerance of 1e-10
-    "planned": Noise(TOLERANCE, math.inf),  # pieces of several methods; asked for the compliance alone
-}
 
 
 def monotone(h: Array, noise: float) -> bool:

@@ -9,20 +9,21 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import nnls
 
-from weier.accuracy.tradeoff.contenders import PATCH_TOLERANCES, POINTS_PER_WAVE
 from weier.accuracy.tradeoff.numbers import by_load, worst_over_loads
 from weier.kernels.arrays import Array
 from weier.methods import laws
+from weier.methods.bem.method import POINTS_COMPARED
+from weier.methods.patches.method import TOLERANCES_COMPARED
 from weier.pipeline import curves
 from weier.theory.profile import Profile
 
-GRIDS = tuple(f"bem {count}" for count in POINTS_PER_WAVE)  # solved to the default residual
-EXACT = tuple(f"patches {limit:.0e}" for limit in PATCH_TOLERANCES if limit in laws.PATCHES_TOLERANCES)
+GRIDS = tuple(f"bem {count}" for count in POINTS_COMPARED)  # solved to the default residual
+EXACT = tuple(f"patches {limit:.0e}" for limit in TOLERANCES_COMPARED if limit in laws.PATCHES_TOLERANCES)
 ESTIMATES = {"LAYER": "layer 24", "DEMELIO": "demelio"}  # 24 points are the layer's own choice
 
 
 class Constant(NamedTuple):
-    """A constant of weier.laws: its name, the value shipped, and the one measured.
+    """A constant of weier.methods.laws: its name, the value shipped, and the one measured.
 
     Of an error the largest over profiles, settings and loads, which a shipped one must not fall below; of seconds
     (`bound` is False) the least squares of the relative misfit.

@@ -14,8 +14,8 @@ from weier.accuracy.tradeoff.contenders import REFERENCE, contenders
 from weier.data import dataset, variables
 from weier.data.dataset import Status
 from weier.methods.errors import ConvergenceError
+from weier.methods.method import Variant
 from weier.methods.solve import solve
-from weier.methods.variant import Contender
 from weier.pipeline.batch import describe_case
 from weier.scene import Case, Scene
 
@@ -63,7 +63,7 @@ def _names(cases: Sequence[Case]) -> list[str]:
     return list(dict.fromkeys(name for names in lists for name in names))
 
 
-def _run(data: xr.Dataset, number: int, case: Case, contender: Contender) -> None:
+def _run(data: xr.Dataset, number: int, case: Case, contender: Variant) -> None:
     place = number, data["solution_method"].values.tolist().index(contender.name)
     loads = data["mean_pressure"].values
     try:
@@ -81,7 +81,7 @@ def _run(data: xr.Dataset, number: int, case: Case, contender: Contender) -> Non
     data["seconds"].values[place] = seconds
 
 
-def _timed(case: Case, loads: np.ndarray, contender: Contender) -> tuple[float, xr.Dataset]:
+def _timed(case: Case, loads: np.ndarray, contender: Variant) -> tuple[float, xr.Dataset]:
     """The least seconds of processor time of some runs, and the curve."""
     solve(case.profile, loads[:1], contender.method, **contender.settings)  # loads compiled code
     least = np.inf

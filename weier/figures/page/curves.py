@@ -13,7 +13,7 @@ from bokeh.models.widgets import CheckboxGroup, Select
 from bokeh.plotting import figure
 
 from weier.figures import style
-from weier.methods.registry import NUMERICAL
+from weier.methods.registry import numerical_names
 
 MOST_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last tells apart cases of different settings
@@ -71,7 +71,7 @@ def _there(data: xr.Dataset, number: int) -> bool:
 
 def _second(methods: list[str]) -> str | None:
     """The numerical method that is drawn as points, as in the figures, where a more accurate one is the line."""
-    solved = [method for method in NUMERICAL if method in methods]
+    solved = [method for method in numerical_names() if method in methods]
     return solved[1] if len(solved) > 1 else None
 
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from weier.methods.planned.plan import QUANTITIES, OutOfReachError
+from weier.methods.errors import OutOfReachError
+from weier.methods.planned.plan import QUANTITIES
 from weier.methods.registry import PLANNED
 from weier.pipeline.plan import plan
 from weier.scene import Scene

@@ -11,7 +11,8 @@ the more terms are resolved, the less is left to it. Beside it stand the bounds 
 plain grid finds for more terms than the layer can be laid under.
 """
 
-from weier.methods.hybrid.bounds import bounds
-from weier.methods.hybrid.curve import Curve, curve
+from weier.methods.hybrid.method import METHOD
+from weier.methods.hybrid.solver import Curve, curve
+from weier.methods.hybrid.truncation_bounds import bounds
 
-__all__ = ["Curve", "bounds", "curve"]
+__all__ = ["METHOD", "Curve", "bounds", "curve"]

@@ -7,7 +7,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from numpy.typing import NDArray
 
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.law import Law, Node, state_of_nodes
+from weier.methods.hybrid.closure import Law, Node, state_of_nodes
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
 

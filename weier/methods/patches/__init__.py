@@ -19,9 +19,12 @@ continuation
     from one load to the next
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
+method
+    how the rest of the package asks for curves by contact patches
 """
 
 from weier.methods.patches.event_search import Events, events
+from weier.methods.patches.method import METHOD
 from weier.methods.patches.solver import Curve, Solution, curve, solve_load, solve_loads
 
-__all__ = ["Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]
+__all__ = ["METHOD", "Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]

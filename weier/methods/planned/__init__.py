@@ -1,4 +1,5 @@
-"""Curves within a tolerance: the cheapest methods, load by load, that their error models allow.
+"""Curves within a tolerance: the cheapest methods, load by load, that their error models allow."""
 
-May use all other methods.
-"""
+from weier.methods.planned.method import method
+
+__all__ = ["method"]

@@ -12,13 +12,13 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import NDArray
 
 from weier.methods import demelio, laws, layer, westergaard
-from weier.methods.hybrid.curve import LOADS, MOST_POINTS, POINTS_PER_WAVE
+from weier.methods.hybrid.solver import LOADS, MOST_POINTS, POINTS_PER_WAVE
 from weier.methods.patches.surface import Surface, surface_of
 from weier.methods.planned.segment import Part
-from weier.theory.bounds import resistance_bounds
 from weier.theory.profile import Profile
 from weier.theory.terms import left_out, truncated
 
@@ -31,7 +31,9 @@ MOST_SAMPLES = 2**17  # where first contact is looked for
 SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude
 UNSEEN = 0.1  # contacts for each of the finest waves, where these are too many to look at
 SERIES = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
-TABLE = 100  # loads on which the bounds on the resistance are foreseen
+BOUND_SHARE = 0.1  # of the amplitude left out, that a method may be off where it finds bounds on the resistance
+SHARES = np.geomspace(1e-6, 0.999, 120)  # of a load, by which another is lighter; the same of heavier ones
+FORESEEN = np.geomspace(1e-4, 1e5, 226)  # p_0*, on which the bounds on the resistance are foreseen
 HEAVIEST = 1e300  # p_0*: more is foreseen as this, since ten times as much is a number
 
 
@@ -44,13 +46,11 @@ def ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Ite
         if math.isinf(profile.m):
             yield from _resolved_in_part(profile, lengths, loads, tolerance)
     for terms in _worth_trying(profile, lengths, tolerance, quantity):
-        kept = truncated(profile, terms)
-        truncation = truncation_error(profile, kept, loads, quantity)
-        # What a few loads leave to the discretisation would make all others expensive.
-        within = truncation <= (tolerance / 2 if np.ptp(truncation) > 0 else tolerance)
-        rest = tolerance - float(truncation[within].max(initial=0.0))
-        if within.any() and rest > 0:
-            yield from _numerical(kept, loads, np.where(within, truncation, np.inf), rest, quantity)
+        kept, amplitude = truncated(profile, terms), left_out(profile, terms)
+        if quantity == "resistance" and amplitude > 0:
+            yield from _between_chords(kept, loads, amplitude)
+        elif amplitude < tolerance:
+            yield from _numerical(kept, loads, np.full(loads.size, amplitude), tolerance - amplitude, quantity)
 
 
 def resolved_lengths(profile: Profile) -> Iterator[int]:
@@ -62,10 +62,15 @@ def resolved_lengths(profile: Profile) -> Iterator[int]:
 
 
 def _worth_trying(profile: Profile, lengths: Sequence[int], tolerance: float, quantity: str) -> list[int]:
-    """Numbers of terms: for a resistance, which no bound holds tightly, all of them if that can be resolved."""
+    """Numbers of terms: for a resistance, which no bound holds tightly, all of them if that can be resolved.
+
+    If not, the bounds are narrower the more terms are resolved, and how many a load needs depends on the load.
+    """
     if profile.m in lengths and quantity == "resistance":
         return [int(profile.m)]
-    enough = (terms for terms in lengths if quantity == "resistance" or left_out(profile, terms) < tolerance)
+    if quantity == "resistance":
+        return list(lengths)
+    enough = (terms for terms in lengths if left_out(profile, terms) < tolerance)
     return sorted({*islice(enough, SERIES), lengths[-1]})
 
 
@@ -165,12 +170,53 @@ def truncation_error(profile: Profile, kept: Profile, loads: Array, quantity: st
     amplitude = left_out(profile, kept.m)
     if quantity == "compliance" or amplitude == 0:
         return np.full(loads.size, amplitude)
-    # Foreseen on the layer model's curve, which is near enough to tell how wide the bounds will be.
-    foreseen = np.minimum(loads, HEAVIEST)
-    p = np.unique(np.concatenate([foreseen, np.geomspace(foreseen[0] / 10, foreseen[-1] * 10, TABLE)]))
-    low, high = resistance_bounds(p, layer.compliance(p, kept.D, float(kept.gamma), kept.m), amplitude)
-    here = np.searchsorted(p, foreseen)
-    return np.asarray((high - low)[here] / np.maximum(low[here], 1))
+    return _foreseen_chords(kept, loads, amplitude)[0]
+
+
+def _between_chords(kept: Profile, loads: Array, amplitude: float) -> Iterator[Part]:
+    """The resistance of a longer series from the compliance of these terms: a concave curve lies below its tangents.
+
+    The chords to two more loads, a lighter and a heavier one, hold the slope at each load: it takes three solutions.
+    """
+    miss = BOUND_SHARE * amplitude
+    width, chord_loads = _foreseen_chords(kept, loads, amplitude + miss)
+    for part in _numerical(kept, loads, width, miss, "compliance"):
+        yield part._replace(
+            discretisation=np.where(np.isfinite(part.discretisation), 0.0, np.inf),
+            chord_loads=chord_loads,
+            seconds_load=(1 + chord_loads.shape[1]) * part.seconds_load,
+            why=f"{part.why}; chords to a lighter and a heavier load hold the resistance of the longer series",
+        )
+
+
+def _foreseen_chords(kept: Profile, loads: Array, amplitude: float) -> tuple[Array, Array]:
+    """How far apart the best chords will be, over the larger of the resistance and 1, and the loads they lead to.
+
+    Foreseen on the layer model's curve, load by load: no load knows of another.
+    """
+    p = np.minimum(loads, HEAVIEST)[:, None]
+    here, lighter, heavier = foreseen_compliance(kept, p), p * (1 - SHARES), p / (1 - SHARES)
+    steepest = (here - foreseen_compliance(kept, lighter) + 2 * amplitude) / (p - lighter)
+    flattest = (foreseen_compliance(kept, heavier) - here - 2 * amplitude) / (heavier - p)
+    best = steepest.argmin(axis=1, keepdims=True), flattest.argmax(axis=1, keepdims=True)
+    chord_loads = [np.take_along_axis(*each, axis=1) for each in zip((lighter, heavier), best, strict=True)]
+    start = ((here + 2 * amplitude) / p)[:, 0]  # the chord from no load, which needs no solution
+    upper, lower = np.minimum(steepest.min(axis=1), start), np.maximum(flattest.max(axis=1), 0)
+    return (upper - lower) / np.maximum(lower, 1), np.hstack(chord_loads)
+
+
+def foreseen_compliance(kept: Profile, loads: Array) -> Array:
+    """Compliance of the layer model, in g_0, of the shape of the loads: straight from no load to its table."""
+    table = _layer_table(kept.D, float(kept.gamma), kept.terms)
+    light, heavy = table.x[[0, -1]]
+    return np.asarray(np.minimum(loads / light, 1) * table(np.clip(loads, light, heavy)))
+
+
+@lru_cache(maxsize=32)
+def _layer_table(D: float, gamma: float, terms: int) -> scipy.interpolate.CubicHermiteSpline:
+    """Of the same loads whatever is asked for, so that a plan for a load does not depend on the other loads."""
+    curve = layer.curve(FORESEEN, D, gamma, terms)
+    return scipy.interpolate.CubicHermiteSpline(FORESEEN, curve.compliance, curve.resistance)
 
 
 def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, quantity: str) -> Iterator[Part]:
@@ -180,8 +226,8 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
         yield _closed_form("westergaard", loads, 1, why, truncation=truncation)
         return
     count = contacts(kept, loads) if _seen(kept) else np.full(loads.size, kept.wavenumber[-1] * UNSEEN)
-    points = laws.bem_points(kept, error, quantity)
-    if points <= MOST_GRID_POINTS:
+    left = laws.RESIDUAL * laws.BEM_RESIDUAL if quantity == "compliance" else 0.0
+    if error > left and (points := laws.bem_points(kept, error - left, quantity)) <= MOST_GRID_POINTS:
         yield _on_grid(kept, points, count, loads, truncation, quantity)
     able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
     if able and _seen(kept):
@@ -190,7 +236,7 @@ def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, qua
 
 def _on_grid(kept: Profile, points: int, count: Array, loads: Array, truncation: Array, quantity: str) -> Part:
     if quantity == "compliance":
-        miss = np.full(loads.size, laws.bem_compliance_error(kept, points))
+        miss = np.full(loads.size, laws.bem_compliance_error(kept, points) + laws.RESIDUAL * laws.BEM_RESIDUAL)
     else:
         miss = laws.bem_resistance_error(kept, points, loads)
     start, load = laws.bem_seconds(points, count)

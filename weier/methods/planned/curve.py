@@ -10,13 +10,18 @@ from numpy.typing import NDArray
 
 from weier.methods import bem, demelio, laws, layer, patches, westergaard
 from weier.methods import hybrid as endless
+from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import TOLERANCE, plan
 from weier.methods.planned.segment import Part
-from weier.theory.bounds import complete_bounds, resistance_bounds
+from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
 from weier.theory.terms import left_out, truncated
 
 Array = NDArray[np.float64]
+
+
+ROUNDING = 1e-9  # of a tolerance, to which the errors foreseen and those found add up alike
+METHOD_NAME = "<U12"  # as long as the longest of them
 
 
 class Curve(NamedTuple):
@@ -68,18 +73,51 @@ def curve(
     Raises
     ------
     ValueError
-        If the tolerance is out of reach.
+        If the tolerance is out of reach, foreseen or found.
     ConvergenceError
         If a solver misses its own tolerance.
 
     Notes
     -----
+    The numbers of a load do not depend on the other loads, but for what iterations leave within their residuals.
     The error of a compliance is that of the discretisation, by the law of the method or from the residual that it
     left, and half of what the bounds theorem leaves open between h_k and full contact. The error of a resistance is
-    that of the method where all terms are modelled, or what a concave curve within the errors of the compliance may
-    be as steep as, if that is less.
+    that of the method where all terms are modelled, or what the chords of a concave curve within the errors of the
+    compliance allow, if that is less: those to no load, and to the loads that a plan for the resistance solves beside
+    each one that it was asked for.
     """
-    return run(profile, plan(profile, mean_pressure, tolerance, quantity).parts)
+    return _within(profile, mean_pressure, tolerance, quantity, ())
+
+
+def _within(profile: Profile, loads: Array, tolerance: float, quantity: str, failed: tuple[Part, ...]) -> Curve:
+    """Plan and run; where errors are found above the tolerance, again without what left them.
+
+    Raises
+    ------
+    OutOfReachError
+        If nothing is left to try, or was in reach.
+    """
+    found = []
+    for part in plan(profile, loads, tolerance, quantity, failed).parts:
+        values = run(profile, (part,))
+        off = values.compliance_error if quantity == "compliance" else _relative_error(values)
+        missed = ~(off <= tolerance * (1 + ROUNDING))
+        if missed.any():
+            try:
+                again = _within(profile, part.mean_pressure[missed], tolerance, quantity, (*failed, part))
+            except OutOfReachError as error:
+                raise OutOfReachError(
+                    f"{error}; {part.method} with {part.terms:g} terms was expected to do, and left an error of "
+                    f"{off[missed].max():.2g} at {part.mean_pressure[missed][off[missed].argmax()]:g} p_0*"
+                ) from None
+            for old, new in zip(values, again, strict=True):
+                old[missed] = new
+        found.append(values)
+    return Curve(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+
+
+def _relative_error(found: Curve) -> Array:
+    return found.resistance_error / np.maximum(found.resistance, 1)
 
 
 def run(profile: Profile, parts: tuple[Part, ...]) -> Curve:
@@ -90,21 +128,35 @@ def run(profile: Profile, parts: tuple[Part, ...]) -> Curve:
     ConvergenceError
         If a solver misses its own tolerance.
     """
-    rows = [_completed(profile, part, RUN[part.method](profile, part)) for part in parts]
+    rows = [_solved(profile, part) for part in parts]
     h, R, miss, rough = (np.concatenate(columns) for columns in zip(*rows, strict=True))
-    loads = np.concatenate([part.mean_pressure for part in parts])
     counts = [part.mean_pressure.size for part in parts]
     points = [part.settings.get("points", np.nan) for part in parts]
-    steep = _steepness(loads, h, R, miss)
     return Curve(
         h,
         R,
         miss,
-        np.minimum(rough, steep),
-        np.repeat([part.method for part in parts], counts),
+        rough,
+        np.repeat(np.array([part.method for part in parts], METHOD_NAME), counts),
         np.repeat([float(part.terms) for part in parts], counts),
         np.repeat(np.array(points, float), counts),
     )
+
+
+def _solved(profile: Profile, part: Part) -> Solved:
+    """One part for the whole series, its resistance held by the chords of each load to the others it brings."""
+    p = part.mean_pressure
+    others = np.empty((p.size, 0)) if part.chord_loads is None else part.chord_loads
+    loads, place = np.unique(np.column_stack([p, others]), return_inverse=True)
+    place = place.reshape(p.size, -1)
+    found = part if part.chord_loads is None else part._replace(mean_pressure=loads)
+    h, R, miss, rough = (values[place] for values in _completed(profile, found, RUN[part.method](profile, found)))
+    off = miss + laws.FLOOR * h
+    low, high = chord_bounds(p, h[:, 0], off[:, 0], others, np.array([h[:, 1:], off[:, 1:]]))
+    between = np.clip(R[:, 0], low, high)
+    steep = np.maximum(high - between, between - low)
+    known = rough[:, 0] <= steep
+    return Solved(h[:, 0], np.where(known, R[:, 0], between), miss[:, 0], np.where(known, rough[:, 0], steep))
 
 
 def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
@@ -120,13 +172,6 @@ def _completed(profile: Profile, part: Part, found: Solved) -> Solved:
         found.compliance_error + room / 2,
         found.resistance_error if whole else np.full(room.size, np.inf),
     )
-
-
-def _steepness(loads: Array, h: Array, R: Array, miss: Array) -> Array:
-    """How far a resistance can be from that of any concave curve this close to the compliance."""
-    no_less = 0.0  # compliance at first contact: no crest is higher than all waves together
-    low, high = resistance_bounds(loads, h, miss.max() + laws.FLOOR * h.max(), no_less)
-    return np.maximum(np.maximum(R - low, high - R), 0)
 
 
 def _demelio(profile: Profile, part: Part) -> Solved:
@@ -160,7 +205,7 @@ def _one_wave(_: Profile, part: Part) -> Solved:
 
 def _on_grid(profile: Profile, part: Part) -> Solved:
     loads, kept = part.mean_pressure, truncated(profile, int(part.terms))
-    grid = bem.curve(kept, loads, **part.settings)
+    grid = bem.curve(kept, loads, tolerance=laws.BEM_RESIDUAL, **part.settings)
     miss = laws.bem_compliance_error(kept, grid.points) + laws.RESIDUAL * grid.residual
     rough = laws.bem_resistance_error(kept, grid.points, loads) * np.maximum(grid.resistance, 1)
     light = laws.light_resistance_error(kept, grid.points, loads, grid.resistance)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier.methods import laws
+from weier.methods.errors import OutOfReachError
 from weier.methods.planned.candidates import MOST_GRID_POINTS, resolved_lengths, truncation_error, ways
 from weier.methods.planned.segment import Part
 from weier.theory.loads import checked_loads
@@ -25,10 +26,6 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-3
 QUANTITIES = ("compliance", "resistance")
 LEAST_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
-
-
-class OutOfReachError(ValueError):
-    """No method within reach is as accurate as asked."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +71,11 @@ def _line(part: Part) -> str:
 
 
 def plan(
-    profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE, quantity: str = "compliance"
+    profile: Profile,
+    mean_pressure: ArrayLike,
+    tolerance: float = TOLERANCE,
+    quantity: str = "compliance",
+    failed: Sequence[Part] = (),
 ) -> Plan:
     """The cheapest way to a curve within a tolerance.
 
@@ -88,6 +89,8 @@ def plan(
         Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
     quantity : "compliance" or "resistance"
         What is to be that accurate.
+    failed : sequence of Part
+        What is not to be tried again, since it left larger errors than foreseen.
 
     Returns
     -------
@@ -108,31 +111,24 @@ def plan(
     """
     loads = checked_loads(mean_pressure)
     _check(loads, tolerance, quantity)
-    found = list(ways(profile, loads, tolerance, quantity))
-    if not np.all(np.any([way.error <= tolerance for way in found], axis=0)):
+    found = [
+        way for way in ways(profile, loads, tolerance, quantity) if not any(way.fails_like(part) for part in failed)
+    ]
+    if not found or not np.all(np.any([way.error <= tolerance for way in found], axis=0)):
         raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity))
     return Plan(profile, quantity, tolerance, cheapest(found, tolerance))
 
 
 def cheapest(found: Sequence[Part], tolerance: float) -> tuple[Part, ...]:
-    """Parts of the ways found that together cover the loads within the tolerance in the least time.
+    """Parts of the ways found that together cover the loads within the tolerance.
 
     Notes
     -----
-    Dynamic programming along the loads: up to each, and by each way, the least seconds are those up to the load
-    before, by the same way or by the cheapest one and another start.
+    Each load takes the way of least seconds a load, whatever the others take: what is asked for beside a load must
+    change neither its value nor its error. The seconds that a way takes to start do not count, therefore.
     """
     cost = np.array([np.where(way.error <= tolerance, way.seconds_load, np.inf) for way in found])
-    start, number = np.array([way.seconds_start for way in found]), np.arange(len(found))
-    total, origins = start + cost[:, 0], []
-    for load in cost.T[1:]:
-        stay = total <= total.min() + start
-        origins.append(np.where(stay, number, total.argmin()))
-        total = np.where(stay, total, total.min() + start) + load
-    taken = [int(total.argmin())]
-    for origin in reversed(origins):
-        taken.append(int(origin[taken[-1]]))
-    taken.reverse()
+    taken = cost.argmin(axis=0)
     ends = [0, *(np.flatnonzero(np.diff(taken)) + 1).tolist(), len(taken)]
     return tuple(found[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
 

@@ -25,6 +25,8 @@ class Part(NamedTuple):
     memory : expected, in bytes
     why : in a sentence
     whole : whether the method answers for the whole series, not for the terms alone
+    chord_loads : of each load, others to be solved with it, shape (loads, others), in p_0*: the chords to them bound
+        the resistance; none of them where the method knows its own error
     """
 
     mean_pressure: Array
@@ -39,6 +41,7 @@ class Part(NamedTuple):
     memory: float
     why: str
     whole: bool = False
+    chord_loads: Array | None = None
 
     @property
     def error(self) -> Array:
@@ -50,7 +53,14 @@ class Part(NamedTuple):
         """Expected seconds on one core."""
         return self.seconds_start + float(self.seconds_load.sum())
 
+    def fails_like(self, other: Part) -> bool:
+        """Whether this will not do where the other did not: the same, or chords of no more terms."""
+        if self.chord_loads is not None and other.chord_loads is not None:
+            return self.terms <= other.terms
+        return (self.method, self.terms) == (other.method, other.terms)
+
     def at(self, loads: slice) -> Part:
         """The same for some of its loads."""
         names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load")
-        return self._replace(**{name: getattr(self, name)[loads] for name in names})
+        chords = None if self.chord_loads is None else self.chord_loads[loads]
+        return self._replace(chord_loads=chords, **{name: getattr(self, name)[loads] for name in names})

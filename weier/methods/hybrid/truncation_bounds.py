@@ -11,7 +11,6 @@ from weier.methods import bem, laws
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
-from weier.theory.terms import truncated
 
 Array = NDArray[np.float64]
 
@@ -54,7 +53,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     under load was measured (`python -m benchmarks.planned`).
     """
     check_endless(profile)
-    kept = truncated(profile, terms)
+    kept = profile.truncated(terms)
     tail = kept.tail_amplitude
     points, miss = laws.bem_points(kept, BOUND_SHARE * tail, "compliance"), BOUND_SHARE * tail
     if points > MOST_BOUND_POINTS:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.methods.bem import fft
-from weier.methods.bem.curve import check_residual, check_tolerance, checked_points
 from weier.methods.bem.grids import full_contact, nested_grids
+from weier.methods.bem.solver import check_residual, check_tolerance, checked_points
 from weier.theory.loads import checked_load
 from weier.theory.profile import Profile
 

@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.methods.bem.curve import checked_points
-from weier.methods.hybrid.bounds import bounds, check_endless
-from weier.methods.hybrid.law import law_of
+from weier.methods.bem.solver import checked_points
+from weier.methods.hybrid.closure import law_of
 from weier.methods.hybrid.newton import solve_loads
+from weier.methods.hybrid.truncation_bounds import bounds, check_endless
 from weier.theory.halfplane import influence_coefficients
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
-from weier.theory.terms import truncated
 
 Array = NDArray[np.float64]
 
@@ -75,7 +74,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
 
 def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:
     check_endless(profile)
-    kept = truncated(profile, terms)
+    kept = profile.truncated(terms)
     points = checked_points(kept, points or POINTS_PER_WAVE * kept.wavenumber[-1])
     if points > MOST_POINTS:
         raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MOST_POINTS}")

@@ -1,17 +1,26 @@
 """What the closed forms are, in 50 digits: the sums term by term, of the very doubles that a method is given.
 
-Nothing is shared with the methods but the recursion on paper. An endless series is summed until the rest is a
+Nothing is shared with the methods but the recursion on paper. An infinite series is summed until the rest is a
 geometric series or below the last digit. Each function returns compliance, in g_0, and resistance, in g_0/p_0*.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import mpmath as mp
 
+from weier.methods.method import Reference
+
 DIGITS = 50
 Pair = tuple[Any, Any]
+
+
+def reference(pairs: Iterable[Pair]) -> Reference:
+    """Those of all loads together."""
+    columns = list(zip(*pairs, strict=True)) or [(), ()]
+    return Reference(list(columns[0]), list(columns[1]), "mpmath")
 
 
 def westergaard(p: float) -> Pair:
@@ -43,7 +52,7 @@ def demelio(p: float, D: float, gamma: float, m: float) -> Pair:
     """Each wave under the mean pressure (23)-(26)."""
     with mp.workdps(DIGITS):
         if m == mp.inf:
-            return _endless_demelio(mp.mpf(p), mp.mpf(D), mp.mpf(gamma))
+            return _infinite_demelio(mp.mpf(p), mp.mpf(D), mp.mpf(gamma))
         down, falls = _ratios(D, gamma)
         xi, g, weight = mp.mpf(p), mp.mpf(1), mp.mpf(1)
         h = R = mp.mpf(0)
@@ -53,7 +62,7 @@ def demelio(p: float, D: float, gamma: float, m: float) -> Pair:
         return h, R
 
 
-def _endless_demelio(p: Any, D: Any, gamma: Any) -> Pair:
+def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
     """All flattened terms, then sum k r^k = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
     flat = max(mp.ceil(mp.log(p) / ((D - 1) * mp.log(gamma))), 0)
     g, xi, r = gamma ** ((D - 2) * flat), p * gamma ** ((1 - D) * flat), 1 / gamma
