@@ -195,7 +195,7 @@ def planned(tmp_path):
 def test_a_plan_stands_against_what_it_took_and_missed(planned):
     loaded, data, cost = planned
     made = [plan(case.profile, loaded.loads, 1e-4) for case in loaded.studies["one"]]
-    ways = [" and ".join(dict.fromkeys(part.method for part in each.parts)) for each in made]
+    ways = [" and ".join(dict.fromkeys(part.method for part in each.segments)) for each in made]
     assert len(set(ways)) == 2
     table = plans.rows(loaded, data, [cost])
     assert [row[0] for row in table] == [*ways, "out of reach", "all"]

@@ -7,7 +7,7 @@ import pytest
 
 import weier
 from weier import Profile, random_phases, solve
-from weier.methods import laws, registry
+from weier.methods import bem, error_model, patches, registry
 from weier.methods.hybrid import newton
 
 COARSE = Profile(1.25, 5, 1)
@@ -16,7 +16,9 @@ LONG = Profile(1.1, 3, math.inf, random_phases(0))
 LOADS = np.geomspace(0.1, 10, 23)
 
 # What iterations leave depends on where they started, which is the load before.
-ITERATED = 2 * laws.RESIDUAL * laws.BEM_RESIDUAL  # g_0: of two solutions whose residuals are below the tolerance
+ITERATED = (
+    2 * error_model.RESIDUAL * bem.error_model.PLANNED_RESIDUAL
+)  # g_0: of two solutions whose residuals are below the tolerance
 TABULATED = (
     1e-4  # of the layer: tables go as far as the loads, to a relative accuracy of 1e-5; the slope loses a digit
 )
@@ -34,7 +36,7 @@ CASES = [
     ("layer", SHORT, {}, TABULATED, 10 * TABULATED),
     ("hybrid", LONG, {"terms": 2}, NEWTON, 1e3 * NEWTON),
     ("bem", SHORT, {"points": 2000}, ITERATED, ITERATED),
-    ("patches", SHORT, {}, ITERATED, 2 * laws.patches_error(1e-10, "resistance")),
+    ("patches", SHORT, {}, ITERATED, 2 * patches.error_model.error(1e-10, "resistance")),
     ("planned", SHORT, {"tolerance": 1e-2}, ITERATED, ITERATED),
     ("planned", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}, ITERATED, CHORDS),
     ("planned", LONG, {"tolerance": 0.02}, ITERATED, ITERATED),
@@ -74,9 +76,9 @@ def test_a_plan_for_one_load_is_that_for_many():
     for quantity, tolerance in (("compliance", 0.02), ("compliance", 0.3), ("resistance", 0.25)):
         together = {
             load: (part.method, part.terms, part.settings, error)
-            for part in weier.plan(LONG, LOADS, tolerance, quantity).parts
+            for part in weier.plan(LONG, LOADS, tolerance, quantity).segments
             for load, error in zip(part.mean_pressure, part.error, strict=True)
         }
         for load in LOADS:
-            (part,) = weier.plan(LONG, [load], tolerance, quantity).parts
+            (part,) = weier.plan(LONG, [load], tolerance, quantity).segments
             assert (part.method, part.terms, part.settings, part.error[0]) == together[load]

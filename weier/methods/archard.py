@@ -23,8 +23,9 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.estimate import solve_by
 from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
-from weier.methods.method import Estimate, Method, Reference, Style
+from weier.methods.method import Method, Reference, Style
 from weier.theory.profile import Profile
 from weier.theory.series import full_contact_pressure
 
@@ -167,23 +168,17 @@ def _light_sum(zeta: Array, y: Array, waves: Waves, run: int, scratch: Array) ->
         y[i] = total[i] + weight * z[i]
 
 
-def _solve(profile: Profile, loads: Array) -> Estimate:
-    series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(loads, *series), resistance(loads, *series))
-
-
 def _reference(profile: Profile, loads: Array) -> Reference:
     from weier.methods import multiprecision  # mpmath, which only the stability report needs
 
-    series = profile.D, float(profile.gamma), profile.m
-    return multiprecision.reference(multiprecision.archard(p, *series) for p in loads)
+    return multiprecision.reference(multiprecision.archard, profile, loads)
 
 
 METHOD = Method(
     name="archard",
     label="Archard",
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
-    solve=_solve,
+    solve=solve_by(compliance, resistance),
     style=Style("#D55E00", (5, 1.5), "v"),
     reference=_reference,
 )

@@ -19,8 +19,8 @@ continuation
     from one load to the next
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
-method
-    how the rest of the package asks for curves by contact patches
+error_model, candidates, method
+    what the method costs and how accurate it is, and how the rest of the package chooses and calls it
 """
 
 from weier.methods.patches.event_search import Events, events
