@@ -6,8 +6,8 @@ sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
 
 from snakemake.utils import validate
 
-from weier.files import bring_to_present, check_writable, remove_leftovers
-from weier.sources import sources
+from weier.data.files import bring_to_present, check_writable, remove_leftovers
+from weier.kernels.sources import sources
 
 
 configfile: "config/config.yaml"
@@ -23,7 +23,7 @@ wildcard_constraints:
     batch=r"[A-Za-z0-9_+-]+",
 
 
-include: "config/scenes.smk"
+include: "rules/scenes.smk"
 
 
 onstart:
@@ -44,20 +44,20 @@ rule all:
 # Once, so that no two jobs compile the same kernel side by side.
 rule compile:
     input:
-        sources("weier.solve"),
+        sources("weier.methods.solve"),
     output:
         touch("results/.kernels"),
     log:
         "results/logs/compile.log",
     conda:
-        "config/environment.yaml"
+        "rules/environment.yaml"
     shell:
         "python -m weier compile 2>&1 | tee {log}"
 
 
 rule solve:
     input:
-        source=sources("weier.batch"),
+        source=sources("weier.pipeline.batch"),
         kernels="results/.kernels",
     output:
         data="results/{scene}/batches/{batch}.nc",
@@ -65,7 +65,7 @@ rule solve:
     log:
         "results/logs/{scene}/solve/{batch}.log",
     conda:
-        "config/environment.yaml"
+        "rules/environment.yaml"
     threads: 1
     params:
         digest=lambda w: scene(w.scene).digest(w.batch),
@@ -77,7 +77,7 @@ rule solve:
 # From the folder of batches: the names of some thousands fit no command.
 rule gather:
     input:
-        source=sources("weier.study", "weier.dataset"),
+        source=sources("weier.pipeline.gather", "weier.data.dataset"),
         data=lambda w: expand(
             "results/{{scene}}/batches/{b}.nc", b=scene(w.scene).batches_of(w.study)
         ),
@@ -86,7 +86,7 @@ rule gather:
     log:
         "results/logs/{scene}/gather/{study}.log",
     conda:
-        "config/environment.yaml"
+        "rules/environment.yaml"
     params:
         text=lambda w: scene(w.scene).text,
     shell:
@@ -96,14 +96,14 @@ rule gather:
 
 rule bounds:
     input:
-        source=sources("weier.study", "weier.dataset"),
+        source=sources("weier.pipeline.gather", "weier.data.dataset"),
         data="results/{scene}/gathered/{study}.nc",
     output:
         "results/{scene}/studies/{study}.nc",
     log:
         "results/logs/{scene}/bounds/{study}.log",
     conda:
-        "config/environment.yaml"
+        "rules/environment.yaml"
     shell:
         "python -m weier bounds {input.data} {output} 2>&1 | tee {log}"
 
@@ -119,7 +119,7 @@ rule figure:
     log:
         "results/logs/{scene}/figure/{figure}.log",
     conda:
-        "config/environment.yaml"
+        "rules/environment.yaml"
     params:
         figure=lambda w: repr(scene(w.scene).figures[w.figure]),
     shell:
@@ -129,7 +129,7 @@ rule figure:
 
 rule claims:
     input:
-        source=sources("weier.claims", "weier.dataset"),
+        source=sources("weier.pipeline.claims", "weier.data.dataset"),
         data=studies(lambda w: scene(w.scene).studies),
     output:
         data="results/{scene}/contact.nc",
@@ -137,14 +137,14 @@ rule claims:
     log:
         "results/logs/{scene}/claims.log",
     conda:
-        "config/environment.yaml"
+        "rules/environment.yaml"
     params:
         text=lambda w: scene(w.scene).text,
     shell:
         "python -m weier claims config/scenes/{wildcards.scene}.yaml {output} {input.data} 2>&1 | tee {log}"
 
 
-include: "config/accuracy.smk"
-include: "config/docs.smk"
-include: "config/extremes.smk"
-include: "config/page.smk"
+include: "rules/accuracy.smk"
+include: "rules/docs.smk"
+include: "rules/extremes.smk"
+include: "rules/page.smk"

@@ -12,7 +12,8 @@ from benchmarks import report
 from benchmarks.contenders import CONTENDERS, seconds
 from benchmarks.measure import compare
 from benchmarks.problem import Problem, truth
-from weier import Profile, dataset
+from weier import Profile
+from weier.data import dataset
 
 PHASES = (0.0, 1.0, 2.0)
 

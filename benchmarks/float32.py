@@ -10,9 +10,9 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from weier import Profile
-from weier.bem import fft
-from weier.bem.curve import full_contact, nested_grids
-from weier.halfplane import eigenvalues
+from weier.methods.bem import fft
+from weier.methods.bem.solver import full_contact, nested_grids
+from weier.theory.halfplane import eigenvalues
 
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 POINTS = [2**power for power in range(9, 18)]

@@ -17,8 +17,9 @@ from time import perf_counter
 
 import numpy as np
 
-from weier import archard, demelio, layer, markdown
-from weier.batch import solve_batch
+from weier.data import markdown
+from weier.methods import archard, demelio, layer
+from weier.pipeline.batch import solve_batch
 from weier.scene import Case, Scene
 
 Row = tuple[str, str]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import Profile, solve
-from weier.halfplane import eigenvalues
+from weier.theory.halfplane import eigenvalues
 
 Array = NDArray[np.float64]
 

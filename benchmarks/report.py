@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 
 from benchmarks.contenders import PAIRS
 from benchmarks.measure import failed, wrong
-from weier import markdown
+from weier.data import markdown
+from weier.data.files import write_text
 from weier.figures import save, style
-from weier.files import write_text
 
 OURS = "weier"
 HEIGHT = 2.0  # inches a panel

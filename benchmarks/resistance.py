@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.reference import REFERENCES, Reference
-from weier import markdown
-from weier.bem import curve
+from weier.data import markdown
+from weier.methods.bem import curve
 
 Array = NDArray[np.float64]
 

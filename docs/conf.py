@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # the checkout, not an installed copy
 
 from weier import scene  # noqa: E402 - only now is it found
+from weier.data.provenance import VERSION  # noqa: E402 - likewise
 from weier.figures import style  # noqa: E402 - likewise
 from weier.figures.captions import caption  # noqa: E402 - likewise
-from weier.version import VERSION  # noqa: E402 - likewise
 
 project = "weier"
 author = "The weier developers"
@@ -38,11 +38,13 @@ autodoc_typehints = "none"  # the docstrings say types, shapes and units
 plot_include_source = plot_apply_rcparams = True
 plot_html_show_formats = plot_html_show_source_link = False
 plot_formats = [("png", 200)]
-LINES = [style.METHODS[method] for method in ("archard", "demelio", "layer", "bem")]  # as in the paper's figures
+LINES = [style.line(method) for method in ("archard", "demelio", "layer", "bem")]  # as in the paper's figures
 plot_rcparams = style.RC | {
     "figure.figsize": (style.WIDTH, style.HEIGHT),
     "figure.constrained_layout.use": True,
-    "axes.prop_cycle": cycler(color=[line.color for line in LINES], linestyle=[line.linestyle for line in LINES]),
+    "axes.prop_cycle": cycler(
+        color=[line["color"] for line in LINES], linestyle=[line["linestyle"] for line in LINES]
+    ),
 }
 
 html_theme = "furo"

@@ -14,7 +14,9 @@ from benchmarks import command, contenders, measure, parts, report
 from benchmarks.contenders import CONTENDERS
 from benchmarks.problem import Problem, Truth, fourier, judge, linear_elements
 from benchmarks.solvers import slippy
-from weier import Profile, dataset, westergaard
+from weier import Profile
+from weier.data import dataset
+from weier.methods import westergaard
 
 PROFILE = Profile(1.25, 5, 1)
 LOADS = np.geomspace(0.05, 1.5, 4)

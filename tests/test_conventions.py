@@ -13,8 +13,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import batch, claims, dataset, demelio, provenance, scene, study, tradeoff, variables
-from weier.endless.convergence import convergence
+from weier import scene
+from weier.accuracy import tradeoff
+from weier.accuracy.convergence import convergence
+from weier.data import dataset, provenance, variables
+from weier.methods import demelio
+from weier.pipeline import batch, claims
+from weier.pipeline import gather as study
 
 SCENE = """
 title: Ünïcode waves
@@ -73,7 +78,7 @@ def measured_trade(folder):
     """Of one wave and few points."""
     (folder / "trade.yaml").write_text(TRADE, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.tradeoff.contenders"), "MOST_COMPARED_POINTS", 100)
+        patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", 100)
         return tradeoff.measure(scene.load(folder / "trade.yaml"))
 
 
@@ -149,7 +154,7 @@ def test_the_checker_would_complain(folder, tmp_path):
 
 def test_plain_xarray_reads_it(folder):
     with xr.open_dataset(folder / "contact.nc") as data:
-        curve = data.sel({"method": "demelio"}).isel(case=data.m.values == 2)
+        curve = data.sel(solution_method="demelio").isel(case=data.m.values == 2)
         exact = demelio.compliance(1.0, 1.25, 5, 2)
         assert float(curve.compliance.sel(mean_pressure=1.0)[0]) == pytest.approx(exact, rel=1e-12)
         assert set(data.coords) >= {"D", "gamma", "m", "phase", "key"}
@@ -162,8 +167,8 @@ def test_netcdf4_reads_it_and_no_value_is_out_of_range(files):
             for name, variable in file.variables.items():
                 assert {"long_name", "units"} <= set(variable.ncattrs()), name
             if path.stem not in ("endless", "tradeoff"):
-                assert [str(name) for name in file["method"][:]] == METHODS
-            assert file["method"].size > 1
+                assert [str(name) for name in file["solution_method"][:]] == METHODS
+            assert file["solution_method"].size > 1
             file.set_auto_mask(False)
             for name, variable in file.variables.items():
                 if variable.dtype.kind == "f":

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 import weier
-from weier import batch, dataset, scene
+from weier import scene
+from weier.data import dataset
+from weier.pipeline import batch
 
 
 def test_the_tutorial_is_true():
@@ -112,13 +114,17 @@ def test_all_that_is_public_is_described(site):
     text = page(site, "interface")
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
     public |= {
-        "weier.plan.Plan",
-        "weier.part.Part",
-        "weier.plan_scene.ScenePlan",
+        "weier.methods.planned.plan.Plan",
+        "weier.methods.planned.segment.Part",
+        "weier.pipeline.plan.ScenePlan",
         "weier.scene.Scene",
         "weier.scene.load",
     }
-    public |= {"weier.planned.curve", "weier.endless.curve", "weier.endless.convergence.convergence"}
+    public |= {
+        "weier.methods.planned.curve.curve",
+        "weier.methods.hybrid.solver",
+        "weier.accuracy.convergence.convergence",
+    }
     assert {name for name in public if f'id="{name}"' not in text} == set()
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import weier
-from weier import single
+from weier.pipeline import single
 
 MODULES = [module.name for module in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in module.name]
 FINDER = doctest.DocTestFinder(exclude_empty=True)

@@ -56,11 +56,11 @@ def test_the_wheel_holds_the_whole_package_and_nothing_else(built, tracked):
 
 
 def test_conda_gets_the_versions_that_are_locked():
-    """And just what the package needs: config/environment.yaml is written by hand."""
-    python, *_, pip = yaml.safe_load(Path("config/environment.yaml").read_text())["dependencies"]
+    """And just what the package needs: rules/environment.yaml is written by hand."""
+    python, *_, pip = yaml.safe_load(Path("rules/environment.yaml").read_text())["dependencies"]
     version = python.removeprefix("python=")
     markers = {"python_version": version, "python_full_version": f"{version}.0"}
-    lines = re.findall(r"^\w.*==[^\\\n]*", Path("requirements.txt").read_text(), re.M)
+    lines = re.findall(r"^\w.*==[^\\\n]*", Path("requirements/run.txt").read_text(), re.M)
     locked = {
         each.name.lower(): str(each.specifier)
         for each in map(Requirement, lines)
@@ -80,7 +80,7 @@ def test_the_installed_wheel_passes_the_tests_of_the_archive(built):
     shutil.rmtree(project / "weier")
     run(sys.executable, "-m", "venv", built / "environment")
     python = built / "environment/bin/python"
-    run(python, "-m", "pip", "install", "--quiet", "--require-hashes", "-r", project / "requirements-dev.txt")
+    run(python, "-m", "pip", "install", "--quiet", "--require-hashes", "-r", project / "requirements/dev.txt")
     run(python, "-m", "pip", "install", "--quiet", "--no-deps", next(built.glob("*.whl")))
     assert Path(run(python, "-c", "import weier; print(weier.__file__)", cwd=project)).is_relative_to(built)
     path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"  # for the tests that call snakemake

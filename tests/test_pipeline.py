@@ -7,8 +7,8 @@ import subprocess
 
 import pytest
 
-from weier import dataset
-from weier.sources import PACKAGE
+from weier.data import dataset
+from weier.kernels.sources import PACKAGE
 
 SCENE = """
 title: test
@@ -28,7 +28,8 @@ figures:
 def checkout(tmp_path_factory):
     folder = tmp_path_factory.mktemp("checkout")
     shutil.copy("Snakefile", folder)
-    shutil.copytree("config", folder / "config")
+    for name in ("config", "rules"):
+        shutil.copytree(name, folder / name)
     shutil.copytree(PACKAGE, folder / "weier")
     (folder / "config/scenes/test.yaml").write_text(SCENE)
     return folder
@@ -85,7 +86,7 @@ def test_a_changed_figure_is_drawn_alone(finished):
 
 
 def test_a_changed_kernel_runs_all_that_depends_on_it(finished):
-    touch(finished / "weier/bem/fft.py")
+    touch(finished / "weier/methods/bem/fft.py")
     jobs = planned(finished)
     assert jobs["compile"] == 1
     assert jobs["solve"] == 2

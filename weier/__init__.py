@@ -1,14 +1,14 @@
 """Elastic contact stiffness and electrical contact resistance of the Weierstrass profile."""
 
-from weier.conduction import Interface
-from weier.contact import Contact, open
-from weier.errors import ConvergenceError
-from weier.fields import events, fields
-from weier.phases import random_phases
-from weier.plan_scene import plan
-from weier.profile import Profile
-from weier.solve import solve
-from weier.version import VERSION
+from weier.data.provenance import VERSION
+from weier.data.results import Contact, open
+from weier.methods.errors import ConvergenceError
+from weier.methods.fields import events, fields
+from weier.methods.solve import solve
+from weier.pipeline.plan import plan
+from weier.theory.conduction import Interface
+from weier.theory.phases import random_phases
+from weier.theory.profile import Profile
 
 __version__ = VERSION
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import circulant
 
 from benchmarks.problem import Problem, Step
-from weier.bem import direct
-from weier.halfplane import influence_coefficients
+from weier.methods.bem import direct
+from weier.theory.halfplane import influence_coefficients
 
 Array = NDArray[np.float64]
 

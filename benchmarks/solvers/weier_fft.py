@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem import Problem, Step
-from weier.bem import curve as solve_curve
-from weier.bem import fft
-from weier.bem.grids import Hierarchy, full_contact, nested_grids, part_of_hierarchy
+from weier.methods.bem import curve as solve_curve
+from weier.methods.bem import fft
+from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids, part_of_hierarchy
 
 Array = NDArray[np.float64]
 

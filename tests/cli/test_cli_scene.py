@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from weier import dataset
+from weier.data import dataset
 
 SCENE = """
 title: test

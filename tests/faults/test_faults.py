@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier import dataset, jit
-from weier.sources import PACKAGE
+from weier.data import dataset
+from weier.kernels import jit
+from weier.kernels.sources import PACKAGE
 
 SCENE = """
 title: test
@@ -37,7 +38,7 @@ COMMAND = ["snakemake", "--cores", "2", "--config", "scenes=test"]
 def undisturbed(tmp_path_factory):
     """A copy of the checkout with a finished run."""
     folder = tmp_path_factory.mktemp("undisturbed")
-    for path in (Path("Snakefile"), Path("config"), Path("profiles"), PACKAGE):
+    for path in (Path("Snakefile"), Path("config"), Path("rules"), Path("profiles"), PACKAGE):
         copy = shutil.copytree if path.is_dir() else shutil.copy2
         copy(path, folder / path.name)
     (folder / "config/scenes/test.yaml").write_text(SCENE)
@@ -315,7 +316,7 @@ def test_a_clock_that_goes_back_within_a_run(checkout, undisturbed, tmp_path):
 
 
 KERNEL = """
-from weier.jit import kernel
+from weier.kernels.jit import kernel
 
 @kernel
 def square(x):

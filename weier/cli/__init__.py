@@ -8,9 +8,9 @@ from typing import NoReturn
 import click
 
 from weier.cli import measure, plan, profile, scene
-from weier.errors import ConvergenceError
-from weier.jit import announce_compiling
-from weier.version import VERSION
+from weier.data.provenance import VERSION
+from weier.kernels.jit import announce_compiling
+from weier.methods.errors import ConvergenceError
 
 EXIT = "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage."
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import click
 
-from weier import dataset, scene
+from weier import scene
 from weier.cli.options import FILES, SCENE, output
+from weier.data import dataset
 
 
 @click.command()
@@ -20,7 +21,7 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 
     On the profiles of a scene.
     """
-    from weier import tradeoff as trade  # scipy.optimize, which only this command needs
+    from weier.accuracy import tradeoff as trade  # scipy.optimize, which only this command needs
 
     loaded = scene.load(scene_file)
     measured = trade.measure(loaded)
@@ -39,7 +40,7 @@ def endless(scene_file: Path, path: Path, terms: int) -> None:
 
     Best estimates and bounds of the cases of a scene.
     """
-    from weier.endless.convergence import convergence
+    from weier.accuracy.convergence import convergence
 
     loaded = scene.load(scene_file)
     profiles = [case.profile for case in loaded.cases.values()]
@@ -52,7 +53,7 @@ def endless(scene_file: Path, path: Path, terms: int) -> None:
 @output("table")
 def extremes(path: Path, table: Path) -> None:
     """Examine every method where digits are lost."""
-    from weier import extremes as extreme  # mpmath, which only this command needs
+    from weier.accuracy import extremes as extreme  # mpmath, which only this command needs
 
     title = "Stability at the extremes"
     found = extreme.measure()

@@ -8,14 +8,13 @@ from typing import Any
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
-from weier import plain_yaml
-from weier.files import check_target
-from weier.loads import MOST_LOADS, checked_loads
-from weier.solve import METHODS
+from weier.data import yaml as plain_yaml
+from weier.data.files import check_target
+from weier.kernels.arrays import Array
+from weier.methods.registry import infinite_names, names
+from weier.theory.loads import MAX_LOADS, checked_loads
 
-Array = NDArray[np.float64]
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 
@@ -40,8 +39,8 @@ def parsed_loads(text: str) -> Array:
         if "mean_pressure" in str(error):
             raise
         raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r:.80}') from None
-    if not 2 <= number <= MOST_LOADS:
-        raise ValueError(f"the count of loads must lie in [2, {MOST_LOADS}], got {number}")
+    if not 2 <= number <= MAX_LOADS:
+        raise ValueError(f"the count of loads must lie in [2, {MAX_LOADS}], got {number}")
     checked_loads(ends)
     return checked_loads(np.geomspace(*ends, number))
 
@@ -134,7 +133,7 @@ def _series(required: bool) -> tuple[Option, ...]:
         click.option("--gamma", required=required, help='Ratio of successive wavelengths: 5 or "5/2".'),
         click.option(
             "-m", "m", type=float, required=required,
-            help="Number of waves, or inf for the methods archard, demelio, layer and planned.",
+            help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}.",
         ),
         click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
         click.option("--phases", callback=_read(parsed_phases), help="Phases of all m waves, as 0,1,2."),
@@ -145,7 +144,7 @@ def _series(required: bool) -> tuple[Option, ...]:
 _SOLVED = (
     loads(LOADS, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.'),
     click.option(
-        "--method", "methods", multiple=True, type=click.Choice(list(METHODS)),
+        "--method", "methods", multiple=True, type=click.Choice(names()),
         help="Once for each method [default: bem; plot: archard, demelio, layer and bem].",
     ),
     click.option(

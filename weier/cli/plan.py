@@ -7,11 +7,14 @@ from typing import Any
 
 import click
 
-from weier import scene, single
-from weier.cli.options import FILE, LOADS, Array, loads, of_any_profile, parameters, parsed_loads
-from weier.plan import QUANTITIES, Plan
-from weier.plan_scene import ScenePlan
-from weier.plan_scene import plan as plan_scene
+from weier import scene
+from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parsed_loads
+from weier.kernels.arrays import Array
+from weier.methods.planned.plan import Plan
+from weier.methods.segment import QUANTITIES
+from weier.pipeline import single
+from weier.pipeline.plan import ScenePlan
+from weier.pipeline.plan import plan as plan_scene
 
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 

@@ -9,9 +9,10 @@ from typing import Any
 import click
 import xarray as xr
 
-from weier import single
-from weier.cli.options import INTO, Array, of_one_profile, output, parameters
-from weier.plan import QUANTITIES
+from weier.cli.options import INTO, of_one_profile, output, parameters
+from weier.kernels.arrays import Array
+from weier.methods.segment import QUANTITIES
+from weier.pipeline import single
 
 PLOTTED = ("archard", "demelio", "layer", "bem")
 

@@ -7,16 +7,18 @@ from pathlib import Path
 
 import click
 
-from weier import batch as batches
-from weier import claims as claim
-from weier import dataset, scene, study
+from weier import scene
 from weier.cli.options import FILE, FILES, SCENE, output
+from weier.data import dataset
+from weier.pipeline import batch as batches
+from weier.pipeline import claims as claim
+from weier.pipeline import gather as study
 
 
 @click.command()
 def compile() -> None:
     """Compile all kernels, once for all later runs."""
-    from weier.compile import compile_kernels  # only this command needs it
+    from weier.pipeline.compile import compile_kernels  # only this command needs it
 
     compile_kernels()
 
@@ -103,7 +105,7 @@ def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> 
 
     From its dataset CONTACT, its figures (.png) and its costs (.nc).
     """
-    from weier import page as pages  # bokeh takes a second, and only this command needs it
+    from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
 
     figures = [file for file in files if file.suffix == ".png"]
     costs = [file for file in files if file.suffix == ".nc"]

@@ -11,8 +11,8 @@ import matplotlib.style
 import xarray as xr
 from matplotlib.figure import Figure
 
+from weier.data.files import replacing
 from weier.figures import style
-from weier.files import replacing
 
 KINDS = (
     "borodich_galanov",

@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from weier.borodich_galanov import stiffness_curve
 from weier.figures import style
+from weier.theory.borodich_galanov import stiffness_curve
 
 HIGHEST = 4.0  # k/k_H: the upper bound grows without limit as epsilon -> 1
 

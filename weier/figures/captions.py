@@ -6,9 +6,9 @@ import re
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from weier.curves import ESTIMATES
-from weier.figures.style import METHODS, PANELS
-from weier.methods import NUMERICAL
+from weier.figures.style import PANELS
+from weier.methods.registry import method_named, numerical_names
+from weier.pipeline.curves import ESTIMATES
 from weier.scene import Scene
 
 # Where all methods stand beside each other, {drawn} tells them apart.
@@ -81,7 +81,7 @@ def _drawn(cases: Sequence[Collection[str]]) -> str:
     if len(cases) > PANELS:
         return ": a thin line for each profile, and a thick one for the median of each method"
     methods = {method for case in cases for method in case}
-    numerical = [METHODS[method].label for method in NUMERICAL if method in methods]
+    numerical = [method_named(method).label for method in numerical_names() if method in methods]
     looks = ("as a solid black line", "as circles")  # of the more accurate first
     estimates = ["the estimates in colours"] * bool(methods.intersection(ESTIMATES))
     words = [*estimates, *(" ".join(each) for each in zip(numerical, looks, strict=False))]

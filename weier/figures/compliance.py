@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures.methods import compare
+from weier.pipeline import curves
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

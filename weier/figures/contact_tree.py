@@ -9,12 +9,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from weier import curves
 from weier.figures import style
-
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
+from weier.pipeline import curves
 
 SAMPLES = 2000
 

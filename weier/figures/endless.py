@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import style
+from weier.pipeline import curves
 
 SHOWN = (1, 2, 4)  # resolved terms, beside the most there are
 

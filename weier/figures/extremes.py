@@ -56,7 +56,7 @@ def _widest(data: xr.Dataset) -> int:
 
 
 def _digits(axes: Axes, case: xr.Dataset) -> None:
-    for method, row in zip(case["method"].values.tolist(), case["compliance_digits"].values, strict=True):
+    for method, row in zip(case["solution_method"].values.tolist(), case["compliance_digits"].values, strict=True):
         known = np.isfinite(row)
         if known.any():
             look = style.line(method) | LOOKS.get(method, {})

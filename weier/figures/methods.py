@@ -9,9 +9,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import style
-from weier.methods import NUMERICAL
+from weier.methods.registry import numerical_names
+from weier.pipeline import curves
 
 
 def compare(
@@ -52,7 +52,7 @@ def _one(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     reference = curves.numerical_method(case)
     for method, row in _rows(case, quantity).items():
         look = style.line(method)
-        if method in NUMERICAL:
+        if method in numerical_names():
             look |= {} if method == reference else style.POINTS
             look["zorder"] = 1.9  # below the estimates, which are thinner than it or have gaps
         axes.plot(case["mean_pressure"].values, row, **look)
@@ -69,6 +69,6 @@ def _many(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
 
 def _rows(case: xr.Dataset, quantity: str) -> dict[str, np.ndarray]:
     """The curves there are, in the order of the estimates, then other methods, then the numerical ones on top."""
-    others = [m for m in case["method"].values.tolist() if m not in (*curves.ESTIMATES, *NUMERICAL)]
-    found = {m: curves.curve(case, quantity, m) for m in (*curves.ESTIMATES, *others, *NUMERICAL)}
+    others = [m for m in case["solution_method"].values.tolist() if m not in (*curves.ESTIMATES, *numerical_names())]
+    found = {m: curves.curve(case, quantity, m) for m in (*curves.ESTIMATES, *others, *numerical_names())}
     return {method: row for method, row in found.items() if row is not None}

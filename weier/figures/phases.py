@@ -11,8 +11,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import style
+from weier.pipeline import curves
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

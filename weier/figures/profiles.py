@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import style
-from weier.profile import Profile
+from weier.pipeline import curves
+from weier.theory.profile import Profile
 
 WAVES = 2  # lambda_0
 SAMPLES_PER_WAVE = 32

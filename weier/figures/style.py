@@ -12,8 +12,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
-from weier.profile import LARGEST_DENOMINATOR
+from weier.methods import registry
+from weier.methods.method import DEFAULT_STYLE
+from weier.pipeline import curves
+from weier.theory.profile import MAX_DENOMINATOR
 
 Shown = TypeVar("Shown")
 Color = tuple[float, ...]
@@ -94,20 +96,11 @@ class Line(NamedTuple):
     linestyle: Any
 
 
-METHODS = {
-    "archard": Line("Archard", VERMILLION, DASHES[1]),
-    "demelio": Line("Demelio", BLUE, DASHES[2]),
-    "layer": Line("non-linear layer", GREEN, DASHES[3]),
-    "westergaard": Line("Westergaard", PURPLE, DASHES[4]),
-    "planned": Line("planned", SKY, DASHES[6]),
-    "bem": Line("boundary elements", BLACK, "-"),
-    "patches": Line("contact patches", BLACK, "-"),
-}
-
-
 def line(method: str) -> dict[str, Any]:
-    """Keywords of Axes.plot for the curve of a method, be it one that this module does not know."""
-    return METHODS.get(method, Line(method, ORANGE, DASHES[5]))._asdict()
+    """Keywords of Axes.plot for the curve of a method, or of a variant that no method is named as."""
+    found = next((each for each in registry.METHODS if each.name == method), None)
+    label, look = (found.label, found.style) if found else (method, DEFAULT_STYLE)
+    return Line(label, look.color, (0, look.dashes) if look.dashes else "-")._asdict()
 
 
 def draw_points(axes: Axes, loads: np.ndarray, rows: Iterable[tuple[np.ndarray | None, Color]]) -> None:
@@ -116,7 +109,7 @@ def draw_points(axes: Axes, loads: np.ndarray, rows: Iterable[tuple[np.ndarray |
     for values, color in found:
         axes.plot(loads, values, color=color, **FEW_POINTS)
     if found:
-        axes.plot([], [], label=METHODS["bem"].label, color=BLACK, **FEW_POINTS)
+        axes.plot([], [], label=registry.method_named(registry.numerical_names()[1]).label, color=BLACK, **FEW_POINTS)
 
 
 def family(count: int) -> list[dict[str, Any]]:
@@ -194,7 +187,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
 
 
 def _ratio(case: xr.Dataset) -> Fraction:
-    return Fraction(float(case["gamma"])).limit_denominator(LARGEST_DENOMINATOR)
+    return Fraction(float(case["gamma"])).limit_denominator(MAX_DENOMINATOR)
 
 
 def _terms(case: xr.Dataset) -> str:

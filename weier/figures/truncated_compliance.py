@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import truncation
+from weier.pipeline import curves
 
 ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
 ZOOM = 0.03, 0.05  # of the ranges of loads and values that the inset shows

@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
 from weier.figures import style
+from weier.pipeline import curves
 
 Datum = Callable[[np.ndarray, float], np.ndarray]  # to a common datum, of a series of this total amplitude
 

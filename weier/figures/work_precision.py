@@ -10,18 +10,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier import curves
+from weier.accuracy.tradeoff.numbers import pareto, seconds_per_load, typical, worst_over_loads
 from weier.figures import style
-from weier.methods import NUMERICAL
-from weier.tradeoff.numbers import pareto, seconds_per_load, typical, worst_over_loads
+from weier.methods import registry
 
 FLOOR = 1e-15  # an error of 0 is drawn here
 LABELS = {
     "compliance": r"largest error of $h/g_0$",
     "resistance": r"largest error of $R$, in max$(R,\,g_0/p_0^{*})$",
 }
-FAMILIES = (*curves.ESTIMATES, *reversed(NUMERICAL))
-MARKERS = dict(zip(FAMILIES, "v^sod", strict=True))  # told apart without colour
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5, "solid_capstyle": "round", "zorder": 1}
 
 
@@ -40,7 +37,12 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         raise ValueError("there are no times to draw in these data")
     figure, axes = style.column(2, sharex=True)
     for number, (panel, quantity) in enumerate(zip(axes, LABELS, strict=True)):
-        _panel(panel, data["method"].values.tolist(), 1e3 * cost, np.maximum(worst_over_loads(data, quantity), FLOOR))
+        _panel(
+            panel,
+            data["solution_method"].values.tolist(),
+            1e3 * cost,
+            np.maximum(worst_over_loads(data, quantity), FLOOR),
+        )
         panel.set(xscale="log", yscale="log", ylabel=LABELS[quantity])
         style.name_panel(panel, number, 2, quantity)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -53,10 +55,12 @@ def _panel(axes: Axes, names: Sequence[str], cost: np.ndarray, error: np.ndarray
     middle_cost, middle_error = typical(cost), typical(error)
     front = pareto(middle_cost, middle_error)
     axes.plot(middle_cost[front], middle_error[front], label="Pareto front", **FRONT)
-    for family in FAMILIES:
-        members = [number for number, name in enumerate(names) if name.split()[0] == family]
-        look = style.line(family) | {"marker": MARKERS[family], "linestyle": "none"}
-        if family == "patches":
+    for method in registry.METHODS:
+        members = [number for number, name in enumerate(names) if name.split()[0] == method.name]
+        if not members:
+            continue
+        look = style.line(method.name) | {"marker": method.style.marker, "linestyle": "none"}
+        if method.name == registry.numerical_names()[0]:
             look["markerfacecolor"] = "white"
         axes.plot(cost[:, members], error[:, members], color=look["color"], marker=".", ms=1, ls="none", alpha=0.4)
         axes.plot(middle_cost[members], middle_error[members], **look)

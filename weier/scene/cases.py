@@ -12,15 +12,14 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from weier.limits import check_resolvable
-from weier.methods import NUMERICAL
-from weier.phases import RandomPhases, random_phases
-from weier.plain_yaml import number
-from weier.profile import Profile
+from weier.data.yaml import number
+from weier.kernels.arrays import Array
+from weier.methods.registry import method_named
+from weier.theory.limits import check_resolvable
+from weier.theory.phases import RandomPhases, random_phases
+from weier.theory.profile import Profile
 
-Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
 # What a scene or a command may ask for, so that a slip of the pen ends in a sentence and not in a lost night.
@@ -76,7 +75,7 @@ class Case:
         drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
         if not drawn and (largest := np.abs(profile.phase).max()) > MOST_PHASE:
             raise ValueError(f"phases must lie in [-{MOST_PHASE:g}, {MOST_PHASE:g}], got {largest:g}")
-        if any(method in NUMERICAL for method in self.methods):
+        if any(method_named(method).numerical for method in self.methods):
             check_resolvable(profile)
 
 

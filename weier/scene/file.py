@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import plain_yaml
-from weier.loads import check_range, checked_loads
-from weier.methods import PLANNED
-from weier.plain_yaml import number
+from weier.data import yaml as plain_yaml
+from weier.data.variables import of_curves
+from weier.data.yaml import number
+from weier.methods.registry import PLANNED, method_named
+from weier.methods.settings import checked_settings
 from weier.scene.cases import Case, Figure, Scene, SceneError
 from weier.scene.products import MOST_CASES, axis, check_count, combinations
-from weier.solve import checked_settings
-from weier.variables import of_curves
+from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 BATCH = 25  # cases a job: some seconds of work for one or two of start-up
@@ -65,7 +65,7 @@ def named(name: str) -> Scene:
 def _check_schema(raw: Any, path: Path) -> None:
     import jsonschema  # takes longer than the rest of a scene, and no one needs it but a scene
 
-    schema = json.loads(files("weier").joinpath("scene.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
     error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(raw))
     if error is not None:
         where = ".".join(str(part) for part in error.absolute_path) or "the top level"
@@ -119,7 +119,7 @@ def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
     settings = study.get("settings", raw.get("settings", {}))
     if plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
-    checked = {method: checked_settings(method, settings.get(method, {})) for method in methods}
+    checked = {method: checked_settings(method_named(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
     for parameters in combinations(study):
         case = Case(parameters, methods, own)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from weier.plain_yaml import number
+from weier.data.yaml import number
 
 MOST_CASES = 10_000  # by default
 MOST_RANGE = 10**6

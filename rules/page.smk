@@ -1,0 +1,30 @@
+# One HTML page a scene, to look through: snakemake --cores 2 report --config scenes=paper
+rule report:
+    input:
+        expand(
+            "results/{s}/page.html",
+            s=str(config["scenes"]).replace(" ", "").split(","),
+        ),
+
+
+rule page:
+    input:
+        source=[*sources("weier.figures.page"), "weier/figures/page/choose.js"],
+        contact="results/{scene}/contact.nc",
+        figures=lambda w: expand(
+            "results/{{scene}}/figures/{f}.png", f=scene(w.scene).figures
+        ),
+        costs=lambda w: expand(
+            "results/{{scene}}/cost/{b}.nc", b=scene(w.scene).batches
+        ),
+    output:
+        "results/{scene}/page.html",
+    log:
+        "results/logs/{scene}/page.log",
+    conda:
+        "environment.yaml"
+    params:
+        figures=lambda w: repr(scene(w.scene).figures),
+    shell:
+        "python -m weier page config/scenes/{wildcards.scene}.yaml {output}"
+        " {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"

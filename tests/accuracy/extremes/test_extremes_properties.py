@@ -1,0 +1,128 @@
+"""Whatever is drawn from the extremes: numbers or a clear sentence, no warning, and every curve a compliance."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from weier import Profile
+from weier.accuracy.extremes import Outcome, examine, verdicts
+from weier.methods import bem
+from weier.methods.method import Variant
+
+FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)
+MOST_WAVES = 30  # in a period, of what is solved on a mesh or contact by contact
+
+ULP = np.finfo(float).eps
+dimensions = st.sampled_from([1 + 1e-9, 1.25, 1.5, 2 - 1e-9]) | st.floats(1 + 1e-9, 2 - 1e-9)
+ratios = st.sampled_from(["1000001/1000000", "1000000", "3/2", "2", "5/2", "4", "9"]) | st.fractions(
+    "1000001/1000000", 10**6, max_denominator=10**6
+)
+small_ratios = st.sampled_from(["6/5", "3/2", "2", "5/2", "3", "5"])
+terms = st.sampled_from([1, 2, 3, 12, 1000, math.inf])
+few_terms = st.integers(1, 3)
+angles = st.sampled_from([0.0, math.pi, -math.pi, math.pi / 2, math.pi + 1e-15]) | st.floats(-10, 10)
+at_one = st.sampled_from([1 - ULP / 2, 1.0, 1 + ULP])
+
+
+def loads():
+    """Up to eight loads, light and heavy, some of them a rounding apart."""
+    each = st.floats(-300, 300).map(lambda exponent: 10.0**exponent) | st.floats(1e-6, 30) | at_one
+    return st.lists(each, min_size=2, max_size=8, unique=True).map(lambda found: np.array(sorted(found)))
+
+
+@st.composite
+def series(draw):
+    """Any series there is."""
+    return Profile(draw(dimensions), draw(ratios), draw(terms), draw(angles))
+
+
+@st.composite
+def waves(draw):
+    """A series that can be solved, symmetric ones among them."""
+    m = draw(few_terms)
+    profile = Profile(draw(dimensions), draw(small_ratios), m, draw(st.lists(angles, min_size=m, max_size=m)))
+    assume(profile.wavenumber[-1] <= MOST_WAVES)
+    return profile
+
+
+def check(method, profile, mean_pressure, **options):
+    found = examine(Variant(method, method, options), profile, mean_pressure)
+    assert not found.warned
+    assert set(found.outcome) <= {Outcome.finite, Outcome.clear_error}, found.message
+    solved = found.outcome == Outcome.finite
+    p, h, R = mean_pressure[solved], found.compliance[solved], found.resistance[solved]
+    noise, total = verdicts.NOISE[method], profile.total_amplitude
+    meshed = method == "bem" and solved.any()
+    mesh = (
+        bem.error_model.compliance_error(profile, bem.checked_points(profile, options.get("points")))
+        if meshed
+        else 0.0
+    )
+    assert verdicts.monotone(h, noise.height * total)
+    assert verdicts.concave(p, h, R, noise, total)
+    assert verdicts.inside(profile, p, h, R, noise, mesh)
+    return found
+
+
+def throw(method, profiles, how_many):
+    @how_many
+    @given(profiles, loads())
+    def run(profile, mean_pressure):
+        found = check(method, profile, mean_pressure)
+        if method in ("archard", "demelio", "westergaard"):
+            assert np.all(found.outcome == Outcome.finite)
+
+    run()
+
+
+one_wave = st.builds(Profile, dimensions, ratios, st.just(1))
+DRAWN = {
+    "westergaard": one_wave,
+    "archard": series(),
+    "demelio": series(),
+    "layer": waves(),
+    "bem": waves(),
+    "patches": waves(),
+    "planned": waves(),
+}
+
+
+@pytest.mark.parametrize("method", DRAWN)
+def test_dozens(method):
+    throw(method, DRAWN[method], FEW)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", DRAWN)
+def test_a_thousand(method):
+    throw(method, DRAWN[method], MANY)
+
+
+@pytest.mark.parametrize("method", ["bem", "patches", "planned"])
+@pytest.mark.parametrize("gamma", ["1000001/1000000", "1000000"])
+@pytest.mark.parametrize("m", [3, 1000])
+def test_what_no_computer_holds_is_refused_in_a_sentence(method, gamma, m):
+    found = check(method, Profile(1.5, gamma, m), np.array([0.01, 0.1]))
+    assert np.all(found.outcome == Outcome.clear_error)
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_three_nodes(solver):
+    found = check("bem", Profile(1.5, 5, 1), np.geomspace(1e-150, 1e300, 20), solver=solver, points=3)
+    assert np.all(found.outcome == Outcome.finite)
+
+
+def test_a_dense_matrix_of_a_million_nodes_is_refused():
+    found = check("bem", Profile(1.5, 5, 1), np.array([0.1]), points=2**20, solver="direct")
+    assert 'points must be at most 10000, got 1048576: take solver "fft"' in found.message
+
+
+@pytest.mark.slow
+def test_a_million_nodes():
+    mean_pressure = np.array([1e-3, 0.5])
+    found = check("bem", Profile(1.5, 5, 1), mean_pressure, points=2**20)
+    assert found.compliance == pytest.approx(mean_pressure * (1 - np.log(mean_pressure)), abs=1e-10)

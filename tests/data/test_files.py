@@ -1,0 +1,81 @@
+"""Files that appear whole or not at all, what killed processes leave, and times in the future."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from weier.data.files import bring_to_present, check_writable, remove_leftovers, replacing, write_text
+
+
+def test_a_file_appears_when_all_went_well(tmp_path):
+    with replacing(tmp_path / "a") as beside:
+        beside.write_text("new")
+        assert list(tmp_path.iterdir()) == [beside]
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["new"]
+
+
+def test_a_file_stays_as_it_was_when_something_went_wrong(tmp_path):
+    (tmp_path / "a").write_text("old")
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "a") as beside:
+        (beside / "of no folder").write_text("new")
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
+
+
+def test_a_text_makes_its_folder(tmp_path):
+    write_text(tmp_path / "new" / "a", "p → 0")
+    assert [path.read_bytes().decode("utf-8") for path in (tmp_path / "new").iterdir()] == ["p → 0"]
+
+
+@pytest.mark.parametrize(
+    ("name", "why"), [("a", "it is a folder"), ("file/b", "file is not a folder"), ("pipe", "it is a device")]
+)
+def test_what_cannot_be_written_is_told_by_its_own_name(tmp_path, name, why):
+    """The file beside it is nobody's concern."""
+    (tmp_path / "a").mkdir()
+    (tmp_path / "file").touch()
+    os.mkfifo(tmp_path / "pipe")
+    path = tmp_path / name
+    with pytest.raises(OSError, match=why) as refused, replacing(path) as beside:
+        beside.write_text("new")
+    assert str(refused.value).startswith(f"{path} cannot be written (")
+    assert {path.name for path in tmp_path.rglob("*")} == {"a", "file", "pipe"}
+
+
+def test_a_link_is_followed(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "folder" / "file")
+    write_text(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "folder" / "file").read_text() == "new"
+
+
+def test_leftovers_go_when_their_process_is_gone(tmp_path):
+    program = (
+        "import os, pathlib, sys; from weier.data.files import replacing\n"
+        "with replacing(pathlib.Path(sys.argv[1], 'killed.nc')) as beside: beside.touch(); os.kill(os.getpid(), 9)"
+    )
+    subprocess.run([sys.executable, "-c", program, tmp_path])
+    (tmp_path / ".kernels").touch()
+    (tmp_path / ".else.nc.anotherhost.1").touch()
+    with replacing(tmp_path / "mine.nc") as mine:
+        mine.touch()
+        assert len(list(tmp_path.iterdir())) == 4
+        remove_leftovers(tmp_path)
+        assert {path.name for path in tmp_path.iterdir()} == {mine.name, ".kernels", ".else.nc.anotherhost.1"}
+
+
+def test_no_file_stays_in_the_future(tmp_path):
+    for name, seconds in (("past", -1e6), ("future", 1e6)):
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, (time.time() + seconds,) * 2)
+    before = (tmp_path / "past").stat().st_mtime
+    bring_to_present(tmp_path)
+    assert (tmp_path / "past").stat().st_mtime == before
+    assert before < (tmp_path / "future").stat().st_mtime <= time.time()
+
+
+def test_a_folder_to_write_to_is_not_refused(tmp_path):
+    check_writable(tmp_path)
+    check_writable(tmp_path / "not there yet")

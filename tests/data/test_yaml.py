@@ -1,0 +1,49 @@
+"""YAML as people write it; what means harm is in test_fuzz.py."""
+
+import pytest
+
+from weier.data import yaml as plain_yaml
+
+
+def test_plain_values_and_merged_keys_are_read():
+    text = "base: &b {D: 1.5, m: 2}\nother: {<<: *b, m: 3}\nlist: [1, .inf, 5/2]"
+    found = plain_yaml.load(text)
+    assert found["other"] == {"D": 1.5, "m": 3}
+    assert found["list"] == [1, float("inf"), "5/2"]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *[("1e-3", 1e-3), ("-1E5", -1e5), ("+.5e1", 5.0), ("1.e2", 100.0), ("1.5e-3", 1.5e-3), ("12", 12)],
+        *[("1e", "1e"), ("e5", "e5"), ("1e5x", "1e5x"), ("'1e5'", "1e5")],
+    ],
+)
+def test_numbers_are_those_of_people(text, value):
+    found = plain_yaml.load(f"a: {text}")["a"]
+    assert found == value
+    assert type(found) is type(value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: 1\nb: {a: 1, a: 2}", "the key 'a' stands twice"),
+        ("a: 1\n2: 3", "a key must be a word, got another kind of value in line 2"),
+        ("a: [1", "expected"),
+    ],
+)
+def test_what_is_not_plain_is_refused(text, message):
+    with pytest.raises(ValueError, match=message):
+        plain_yaml.load(text)
+
+
+@pytest.mark.parametrize("value", ["1e-3", 0.001, "0.001"])
+def test_a_number_may_be_written_as_text(value):
+    assert plain_yaml.number("D", value) == 0.001
+
+
+@pytest.mark.parametrize("value", ["x", None, [], 10**400])
+def test_what_is_no_number_is_refused_by_name(value):
+    with pytest.raises(ValueError, match="D must be a number, got"):
+        plain_yaml.number("D", value)

@@ -1,0 +1,335 @@
+"""The page of a scene: whole in itself, and alive in a browser without a network."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from bokeh.embed import json_item
+from bokeh.models import Line, Scatter
+
+from weier import plan, scene
+from weier.data import dataset, provenance
+from weier.data.dataset import Status
+from weier.figures import page, style
+from weier.figures.captions import CAPTIONS
+from weier.figures.page import curves, plans
+from weier.methods import registry
+
+LOADS = np.geomspace(1e-2, 1, 5)
+METHODS = ["demelio", "bem"]
+CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
+PNG = bytes.fromhex("89504e470d0a1a0a")
+SCENE = """
+title: test
+loads: [0.02, 0.3, 1.5]
+methods: [demelio]
+studies:
+  one: {product: {D: 1.25, gamma: 5, m: 2}}
+figures:
+  figure_1: {draw: profiles, studies: [one], title: Rough & <i>smooth</i>}
+"""
+PLANNED = """
+title: test
+loads: [0.02, 0.3, 1.5]
+methods: [patches]
+tolerance: 1.0e-4
+studies:
+  one: {product: {D: 1.5, gamma: 2, m: [1, 3], phase: 1.0}}
+  far: {product: {D: 1.95, gamma: 2, m: inf}}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("a scene")
+    data = dataset.blank(len(CASES), METHODS, LOADS, 3)
+    cost = dataset.blank_cost(len(CASES), METHODS)
+    for row, values in enumerate(CASES):
+        for name, value in zip(("D", "gamma", "m"), values, strict=True):
+            data[name].values[row] = value
+        data["key"].values[row] = f"case{row}"
+        data["compliance"].values[row] = row + 1 + LOADS
+        data["resistance"].values[row] = 2 * (row + 1) + LOADS
+    data["compliance"].values[3, 0] = data["resistance"].values[3, 0] = (
+        np.nan
+    )  # demelio has no curve of the last case
+    data["phase"].values[:, :2] = 0, 1
+    data["status"].values[:] = Status.solved
+    cost["seconds"].values[:] = 0.5
+    dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
+    dataset.write(cost, folder / "cost.nc", "cost")
+    (folder / "figure_1.png").write_bytes(PNG)
+    write(folder, "page.html")
+    return folder
+
+
+def load(folder, text):
+    (folder / "test.yaml").write_text(text)
+    return scene.load(folder / "test.yaml")
+
+
+def write(folder, name):
+    loaded = load(folder, SCENE)
+    page.write(loaded, folder / "contact.nc", [folder / "figure_1.png"], [folder / "cost.nc"], folder / name)
+    return (folder / name).read_text(encoding="utf-8")
+
+
+def test_nothing_is_asked_of_a_network(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
+    assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
+    assert re.findall(r"(?:src|href)=\"(?!data:)", markup) == []
+    for heading in ("Curves, all 4 cases", "Figures", "Claims", "Errors", "Cost", "Provenance"):
+        assert f"<h2>{heading}</h2>" in markup
+
+
+def test_text_of_a_scene_stays_text(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    assert "&lt;b&gt;Waves&lt;/b&gt; &amp; &lt;/script&gt;" in text
+    assert "<script>alert(1)" not in text
+
+
+def test_same_data_same_page(folder):
+    """The numbers of bokeh's parts count on in one process; all else is the same."""
+    first, second = (re.sub(r"p\d{4,}", "p", write(folder, name)) for name in ("a.html", "b.html"))
+    assert first == second
+
+
+def test_costs_and_states_are_counted(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    assert "<td>bem</td><td>4</td><td>0.5</td><td>0.5</td><td>2</td>" in text
+    assert "<td>bem</td><td>4</td><td>0</td><td>0</td><td>0</td>" in text
+
+
+def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
+    data, cost = dataset.blank(1, METHODS, LOADS, 3), dataset.blank_cost(1, METHODS[::-1])
+    cost["seconds"].values[:] = 1234.5, 2.5e-5  # bem, demelio
+    assert re.findall(r"<td>(.*?)</td>", page._costs(data, [cost])) == [
+        *("demelio", "1", "2.5e-05", "2.5e-05", "2.5e-05"),
+        *("bem", "1", "1200", "1200", "1230"),
+    ]
+
+
+def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
+    data = dataset.blank(2, METHODS, LOADS, 3)
+    data["residual"].values[:, 1] = [[1e-11], [3e-11]]
+    data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
+    data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # nobody knows the one: nor the largest
+    assert "<td>bem</td><td>0</td><td>2</td><td>0</td><td>0</td><td>3.0e-11</td><td>7.0e-05</td><td>inf</td>" in (
+        page._errors(data)
+    )
+    assert "<td>demelio</td><td>0</td><td>2</td><td>0</td><td>0</td><td></td><td></td><td></td>" in page._errors(data)
+    assert page._errors(data).count("expected") == 2
+    assert "expected" not in page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
+    data["compliance_error"].values[:] = data["resistance_error"].values[:] = np.nan  # of a scene without a tolerance
+    assert "expected" not in page._errors(data)
+    assert "residual" in page._errors(data)
+
+
+def test_a_method_looks_as_in_the_figures():
+    """Contact patches are a black line, and boundary elements circles beside them, a black line without them."""
+    loads = np.geomspace(1e-3, 10, 100)
+
+    def drawn(methods):
+        data = dataset.blank(1, methods, loads, 3)
+        data["compliance"].values[:] = data["resistance"].values[:] = 1.0
+        data["key"].values[:] = "case"
+        made = curves.explorer(data)
+        json_item(made)  # what is drawn can be written, too
+        plot = made.select_one({"name": "compliance"})
+        return {
+            item.label.value: (line.glyph, line) for item, line in zip(plot.legend.items, plot.renderers, strict=True)
+        }
+
+    both, alone = drawn(["demelio", "bem", "patches"]), drawn(["demelio", "bem"])
+    for method in ("demelio", "patches"):
+        look, glyph = style.line(method), both[style.line(method)["label"]][0]
+        assert isinstance(glyph, Line)
+        assert glyph.line_color == look["color"]
+        dashed = look["linestyle"] != "-"
+        assert (
+            glyph.line_dash == [round(2 * length) for length in look["linestyle"][1]]
+            if dashed
+            else glyph.line_dash == []
+        )
+    circles, renderer = both["boundary elements"]
+    assert isinstance(circles, Scatter)
+    assert circles.line_color == style.line("bem")["color"]
+    assert 20 < len(renderer.view.filter.indices) <= 30
+    assert isinstance(alone["boundary elements"][0], Line)
+
+
+def test_figures_have_captions(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {CAPTIONS['profiles']}"
+    assert f"<figcaption>{caption}</figcaption>" in text
+    assert 'alt="Figure 1: The profiles over two of their longest waves"' in text
+
+
+def test_the_page_says_what_its_date_is(folder):
+    with dataset.reading(folder / "contact.nc") as data:
+        comment = data.attrs["comment"]
+    assert provenance.commit().dating in comment
+    assert f"<td>{comment}</td>" in (folder / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def planned(tmp_path):
+    """A scene with a tolerance, solved with errors and seconds that are known."""
+    loaded = load(tmp_path, PLANNED)
+    cases = [case for study in loaded.studies.values() for case in study]
+    methods, terms, _ = loaded.layout
+    data = dataset.blank(3, methods, loaded.loads, terms)
+    cost = dataset.blank_cost(3, methods)
+    for each in (data, cost):
+        each["key"].values[:] = [case.key for case in cases]
+    data["compliance"].values[:2] = 0.5
+    data["compliance"].values[:2, methods.index("planned"), 1] += [3e-5, -7e-5]
+    cost["seconds"].values[:2, methods.index("planned")] = [0.5, 1.5]
+    return loaded, data, cost
+
+
+def test_a_plan_stands_against_what_it_took_and_missed(planned):
+    loaded, data, cost = planned
+    made = [plan(case.profile, loaded.loads, 1e-4) for case in loaded.studies["one"]]
+    ways = [" and ".join(dict.fromkeys(part.method for part in each.segments)) for each in made]
+    assert len(set(ways)) == 2
+    table = plans.rows(loaded, data, [cost])
+    assert [row[0] for row in table] == [*ways, "out of reach", "all"]
+    assert [row[1] for row in table] == [1, 1, 1, 3]
+    assert [row[3] for row in table] == ["0.5", "1.5", "0", "2"]
+    assert [row[7] for row in table] == ["3.0e-05", "7.0e-05", "unknown", "7.0e-05"]
+    for row, each, took in zip(table, made, (0.5, 1.5), strict=False):
+        assert row[2] == f"{each.seconds:.3g}"
+        assert float(row[4]) == pytest.approx(took / each.seconds, rel=0.05)
+        assert "e" not in row[4]
+        assert row[5:7] == ["1.0e-04", f"{each.error:.1e}"]
+
+
+def test_an_error_is_unknown_where_nothing_measured_it(planned):
+    loaded, data, cost = planned
+    assert {row[7] for row in plans.rows(loaded, data.sel(solution_method=["planned"]), [cost])} == {"unknown"}
+
+
+def test_a_scene_without_a_tolerance_has_no_plans(planned, tmp_path):
+    _, data, cost = planned
+    assert plans.rows(load(tmp_path, SCENE), data, [cost]) == []
+
+
+# As a user does: the drop-down is set and says so. It stands in the shadow of its widget.
+DRIVE = """<script>
+const found = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? found(each.shadowRoot, kind) : [])])
+const seen = () => {
+  const model = (name) => Bokeh.documents[0].get_model_by_name(name)
+  return {
+    compliance: Array.from(model("curve bem").data.compliance),
+    resistance: Array.from(model("curve bem").data.resistance),
+    visible: model("compliance").renderers.map((line) => line.visible),
+    named: model("names of resistance").items.map((item) => item.visible),
+    chosen: ["D", "gamma", "m", "phase", "key"].map((name) => model(name).value),
+    keyed: model("key").visible,
+  }
+}
+const pause = () => new Promise((done) => setTimeout(done, 200))
+const choose = async (number, value) => {
+  const select = found(document, "select")[number]
+  select.value = value; select.dispatchEvent(new Event("change")); await pause()
+}
+const drive = async () => {
+  while (!found(document, "select").length) await pause()
+  const steps = [seen()]
+  await choose(0, "1.5"); steps.push(seen())
+  await choose(1, "3"); steps.push(seen())
+  await choose(2, "3"); steps.push(seen())
+  await choose(2, "2")
+  found(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(seen())
+  const answer = document.createElement("pre"); answer.id = "answer"
+  answer.textContent = JSON.stringify(steps); document.body.append(answer)
+}
+drive()
+</script>"""
+
+
+def browse(folder, *arguments):
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("there is no chromium to open the page in: apt-get install chromium")
+    command = [
+        browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
+        "--host-resolver-rules=MAP * ~NOTFOUND", "--proxy-server=127.0.0.1:9",
+        f"--user-data-dir={folder / 'browser'}", "--enable-logging=stderr",
+        "--window-size=1100,1400", "--virtual-time-budget=10000", *arguments,
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert re.findall(r"CONSOLE.*(?:[Ee]rror|Uncaught|fail).*", done.stderr) == []
+    assert "CONSOLE" in done.stderr  # bokeh greets there: silence would mean that nothing ran
+    return done.stdout
+
+
+def test_choosing_a_case_changes_the_curve(folder):
+    driven = folder / "driven.html"
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    head, _, _ = text.rpartition("</body>")
+    driven.write_text(f"{head}{DRIVE}</body></html>", encoding="utf-8")
+    answer = re.search(r'<pre id="answer">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
+    start, rough, finer, longer, hidden = json.loads(answer.group(1))
+    assert start["compliance"] == pytest.approx(1 + LOADS)
+    assert start["chosen"] == ["1.25", "5", "2", "1", "case0"]
+    assert not start["keyed"]  # the other labels tell all cases apart
+    assert rough["compliance"] == pytest.approx(2 + LOADS)
+    assert finer["compliance"] == pytest.approx(3 + LOADS)
+    assert finer["resistance"] == pytest.approx(6 + LOADS)
+    assert finer["chosen"] == ["1.5", "3", "2", "1", "case2"]
+    assert finer["visible"] == finer["named"] == [True, True]
+    assert longer["compliance"] == pytest.approx(4 + LOADS)
+    assert longer["visible"] == longer["named"] == [False, True]  # there is no such curve
+    assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
+
+
+# How wide the page becomes, and where what is on it ends; told to the page that frames it.
+MEASURE = """<script>
+const found = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? found(each.shadowRoot, kind) : [])])
+const measure = () => {
+  if (found(document, "canvas").length < 2) return setTimeout(measure, 200)
+  const ends = found(document, "select, canvas, input, img").map((each) => each.getBoundingClientRect().right)
+  const { clientWidth, scrollWidth } = document.documentElement
+  parent.postMessage({ window: clientWidth, page: scrollWidth, ends }, "*")
+}
+setTimeout(measure, 1000)
+</script>"""
+
+# A browser's own window has a least width.
+FRAME = """<iframe src="measured.html" width="420" height="1400" style="border: 0"></iframe>
+<pre id="answer"></pre><script>
+onmessage = (event) => { document.getElementById("answer").textContent = JSON.stringify(event.data) }
+</script>"""
+
+
+def test_a_narrow_window_is_wide_enough(folder, tmp_path):
+    """With all methods, random phases, and cases that only their keys tell apart."""
+    data = dataset.blank(2, registry.names(), LOADS, 6)
+    data["compliance"].values[:] = data["resistance"].values[:] = 1.0
+    data["phase"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
+    data["key"].values[:] = "0123456789ab", "ba9876543210"
+    dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
+    page.write(load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], [], tmp_path / "page.html")
+    head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
+    (tmp_path / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
+    (tmp_path / "frame.html").write_text(FRAME)
+    answer = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
+    found = json.loads(re.search(r'<pre id="answer">(.*?)</pre>', answer).group(1))
+    assert found["page"] == found["window"] <= 420  # the frame, less a bar to scroll up and down
+    assert len(found["ends"]) > 5 + len(registry.names()) + 2  # drop-downs, boxes, plots
+    assert max(found["ends"]) <= found["window"]
+
+
+def test_the_browser_would_tell_of_an_error(folder):
+    """The test above is worth something."""
+    (folder / "broken.html").write_text("<script>undefined.curve</script>")
+    with pytest.raises(AssertionError, match="Uncaught"):
+        browse(folder, "--dump-dom", (folder / "broken.html").as_uri())

@@ -1,0 +1,75 @@
+"""Small matrices are solved on one thread, and the process gets its threads back."""
+
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
+
+import numpy as np
+import pytest
+from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
+
+import weier
+from weier.kernels.blas import one_thread
+from weier.methods.bem import direct
+from weier.methods.patches import newton
+
+PATIENCE = 60  # seconds
+LOADS = np.array([0.05, 0.5])
+
+
+def threads() -> set[int]:
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+@pytest.fixture(autouse=True)
+def two_threads():
+    before = threadpool_limits(limits=2, user_api="blas")
+    OpenBLASController.clear_controlling_thread(force=True)
+    yield
+    before.restore_original_limits()
+    OpenBLASController.clear_controlling_thread(force=True)
+
+
+def test_one_thread_inside_and_what_there_was_outside():
+    assert threads() == {2}
+    with one_thread:
+        assert threads() == {1}
+    assert threads() == {2}
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "method", "settings"),
+    [(newton, "assemble", "patches", {}), (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"})],
+)
+def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):
+    seen, real = [], getattr(place, name)
+
+    def watched(*given):
+        seen.append(threads())
+        return real(*given)
+
+    monkeypatch.setattr(place, name, watched)
+    weier.solve(weier.Profile(D=1.25, gamma=5, m=1), LOADS, method, **settings)
+    assert seen
+    assert all(each == {1} for each in seen)
+    assert threads() == {2}
+
+
+def test_a_thread_that_leaves_first_does_not_give_the_others_two():
+    second_in, first_out, seen = Event(), Event(), []
+
+    def first():
+        with one_thread:
+            assert second_in.wait(PATIENCE)
+        first_out.set()
+
+    def second():
+        with one_thread:
+            second_in.set()
+            assert first_out.wait(PATIENCE)
+            seen.append(threads())
+
+    with ThreadPoolExecutor(2) as pool:
+        for job in [pool.submit(first), pool.submit(second)]:
+            job.result()
+    assert seen == [{1}]
+    assert threads() == {2}

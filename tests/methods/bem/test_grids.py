@@ -1,0 +1,94 @@
+"""Nested grids: the waves that they carry, and the pressure that a new wave starts from."""
+
+import numpy as np
+import pytest
+
+from weier import Profile
+from weier.methods import westergaard
+from weier.methods.bem import curve, field
+from weier.methods.bem.grids import nested_grids, refine, superpose
+from weier.theory import bounds
+from weier.theory.halfplane import eigenvalues
+
+THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+SEVEN_WAVES = Profile(1.25, 5, 7, tuple(range(7)))
+
+
+def test_a_wave_joins_on_the_first_grid_that_shows_it():
+    grids = nested_grids(SEVEN_WAVES, 2**18, 1e-8)
+    assert grids.points.tolist() == [2**n for n in range(8, 19)]
+    for points, terms in zip(grids.points[:-1], grids.terms[:-1], strict=True):
+        shown = [k for k in SEVEN_WAVES.wavenumber if points >= 8 * k]
+        assert terms == len(shown)
+    assert grids.terms[-1] == 7
+    assert grids.height[:256] == pytest.approx(Profile(1.25, 5, 3, (0, 1, 2)).sampled_height(256), abs=1e-14)
+
+
+@pytest.mark.parametrize("xi", [0.05, 0.7, 1.0, 3.0])
+def test_a_new_wave_starts_from_westergaards_pressure(xi):
+    points, wave = 3000, 2
+    grids = nested_grids(THREE_WAVES, points, 1e-8)
+    flattening = grids.waves.flattening[wave]
+    pressure = np.full(points, xi * flattening)
+    superpose(wave, grids.waves, pressure, np.empty(points))
+    x = 25 * np.arange(points) / points + 2.0 / (2 * np.pi)
+    assert pressure == pytest.approx(flattening * westergaard.pressure(x, xi), abs=1e-12)
+    # The trapezoidal rule on 120 points a wave misses the roots at the edges by O(1/120^1.5).
+    assert pressure.mean() == pytest.approx(xi * flattening, rel=120**-1.5 / xi)
+
+
+def test_a_contact_between_the_crests_keeps_its_pressure():
+    grids = nested_grids(Profile(1.5, 2, 2), 64, 1e-8)
+    pressure = np.zeros(64)
+    pressure[16] = 1e-3  # a valley of the finer wave
+    superpose(1, grids.waves, pressure, np.empty(64))
+    assert np.flatnonzero(pressure).tolist() == [16]
+
+
+@pytest.mark.parametrize("points", [64, 63, 45])
+def test_refining_keeps_the_nodes_and_ends_the_contact_between_them(points):
+    coarse = westergaard.pressure(np.arange(32) / 32, 0.3)
+    pressure = np.concatenate([coarse, np.zeros(points - 32)])
+    refine(32, pressure, np.empty(points))
+    fine = westergaard.pressure(np.arange(points) / points, 0.3)
+    same = points // np.gcd(32, points)  # every so many nodes the grids meet
+    assert pressure[::same].tolist() == coarse[:: 32 * same // points].tolist()
+    assert pressure == pytest.approx(fine, abs=0.1 * fine.max())
+    assert np.flatnonzero(pressure > 0).tolist() == np.flatnonzero(fine > 0).tolist()
+
+
+@pytest.mark.parametrize("points", [4096, 4095, 2187])
+def test_any_number_of_nodes_has_coarser_grids(points):
+    """And then takes no more work than a power of two: 35 pairs a load on 4095 nodes without them."""
+    grids = nested_grids(THREE_WAVES, points, 1e-8)
+    assert grids.points[-1] == points
+    assert 256 <= grids.points[0] < 512
+    assert np.all(np.diff(grids.points) >= 0.45 * grids.points[1:])
+    found = curve(THREE_WAVES, np.geomspace(1e-3, 2, 40), points=points, tolerance=1e-8, resistance=False)
+    assert found.work.mean() < 25
+
+
+def test_thousands_of_contacts_meet_the_contact_conditions():
+    """Checked with NumPy's own transform, which shares nothing with the solver's but the eigenvalues."""
+    points, load = 2**17, 1.0
+    found = field(SEVEN_WAVES, load, points=points, tolerance=1e-8)
+    sunk = np.fft.irfft(eigenvalues(points) * np.fft.rfft(found.pressure))
+    gap = sunk - SEVEN_WAVES.sampled_height(points)
+    gap -= gap[found.pressure > 0].mean()
+    assert found.pressure.min() >= 0
+    assert found.pressure.mean() == pytest.approx(load, rel=1e-12)
+    assert gap.min() >= -2e-8
+    assert np.minimum(found.pressure, gap).max() <= 2e-8
+    begins = (found.pressure > 0) & (np.roll(found.pressure, 1) == 0)
+    assert begins.sum() > 1000
+
+
+def test_many_waves_obey_the_bounds_of_fewer():
+    loads = np.array([0.01, 0.1, 1.0])
+    four, seven = (Profile(1.25, 5, m, tuple(range(m))) for m in (4, 7))
+    coarse = curve(four, loads, points=2**15, tolerance=1e-8)
+    fine = curve(seven, loads, points=2**17, tolerance=1e-8)
+    tail = seven.total_amplitude - four.total_amplitude
+    lower, upper = (bound + tail for bound in bounds.compliance_bounds(coarse.compliance, np.array(tail)))
+    assert np.all(fine.compliance > lower)
+    assert np.all(fine.compliance < upper)

@@ -1,0 +1,174 @@
+"""What any solution must obey: complementarity, energy, symmetry, and the limits of the input."""
+
+import numpy as np
+import pytest
+import scipy
+
+from tests.profiles import THREE_WAVES
+from weier import ConvergenceError, Profile
+from weier.kernels.arrays import Array
+from weier.methods import patches
+from weier.methods.patches.surface import surface_of
+
+LOADS = np.geomspace(1e-3, 2, 40)
+
+
+def assert_complementary(profile: Profile, load: float, points: int = 4001) -> patches.Solution:
+    """p > 0 and gap 0 on the contacts, gap > 0 between them, and the load, off the solver's nodes."""
+    solution = patches.solve_load(profile, load)
+    x = (np.arange(points) + 0.5) * (profile.period / points)
+    p, gap = solution.pressure(x), solution.gap(x)
+    inside = np.zeros(points, bool)
+    for left, right in solution.edges:
+        inside |= (x - left) % profile.period < right - left
+    assert np.all(p[inside] > 0)
+    assert np.all(gap[~inside] > 0)
+    carried, x, u = from_the_pressure(solution, profile.period)
+    assert carried == pytest.approx(load, rel=1e-11)
+    np.testing.assert_allclose(solution.mean_gap - profile.height(x) + u, 0, atol=1e-11)  # of 30 contacts and more
+    return solution
+
+
+def from_the_pressure(solution: patches.Solution, period: float, count: int = 512) -> tuple[float, Array, Array]:
+    """Mean pressure, places on the contacts and the displacement there, by a quadrature of its own.
+
+    With s = c + r cos(theta), r p(s) sin(theta) is a series in cos(n theta) on each contact, and
+    ln|cos(alpha) - cos(theta)| = -ln 2 - sum (2/n) cos(n alpha) cos(n theta) gives its own logarithm in closed form.
+    """
+    theta, alpha = (np.arange(count) + 0.5) * np.pi / count, np.linspace(0, np.pi, 8)  # no sevenths among the first
+    n = np.arange(1, count)
+    x = solution.centre[:, None] + solution.half_width[:, None] * np.cos(alpha)
+    carried, u = 0.0, np.zeros_like(x)
+    for j, (centre, half_width) in enumerate(zip(solution.centre, solution.half_width, strict=True)):
+        s = centre + half_width * np.cos(theta)
+        density = half_width * solution.pressure(s) * np.sin(theta)
+        kernel = np.abs(2 * np.sin(np.pi * (x[..., None] - s) / period))
+        kernel[j] /= np.abs(np.cos(alpha)[:, None] - np.cos(theta))
+        u -= 2 * np.log(kernel) @ density * np.pi / count
+        wave = scipy.fft.dct(density) / count
+        u[j] += np.pi * wave[0] * np.log(2) + 2 * np.pi * np.cos(np.outer(alpha, n)) @ (wave[1:] / n)
+        carried += np.pi * density.mean()
+    return carried / period, x, u
+
+
+def random_case(seed: int) -> tuple[Profile, float]:
+    rng = np.random.default_rng(seed)
+    gamma = (2, 3, 4, 5, "5/2", "7/2")[rng.integers(6)]
+    m = int(rng.integers(1, 4))
+    profile = Profile(rng.uniform(1.05, 1.95), gamma, m, rng.uniform(0, 2 * np.pi, m))
+    return profile, float(np.exp(rng.uniform(np.log(1e-8), np.log(surface_of(profile).full_contact_load))))
+
+
+@pytest.mark.parametrize("seeds", [range(40), pytest.param(range(40, 340), marks=pytest.mark.slow)], ids=len)
+def test_random_cases_are_complementary(seeds):
+    for seed in seeds:
+        profile, load = random_case(seed)
+        assert_complementary(profile, load)
+
+
+@pytest.mark.parametrize("load", [0.03, 0.7, 2.5])
+def test_pressure_and_displacement_are_fourier_pairs(load):
+    solution = patches.solve_load(THREE_WAVES, load)
+    points = 2**14
+    x = np.arange(points) / points
+    p, u = np.fft.rfft(solution.pressure(x)), np.fft.rfft(solution.displacement(x))
+    k = np.arange(1, 200)
+    # The sampled square roots at the edges leave k^-3/2 of error.
+    np.testing.assert_allclose(u[k] * k / points, p[k] / points, atol=3e-5)
+    assert solution.gap(x).mean() == pytest.approx(solution.mean_gap, abs=1e-8)
+
+
+def test_edges_carry_no_singularity():
+    solution = patches.solve_load(THREE_WAVES, 1.0)
+    s = 1e-8
+    for (left, right), (at_left, at_right) in zip(solution.edges, solution.edge_strength, strict=True):
+        inside = solution.pressure([left + s, right - s]) / np.sqrt(s)
+        outside = solution.gap([left - 1e3 * s, right + 1e3 * s]) / (4 / 3 * np.pi * (1e3 * s) ** 1.5)
+        np.testing.assert_allclose(inside, [at_left, at_right], rtol=1e-4)
+        np.testing.assert_allclose(outside, [at_left, at_right], rtol=3e-2)
+
+
+def test_work_is_the_elastic_energy():
+    low, high = 0.02, 0.06  # without an event between
+    assert patches.events(THREE_WAVES, low, high).mean_pressure.size == 0
+    s, w = np.polynomial.legendre.leggauss(12)
+    loads = 0.5 * (low + high) + 0.5 * (high - low) * s
+    work = 0.5 * (high - low) * np.sum(w * loads * patches.curve(THREE_WAVES, loads).resistance)
+    gained = elastic_energy(high) - elastic_energy(low)
+    assert gained == pytest.approx(work, rel=1e-10)
+
+
+def elastic_energy(load: float) -> float:
+    """Half the mean of p u, by Gauss's quadrature on every contact."""
+    solution = patches.solve_load(THREE_WAVES, load)
+    s = np.cos(np.arange(1, 61) * (np.pi / 61))
+    total = 0.0
+    for centre, half_width in zip(solution.centre, solution.half_width, strict=True):
+        x = centre + half_width * s
+        density = solution.pressure(x) * solution.displacement(x)
+        total += half_width * np.sum(density * np.sqrt((1 - s) * (1 + s))) * np.pi / 61
+    return 0.5 * total
+
+
+def test_resistance_is_the_derivative_of_compliance():
+    step = 1e-4
+    for load in (0.05, 0.7, 2.2, 4.0):
+        before, _, after = patches.curve(THREE_WAVES, load * np.array([1 - step, 1, 1 + step])).compliance
+        exact = patches.curve(THREE_WAVES, load).resistance[0]
+        assert (after - before) / (2 * step * load) == pytest.approx(exact, rel=1e-6)
+
+
+def test_compliance_is_concave_and_contact_grows():
+    curve = patches.curve(THREE_WAVES, LOADS)
+    assert np.all(np.diff(curve.compliance) > 0)
+    assert np.all(np.diff(curve.resistance) < 0)
+    assert np.all(np.diff(curve.contact_fraction) > 0)
+    chord = np.diff(curve.compliance) / np.diff(LOADS)
+    assert np.all((chord < curve.resistance[:-1]) & (chord > curve.resistance[1:]))
+    assert curve.residual.max() < 1e-9
+    print(f"40 loads: {curve.work.sum()} Newton steps")
+
+
+@pytest.mark.parametrize("load", [1e-6, 0.3, 2.0])
+def test_translation_and_mirror_change_nothing(load):
+    phase, waves = THREE_WAVES.phase, np.array(THREE_WAVES.wavenumber)
+    shift = 0.237
+    there = Profile(1.25, 5, 3, phase - 2 * np.pi * waves * shift)
+    mirrored = Profile(1.25, 5, 3, -phase)
+    here = patches.solve_load(THREE_WAVES, load)
+    a, b, c = (patches.curve(profile, load) for profile in (THREE_WAVES, there, mirrored))
+    for other in (b, c):
+        assert other.indentation[0] == pytest.approx(a.indentation[0], rel=1e-11)
+        assert other.resistance[0] == pytest.approx(a.resistance[0], rel=1e-9)
+        assert other.contact_fraction[0] == pytest.approx(a.contact_fraction[0], rel=1e-10)
+    moved = np.sort(patches.solve_load(there, load).centre % 1)
+    np.testing.assert_allclose(moved, np.sort((here.centre + shift) % 1), atol=1e-11)
+    turned = np.sort(patches.solve_load(mirrored, load).centre % 1)
+    np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
+
+
+@pytest.mark.parametrize("loads", [0.0, [1.0, 1.0], [2.0, 1.0], [-1.0], [np.nan]])
+def test_loads_must_rise_from_zero(loads):
+    with pytest.raises(ValueError, match=r"mean_pressure must (be positive|be finite|increase)"):
+        patches.curve(THREE_WAVES, loads)
+
+
+def test_tolerance_within_reach():
+    with pytest.raises(ValueError, match="tolerance must lie in"):
+        patches.curve(THREE_WAVES, 0.1, tolerance=1e-17)
+
+
+def test_thousands_of_waves_under_a_light_load():
+    """8000 summits: few contacts, in a tenth of a second; under a heavy load too many for a dense matrix."""
+    profile = Profile(1.5, 5, 7, 1.0)
+    light = patches.curve(profile, [1e-12, 1e-6])
+    assert light.patch_count[0] == 1
+    highest = -profile.curvature(profile.crest[0])
+    assert light.contact_fraction[0] == pytest.approx(2 * np.sqrt(4e-12 / highest), rel=1e-6)  # Hertz
+    with pytest.raises(ConvergenceError, match="unknowns, more than"):
+        patches.curve(profile, 1.0)
+
+
+def test_more_waves_than_a_computer_holds():
+    with pytest.raises(ValueError, match="the finest wave must fit at most"):
+        patches.curve(Profile(1.5, 10**6, 3), 0.1)

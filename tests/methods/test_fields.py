@@ -1,0 +1,62 @@
+"""Fields along the surface and the events along the loads."""
+
+import numpy as np
+import pytest
+
+import weier
+from weier.methods import westergaard
+
+PROFILE = weier.Profile(1.25, 5, 2, (0.0, 1.0))
+
+
+def test_patches_and_boundary_elements_show_the_same_surface():
+    """To the error of 64 points a wave, 7e-4 g_0 in the mean gap, more beside the edges."""
+    exact, discrete = (weier.fields(PROFILE, 0.3, method) for method in ("patches", "bem"))
+    assert discrete.mean_gap == pytest.approx(exact.mean_gap, abs=7e-4)
+    assert float(abs(discrete.gap - exact.gap).max()) < 2e-3
+    assert float(abs(discrete.displacement - exact.displacement).max()) < 2e-3
+
+
+def test_exact_fields_of_one_wave_are_westergaards():
+    found = weier.fields(weier.Profile(1.5, 2, 1), 0.3, points=101)
+    assert found.pressure.values == pytest.approx(westergaard.pressure(found.x.values, 0.3), abs=1e-9)
+    assert found.gap.values == pytest.approx(westergaard.gap(found.x.values, 0.3), abs=1e-9)
+    a = westergaard.contact_half_width(0.3)
+    assert (found.right - found.left).values == pytest.approx([2 * a], rel=1e-9)
+
+
+def test_pressure_leaves_an_edge_as_a_square_root_and_the_gap_as_its_cube():
+    found = weier.fields(PROFILE, 0.3)
+    s = 1e-6
+    edge = weier.methods.patches.solve_load(PROFILE, 0.3)
+    for x, strength, inward in ((found.left, found.left_strength, 1), (found.right, found.right_strength, -1)):
+        assert edge.pressure(x.values + inward * s) == pytest.approx(strength.values * np.sqrt(s), rel=1e-3)
+        assert edge.gap(x.values - inward * s) == pytest.approx(4 * np.pi / 3 * strength.values * s**1.5, rel=1e-3)
+
+
+def test_fields_are_of_one_load_and_of_waves_that_can_be_counted():
+    with pytest.raises(ValueError, match="mean_pressure must be one load, got 2: ask for the fields of each"):
+        weier.fields(PROFILE, [0.1, 0.3])
+    many = weier.Profile(1.5, 10**6, 3)
+    for refused in (lambda: weier.fields(many, 0.1), lambda: weier.events(many, 0.1, 1.0)):
+        with pytest.raises(ValueError, match="finest wave must fit at most 100000 times"):
+            refused()
+
+
+def test_fields_refuse_what_has_none():
+    with pytest.raises(ValueError, match='"patches" or "bem"'):
+        weier.fields(PROFILE, 0.3, "demelio")
+    with pytest.raises(ValueError, match="positive"):
+        weier.fields(PROFILE, -1.0)
+
+
+def test_events_separate_loads_of_different_contacts():
+    """Between two events the number of contacts is what the one before left."""
+    found = weier.events(PROFILE, 1e-3, 3.0)
+    assert set(found.birth.values.tolist()) == {0, 1}
+    loads = found.mean_pressure.values
+    between = np.sqrt(loads[1:] * loads[:-1])
+    counts = weier.solve(PROFILE, between, "patches").patch_count.values
+    assert counts.tolist() == found.patch_count.values[:-1].tolist()
+    assert found.patch_count.values[-1] == 0
+    assert loads[-1] == pytest.approx(PROFILE.full_contact_pressure.sum(), rel=0.2)

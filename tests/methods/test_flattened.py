@@ -1,0 +1,142 @@
+"""What Archard's and Demelio's approximations share: loads and series of any shape, and what any compliance obeys."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.extreme_series import ACCURACY, EPS, TINY, extreme_cases
+from weier.methods import archard, demelio, flattened, westergaard
+from weier.methods import multiprecision as exact
+from weier.theory.series import full_contact_pressure, leading_amplitude, tail_amplitude
+
+either = pytest.mark.parametrize("estimate", [archard, demelio])
+
+
+@pytest.mark.parametrize(("estimate", "oracle"), [(archard, exact.archard), (demelio, exact.demelio)])
+def test_resistance_is_the_derivative_of_compliance(estimate, oracle):
+    for case in extreme_cases(4, 20, [1, 5, 30]):
+        with mp.workdps(60):
+            p, step = mp.mpf(case[0]), mp.mpf(case[0]) * mp.mpf(10) ** -20
+            rise = oracle(p + step, *case[1:])[0] - oracle(p - step, *case[1:])[0]
+            slope = float(rise / (2 * step))
+        # The chord over 1e-20 p is exact to 1e-30; where R is nearly 0 its inputs leave it fewer digits.
+        assert estimate.resistance(*case) == pytest.approx(slope, rel=1e-10, abs=TINY)
+
+
+@either
+def test_one_term_is_westergaard(estimate):
+    p = np.geomspace(1e-300, 10, 1000)
+    np.testing.assert_allclose(estimate.compliance(p, 1.3, 5, 1), westergaard.compliance(p), rtol=4 * EPS)
+    np.testing.assert_allclose(estimate.resistance(p, 1.3, 5, 1), westergaard.resistance(p), rtol=4 * EPS)
+
+
+@either
+def test_longer_series_tend_to_the_limit(estimate):
+    p = np.geomspace(1e-12, 1e3, 40)
+    m = np.array([5, 10, 20, 40])[:, None]
+    error = np.abs(estimate.compliance(p, 1.25, 5, m) - estimate.compliance(p, 1.25, 5, np.inf))
+    assert np.all(error <= tail_amplitude(m, 1.25, 5) * (1 + 1e-12) + 4 * EPS)
+
+
+@either
+def test_all_arguments_broadcast(estimate):
+    p = np.geomspace(1e-6, 100, 5)[:, None, None, None]
+    D, gamma, m = np.array([1.1, 1.9])[:, None, None], np.array([1.5, 5, 50.0])[:, None], [1, 4, 30, np.inf]
+    for function in (estimate.compliance, estimate.resistance):
+        together = function(p, D, gamma, m)
+        assert together.shape == (5, 2, 3, 4)
+        apart = np.vectorize(function)(p, D, gamma, m)
+        np.testing.assert_array_equal(together, apart)
+
+
+@either
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        [(), (), (), ()],
+        [(7,), (), (), ()],
+        [(), (7,), (), ()],
+        [(7,), (3, 1), (), (3, 1)],
+        [(7, 1), (3,), (), ()],
+        [(7, 3), (3,), (), ()],
+        [(2, 7, 1), (2, 1, 3), (3,), (1,)],
+        [(7,), (7,), (7,), (7,)],
+        [(0,), (), (), ()],
+        [(3, 1), (0,), (), ()],
+        [(0, 3), (3,), (), ()],
+    ],
+    ids=str,
+)
+def test_loads_and_series_of_any_shape(estimate, shapes):
+    rng = np.random.default_rng(5)
+    ends = [(0.1, 9), (1.1, 1.9), (2, 9), (1, 9)]
+    p, D, gamma, m = (rng.uniform(*end, shape) for end, shape in zip(ends, shapes, strict=True))
+    m = np.ceil(m)
+    p = np.broadcast_to(p, np.shape(p))  # not to be written to
+    h = estimate.compliance(p, D, gamma, m)
+    assert h.shape == np.broadcast_shapes(*shapes)
+    for place in np.ndindex(h.shape):
+        assert h[place] == estimate.compliance(*(each[place] for each in np.broadcast_arrays(p, D, gamma, m)))
+
+
+@either
+def test_neither_order_nor_blocks_of_loads_matter(estimate, monkeypatch):
+    p, D = np.geomspace(1e-9, 1e9, 201), np.array([1.1, 1.5, 1.9])[:, None]
+    mixed = np.random.default_rng(6).permutation(p.size)
+    for function in (estimate.compliance, estimate.resistance):
+        sorted_ = function(p, D, 3.0, [[2], [30], [np.inf]])
+        np.testing.assert_array_equal(function(p[mixed], D, 3.0, [[2], [30], [np.inf]]), sorted_[:, mixed])
+        for block in (1, 50, 250, 403):
+            with monkeypatch.context() as patch:
+                patch.setattr(flattened, "BLOCK", block)
+                np.testing.assert_array_equal(function(p, D, 3.0, [[2], [30], [np.inf]]), sorted_)
+
+
+@either
+@pytest.mark.parametrize(("D", "gamma"), [(1.3, 5.0), (1.5, 4.0), (1.9, 2.5), (1.01, 1.3)])
+def test_estimates_join_where_another_wave_is_pressed_flat(estimate, D, gamma):
+    # p_n* in Demelio's approximation; in Archard's a load like any other.
+    edge = full_contact_pressure(np.arange(1, 6), D, gamma)
+    below, above = (estimate.compliance(edge * (1 + 1e-10 * side), D, gamma, 7) for side in (-1, 1))
+    rise = 2e-10 * edge * estimate.resistance(edge, D, gamma, 7)
+    np.testing.assert_allclose(above - below, rise, atol=8 * EPS * above.max(), rtol=1e-6)
+
+
+@either
+@pytest.mark.parametrize("load", [0.0, -1.0, np.nan])
+def test_loads_that_mean_nothing_give_nan(estimate, load):
+    for function in (estimate.compliance, estimate.resistance):
+        assert np.isnan(function(load, 1.5, 5, [1, 20, np.inf])).all()
+        among = function([0.1, load, 0.2, 30.0, load], 1.5, 5, 4)
+        np.testing.assert_array_equal(np.isnan(among), [False, True, False, False, True])
+
+
+@either
+def test_a_load_without_end_presses_all_flat(estimate):
+    np.testing.assert_allclose(estimate.compliance(np.inf, 1.5, 4, [1, 3, np.inf]), [1, 1.75, 2], rtol=2 * EPS)
+    np.testing.assert_array_equal(estimate.resistance(np.inf, 1.5, 4, [1, 3, np.inf]), 0)
+
+
+@either
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(
+    st.floats(1e-9, 1 - 1e-9),
+    st.floats(-6, 6),
+    st.sampled_from([1, 3, 20, 300, np.inf]),
+    st.lists(st.floats(-300, 300), min_size=3, max_size=20),
+)
+def test_compliance_rises_along_a_concave_curve_between_none_and_all(estimate, a, size, m, exponents):
+    gamma = 1 + 10.0**size
+    p = np.unique(10.0 ** np.array(exponents))
+    h, R = estimate.compliance(p, 1 + a, gamma, m), estimate.resistance(p, 1 + a, gamma, m)
+    assert np.all(h > 0)
+    assert np.all(h <= leading_amplitude(m, 1 + a, gamma) * (1 + ACCURACY))
+    assert np.all(R >= 0)
+    assert np.all(np.diff(h) >= -ACCURACY * h[1:])
+    assert np.all(np.diff(R) <= ACCURACY * R[:-1])
+    chord = np.diff(h) / np.diff(p)
+    slack = 2 * ACCURACY * h[1:] / np.diff(p)
+    assert np.all(chord <= R[:-1] * (1 + ACCURACY) + slack)
+    assert np.all(chord >= R[1:] * (1 - ACCURACY) - slack)

@@ -1,0 +1,46 @@
+"""What the program derives from the methods that are listed."""
+
+import numpy as np
+import pytest
+
+from weier import Profile, solve
+from weier.cli import options
+from weier.figures import style
+from weier.methods import registry
+from weier.methods.errors import NotApplicableError
+from weier.theory.phases import random_phases
+
+INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
+
+
+@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+def test_the_help_tells_which_methods_take_the_infinite_series(method):
+    (m,) = (option for option in _options() if option.name == "m")
+    try:
+        method.applies(INFINITE)
+    except NotApplicableError:
+        assert method.name not in m.help
+    else:
+        assert method.name in m.help
+        assert np.isfinite(solve(INFINITE, [0.1], method.name).compliance).all()
+
+
+def _options():
+    command = options.of_one_profile(lambda: None)
+    return command.__click_params__
+
+
+def test_no_two_methods_look_alike():
+    """But for the numerical ones: the second is drawn as points beside the first."""
+    names = [name for name in registry.names() if name not in registry.numerical_names()[1:]]
+    looks = {(str(style.line(name)["color"]), str(style.line(name)["linestyle"])) for name in names}
+    assert len(looks) == len(names)
+
+
+def test_markers_tell_all_methods_apart():
+    markers = [method.style.marker for method in registry.METHODS]
+    assert len(set(markers)) == len(markers)
+
+
+def test_the_docstring_of_solve_names_every_method():
+    assert all(f'"{name}": ' in solve.__doc__ for name in registry.names())

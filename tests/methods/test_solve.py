@@ -1,0 +1,71 @@
+"""The public interface: what it returns, what it refuses."""
+
+import numpy as np
+import pytest
+
+import weier
+from weier.methods import registry
+from weier.methods.errors import NotApplicableError
+
+PROFILE = weier.Profile(1.25, 5, 2, 1.0)
+LOADS = np.array([0.01, 0.1, 1.0])
+MANY_WAVES = [name for name in registry.names() if name not in ("westergaard", "hybrid")]  # a finite number of them
+
+
+@pytest.mark.parametrize("method", MANY_WAVES)
+def test_every_method_gives_compliance_and_resistance_over_the_loads(method):
+    curve = weier.solve(PROFILE, LOADS, method)
+    assert curve.compliance.dims == ("mean_pressure",)
+    assert np.all(np.diff(curve.compliance) > 0)
+    assert np.all(np.diff(curve.resistance) < 0)
+    assert curve.attrs["method"] == method
+    assert curve.attrs["seconds"] > 0
+    assert {v.attrs["units"] for v in curve.variables.values()} == {"1"}
+
+
+@pytest.mark.parametrize("method", ["westergaard", *MANY_WAVES])
+def test_all_methods_agree_on_one_wave(method):
+    """One wave is Westergaard's: closed forms to rounding, numerics to 3.3/N^2 on the default 64 points."""
+    curve = weier.solve(weier.Profile(1.5, 3, 1), LOADS, method)
+    exact = weier.methods.westergaard.compliance(LOADS)
+    assert curve.compliance.values == pytest.approx(exact, abs=1e-3 if method == "bem" else 1e-9)
+
+
+def test_settings_are_attributes_of_the_result():
+    curve = weier.solve(PROFILE, LOADS, "bem", points=100, tolerance=1e-9)
+    assert curve.attrs["points"] == 100
+    assert curve.attrs["tolerance"] == 1e-9
+    assert np.all(curve.residual <= 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("loads", "message"),
+    [
+        ([], "list of loads"),
+        ([[1.0]], "list of loads"),
+        ([0.0, 1.0], "positive, got 0.0 at position 0"),
+        ([0.1, np.nan], "finite, got nan at position 1"),
+        ([0.1, np.inf], "finite"),
+        ([0.2, 0.1], "increase, got 0.2 before 0.1"),
+        ([0.1, 0.1], "increase"),
+    ],
+)
+def test_bad_loads_are_refused(loads, message):
+    with pytest.raises(ValueError, match=message):
+        weier.solve(PROFILE, loads)
+
+
+def test_an_unknown_method_or_setting_is_refused_with_the_choice():
+    with pytest.raises(ValueError, match=r"one of westergaard, archard, .*bem.* got 'fem'"):
+        weier.solve(PROFILE, LOADS, "fem")
+    with pytest.raises(ValueError, match=r'"bem" has no setting .n.: it takes solver, points'):
+        weier.solve(PROFILE, LOADS, "bem", n=3)
+    with pytest.raises(ValueError, match=r'"archard" has no setting .points.: it takes none'):
+        weier.solve(PROFILE, LOADS, "archard", points=3)
+
+
+def test_a_method_that_does_not_apply_says_so():
+    with pytest.raises(NotApplicableError, match="one wave"):
+        weier.solve(PROFILE, LOADS, "westergaard")
+    with pytest.raises(NotApplicableError, match="finite m"):
+        weier.solve(weier.Profile(1.25, 5, np.inf), LOADS, "bem")

@@ -1,0 +1,99 @@
+"""One wave: the closed forms agree with each other, with mpmath and with what a contact must obey."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from weier.methods import westergaard
+
+EPS = np.finfo(float).eps
+LOADS = [1e-300, 1e-12, 1e-3, 0.1, 0.5, 0.9, 1 - 1e-12]
+
+
+@pytest.mark.parametrize("xi", LOADS)
+def test_compliance_and_resistance_against_mpmath(xi):
+    with mp.workdps(40):
+        exact = mp.mpf(xi)
+        h, R = exact * (1 - mp.log(exact)), -mp.log(exact)
+    assert westergaard.compliance(xi) == pytest.approx(float(h), rel=4 * EPS)
+    assert westergaard.resistance(xi) == pytest.approx(float(R), rel=4 * EPS)
+
+
+def test_full_contact_has_the_amplitude_and_no_resistance():
+    np.testing.assert_array_equal(westergaard.compliance([1.0, 1.5, 1e300]), 1)
+    np.testing.assert_array_equal(westergaard.resistance([1.0, 1.5, 1e300]), 0)
+    np.testing.assert_array_equal(westergaard.contact_half_width([1.0, 1e300]), 0.5)
+
+
+@pytest.mark.parametrize("xi", [1e-3, 0.1, 0.5, 0.999, 1.0, 1.7])
+def test_pressure_carries_the_load_over_the_contact(xi):
+    a = float(westergaard.contact_half_width(xi))
+    load, error = quad(lambda x: float(westergaard.pressure(x, xi)), -a, a, epsabs=1e-13, epsrel=1e-11)
+    assert load == pytest.approx(xi, abs=10 * error + 1e-12)
+
+
+@pytest.mark.parametrize("xi", [1e-9, 1e-3, 0.1, 0.5, 0.999])
+def test_mean_gap_is_what_compliance_leaves_of_the_amplitude(xi):
+    a = float(westergaard.contact_half_width(xi))
+    # With x = exp(t) the edge of the contact, however small, lies on the scale of t.
+    half, error = quad(
+        lambda t: float(westergaard.gap(np.exp(t), xi)) * np.exp(t), np.log(a), np.log(0.5), epsabs=1e-14, limit=200
+    )
+    assert 2 * half == pytest.approx(1 - westergaard.compliance(xi), abs=10 * error + 1e-14)
+
+
+@pytest.mark.parametrize("xi", [0.05, 0.4, 0.95])
+def test_gap_is_the_profile_above_its_own_elastic_displacement(xi):
+    # In these units the half-plane answers a pressure wave p_k by p_k/|k|; the gap is d - z + u.
+    n = 4096
+    x = np.arange(n) / n
+    k = np.abs(np.fft.fftfreq(n, 1 / n))
+    transform = np.fft.fft(westergaard.pressure(x, xi))
+    u = np.fft.ifft(np.divide(transform, k, out=np.zeros_like(transform), where=k > 0)).real
+    d = 1 - westergaard.compliance(xi)
+    # The pressure has a root at the edge: its waves fall off as k^-3/2, aliased into u as n^-3/2/n at most.
+    np.testing.assert_allclose(westergaard.gap(x, xi), d - np.cos(2 * np.pi * x) + u, atol=20 * n**-1.5)
+
+
+def test_gap_rises_from_the_edge_with_a_power_of_three_halves():
+    xi, beyond = 0.3, np.geomspace(1e-6, 1e-4, 5)
+    a = westergaard.contact_half_width(xi)
+    rise = np.polyfit(np.log(beyond), np.log(westergaard.gap(a + beyond, xi)), 1)[0]
+    assert rise == pytest.approx(1.5, abs=1e-3)
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(st.floats(-300, 1), st.floats(-3, 3))
+def test_pressure_and_gap_exclude_each_other(exponent, x):
+    xi = 10.0**exponent
+    p, opening = westergaard.pressure(x, xi), westergaard.gap(x, xi)
+    assert p >= 0
+    assert opening >= -4 * EPS
+    assert p * opening == 0
+    distance = abs(x - np.rint(x))
+    a = westergaard.contact_half_width(xi)
+    if abs(distance - a) > 1e-7:
+        assert (p > 0) == (distance < a)
+        assert (opening > 0) == (distance > a)
+    assert westergaard.pressure(-x, xi) == p
+    assert westergaard.gap(-x, xi) == opening
+
+
+def test_light_load_is_hertz():
+    # A cylinder of curvature z'' = 4 pi^2 on a half-plane: the peak pressure is z'' a/(2 pi) and the load is
+    # pi/2 a times it (Johnson 1985, 4.43-4.45).
+    xi = 1e-8
+    a = westergaard.contact_half_width(xi)
+    peak = westergaard.pressure(0, xi)
+    assert peak == pytest.approx(2 * np.pi * a, rel=xi)
+    assert np.pi / 2 * a * peak == pytest.approx(xi, rel=xi)
+
+
+def test_functions_of_place_and_load_broadcast():
+    x, xi = np.linspace(0, 1, 7), np.array([0.1, 0.9, 2.0])[:, None]
+    assert westergaard.pressure(x, xi).shape == (3, 7)
+    assert westergaard.gap(x, xi).shape == (3, 7)
+    np.testing.assert_allclose(westergaard.pressure(x, xi)[2], 2 + np.cos(2 * np.pi * x), rtol=4 * EPS)

@@ -1,0 +1,40 @@
+"""One profile without a scene file, from Python: what the command line is thin over."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+
+from weier import scene
+from weier.methods.errors import ConvergenceError
+from weier.pipeline import single
+
+SERIES = {"D": 1.25, "gamma": "5/2", "m": 2, "phase": 1.0}
+LOADS = np.array([0.1, 1.0])
+
+
+def test_numbers_that_yaml_takes_for_words_are_numbers():
+    one, other = (single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": t}}) for t in ("1e-9", 1e-9))
+    assert json.loads(str(one["settings"].values[0, 0]))["tolerance"] == 1e-9
+    assert one["key"].values == other["key"].values
+
+
+def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
+    found = single.solve_one(SERIES, LOADS, ["layer"], {"layer": {"accuracy": "1e-6"}})
+    path = tmp_path / "again.yaml"
+    path.write_text(found.attrs["scene"])
+    assert [case.key for case in scene.load(path).studies["one"]] == found["key"].values.tolist()
+    assert yaml.safe_load(found.attrs["scene"])["settings"] == {"layer": {"accuracy": 1e-6}}
+
+
+def test_what_no_method_finds_raises():
+    with pytest.raises(ValueError, match="'bem' does not apply, as said above"):
+        single.solve_one(SERIES | {"m": np.inf, "phase": 0.0}, LOADS, ["bem"], {})
+    with pytest.raises(ConvergenceError, match="'bem' missed its tolerance"):
+        single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": 1e-15, "points": 2000}})
+
+
+def test_a_setting_of_another_method_is_refused():
+    with pytest.raises(ValueError, match="'layer', which is not among the methods demelio"):
+        single.solve_one(SERIES, LOADS, ["demelio"], {"layer": {"points": 3}})

@@ -1,0 +1,176 @@
+"""Scene files: what they expand to, and what is said about a bad one."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from weier import figures, scene
+from weier.kernels.sources import PACKAGE
+from weier.pipeline import claims
+
+SCENES = sorted(Path("config/scenes").glob("*.yaml"))
+
+MINIMAL = {
+    "title": "test",
+    "loads": [0.1, 1.0],
+    "methods": ["demelio"],
+    "studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 2}}},
+}
+
+
+def product(**changes):
+    return {"studies": {"one": {"product": {"D": 1.5, "gamma": 5, "m": 2} | changes}}}
+
+
+def write(folder, **changes):
+    path = folder / "scene.yaml"
+    path.write_text(yaml.safe_dump(MINIMAL | changes))
+    return path
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_scene_that_comes_with_weier_is_sound(path):
+    loaded = scene.load(path)
+    assert loaded.name == path.stem
+    solved = [case.key for cases in loaded.batches.values() for case in cases]
+    assert len(solved) == len(set(solved))
+    assert set(solved) == {case.key for cases in loaded.studies.values() for case in cases}
+
+
+def test_the_schema_knows_every_figure_and_claim():
+    schema = json.loads((PACKAGE / "scene" / "schema.json").read_text())
+    assert schema["$defs"]["figure"]["properties"]["draw"]["enum"] == list(figures.KINDS)
+    assert schema["properties"]["claims"]["propertyNames"]["enum"] == list(claims.CLAIMS)
+
+
+def test_the_sweep_has_some_hundreds_of_cases():
+    loaded = scene.load("config/scenes/sweep.yaml")
+    assert 200 <= sum(map(len, loaded.batches.values())) <= 1000
+
+
+def test_a_product_is_every_combination(tmp_path):
+    study = {"product": {"D": [1.25, 1.5], "gamma": [2, "5/2"], "m": 3, "seed": {"from": 0, "to": 2, "count": 3}}}
+    cases = scene.load(write(tmp_path, studies={"one": study})).studies["one"]
+    assert len(cases) == 12
+    assert {str(case.profile.gamma) for case in cases} == {"2", "5/2"}
+    assert len({tuple(case.profile.phase) for case in cases}) == 3
+
+
+def test_a_list_of_cases_is_itself(tmp_path):
+    rows = [
+        {"D": 1.25, "gamma": 5, "m": 2, "phases": [[0, 1]]},
+        {"D": 1.5, "gamma": 3, "m": 1},
+        {"D": 1.5, "gamma": 3, "m": float("inf")},
+    ]
+    cases = scene.load(write(tmp_path, studies={"one": {"cases": rows}})).studies["one"]
+    assert [case.profile.m for case in cases] == [2, 1, np.inf]
+    assert cases[0].profile.phase == pytest.approx([0, 1])
+
+
+def test_loads_in_equal_ratios(tmp_path):
+    loads = scene.load(write(tmp_path, loads={"from": 0.01, "to": 1, "count": 3, "spacing": "log"})).loads
+    assert loads == pytest.approx([0.01, 0.1, 1])
+
+
+def test_a_case_of_two_studies_is_solved_once_and_a_study_needs_only_its_batches(tmp_path):
+    shared = {"D": 1.25, "gamma": 5, "m": 2}
+    studies = {
+        "one": {"product": shared},
+        "two": {"product": shared | {"m": [1, 2]}},
+        "three": {"product": shared | {"m": 3}},
+    }
+    loaded = scene.load(write(tmp_path, studies=studies))
+    assert sum(map(len, loaded.batches.values())) == 3
+    assert sorted(case.profile.m for case in loaded.cases.values()) == [1, 2, 3]
+    assert set(loaded.cases) == {case.key for cases in loaded.studies.values() for case in cases}
+    assert len(loaded.batches_of("one")) == 1
+    assert len(loaded.batches_of("two")) == 2
+    assert loaded.batches_of("three") == ["three-0"]
+
+
+def test_batches_are_no_larger_than_asked(tmp_path):
+    study = {"product": {"D": 1.25, "gamma": 5, "m": 2, "seed": list(range(7))}}
+    loaded = scene.load(write(tmp_path, studies={"one": study}, batch=3))
+    assert [len(cases) for cases in loaded.batches.values()] == [3, 3, 1]
+
+
+def test_the_digest_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
+    def digest(**changes):
+        return scene.load(write(tmp_path, **changes)).digest("one-0")
+
+    assert digest() == digest(title="another", figures={"f": {"draw": "compliance", "studies": ["one"]}})
+    assert digest() != digest(loads=[0.1, 2.0])
+    assert digest() != digest(methods=["archard"])
+    assert digest() != digest(contact_edges=True)
+    longer = {"product": {"D": 1.5, "gamma": 5, "m": 9}, "methods": ["archard", "layer"]}
+    assert digest() == digest(studies={"two": longer} | MINIMAL["studies"])
+
+
+def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
+    loaded = scene.load(write(tmp_path))
+    with pytest.raises(scene.SceneError, match="scene scene has no study 'two', only one"):
+        loaded.study_named("two")
+    with pytest.raises(scene.SceneError, match="scene scene has no figure 'two', only none"):
+        loaded.figure_named("two")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"lods": [1]}, "'lods' was unexpected"),
+        ({"loads": [1.0, 0.5]}, "loads: mean_pressure must increase"),
+        ({"loads": [float("nan")]}, "loads: mean_pressure must be finite"),
+        ({"loads": []}, "loads"),
+        ({"loads": "heavy"}, "loads"),
+        ({"methods": ["bme"]}, "studies.one: method must be one of .*bem.*'bme'"),
+        ({"settings": {"demelio": {"points": 3}}}, "studies.one: .*no setting 'points'"),
+        (product(D=2.5), r"studies.one: D must lie in \(1, 2\), got 2.5"),
+        (product(m=0), "studies.one: m must be"),
+        (product(gamma=3.14159265), "studies.one: gamma .*311/99"),
+        (product(gama=5), "studies.one.*gama"),
+        ({"studies": {}}, "studies"),
+        (
+            {"figures": {"f": {"draw": "compliance", "studies": ["two"]}}},
+            "figures.f: there is no study 'two', only one",
+        ),
+        ({"claims": {"fourth_term": ["two"]}}, "claims.fourth_term: there is no study 'two'"),
+        ({"claims": {"c": ["one"]}}, "claims: 'c' is not one of"),
+        (
+            {"figures": {"f": {"draw": "complience", "studies": ["one"]}}},
+            "figures.f.draw: 'complience' is not one of",
+        ),
+        ({"batch": 0}, "batch"),
+    ],
+)
+def test_a_bad_scene_names_the_file_and_the_key(tmp_path, changes, message):
+    path = write(tmp_path, **changes)
+    with pytest.raises(scene.SceneError, match=message) as caught:
+        scene.load(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["a: [", "- 1", "!!python/object/apply:os.getcwd []", "\x00", ""])
+def test_what_is_no_scene_at_all_is_refused(tmp_path, text):
+    path = tmp_path / "scene.yaml"
+    path.write_text(text)
+    with pytest.raises(scene.SceneError, match=r"scene\.yaml"):
+        scene.load(path)
+
+
+def test_a_missing_scene_is_refused(tmp_path):
+    with pytest.raises(scene.SceneError, match="cannot be read"):
+        scene.load(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize("text", ["1e-2", "1.0e-2", "0.01"])
+def test_a_tolerance_may_be_written_as_people_do(tmp_path, text):
+    """YAML takes 1e-2 for a word."""
+    path = tmp_path / "planned.yaml"
+    study = "{one: {product: {D: 1.5, gamma: 2, m: 1}}}"
+    path.write_text(f"title: test\nloads: [0.1]\ntolerance: {text}\nstudies: {study}\n")
+    (case,) = scene.load(path).studies["one"]
+    assert case.settings["planned"] == {"tolerance": 0.01}

@@ -1,0 +1,132 @@
+"""Appendix B derived again: the tangents, the cubic, the stiffness of the smooth punch."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from weier.theory.borodich_galanov import force_coefficients, stiffness_bounds, stiffness_curve, tangent_roots
+
+ROUGHNESS = np.concatenate(
+    [[0.0, 1e-300, 1e-16, 1e-9], np.linspace(0.01, 0.99, 25), 1 - np.geomspace(1e-3, 1e-16, 9)]
+)
+
+
+def roots_of_the_cubic(epsilon):
+    """x_1, x_2 of (B.8), in 400 digits: epsilon = 1e-300 parts them by 1e-150."""
+    with mp.workdps(400):
+        ratio = mp.sqrt((1 - mp.mpf(epsilon)) / (1 + mp.mpf(epsilon)))
+        first, second = mp.mpf("0.55"), 2 / ratio
+        for _ in range(1500):  # Newton from outside both roots: each step stays outside
+            first -= cubic(first, ratio) / (6 * ratio * first**2 - 6 * first)
+            second -= cubic(second, ratio) / (6 * ratio * second**2 - 6 * second)
+            if max(abs(cubic(x, ratio)) for x in (first, second)) < mp.mpf(10) ** -390:
+                break
+        return first, second
+
+
+def cubic(x, ratio):
+    return 2 * ratio * x**3 - 3 * x**2 + 1
+
+
+@pytest.mark.parametrize("epsilon", ROUGHNESS[1:])
+def test_roots_solve_the_cubic(epsilon):
+    for computed, exact in zip(tangent_roots(epsilon), roots_of_the_cubic(epsilon), strict=True):
+        assert float(abs(mp.mpf(float(computed)) / exact - 1)) < 1e-15
+
+
+def test_roots_merge_on_the_smooth_punch():
+    for x in tangent_roots(0.0):
+        assert x == pytest.approx(1, abs=1e-15)
+    # Around x = 1, (B.8) is 3 (x - 1)^2 = 2 (1 - lambda) = 2 epsilon: the next order is epsilon.
+    first, second = tangent_roots(1e-10)
+    assert (1 - first, second - 1) == pytest.approx(2 * [np.sqrt(2e-10 / 3)], abs=2e-10)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(st.floats(0, 1, exclude_max=True), st.floats(-5, 5))
+def test_tangents_pass_through_the_flatter_bound_and_stay_below_the_steeper(epsilon, exponent):
+    # Appendix B drawn: lines through the point of F_2 at force F that touch F_1 at zeta_0 = zeta/x^2.
+    C_1, C_2 = force_coefficients(epsilon, 1.0, 1.0)
+    zeta = 10.0**exponent
+    for x, bound in zip(tangent_roots(epsilon), reversed(stiffness_bounds(epsilon)), strict=True):
+        touch = zeta / x**2
+        slope = 1.5 * C_1 * np.sqrt(touch)
+        # B.7; its terms are of the size of the larger force
+        size = C_1 * max(zeta, touch) ** 1.5
+        assert C_1 * touch**1.5 + slope * (zeta - touch) == pytest.approx(C_2 * zeta**1.5, abs=1e-14 * size)
+        smooth = 1.5 * (C_2 * zeta**1.5 * (8 / 3) ** 2) ** (1 / 3)  # (B.14) at F = F_2(zeta), M = R = 1
+        assert bound == pytest.approx(slope / smooth, rel=1e-13)
+        along = np.geomspace(1e-4, 1e4, 200) * touch
+        assert np.all(C_1 * touch**1.5 + slope * (along - touch) <= C_1 * along**1.5 * (1 + 1e-12))
+
+
+def test_no_steeper_or_flatter_line_is_allowed():
+    # By brute force: from every point between F_1 and F_2 at force F = 1, the lines below F_1.
+    epsilon, zeta = 0.3, np.geomspace(1e-4, 1e3, 200_001)
+    C_1, C_2 = force_coefficients(epsilon, 1.0, 1.0)
+    smooth = 1.5 * (8 / 3) ** (2 / 3)
+    lower, upper = np.inf, 0.0
+    for start in np.linspace(C_1 ** (-2 / 3), C_2 ** (-2 / 3), 11):
+        chord = (C_1 * zeta**1.5 - 1) / (zeta - start)
+        steepest = np.min(chord[zeta > start * (1 + 1e-9)])
+        flattest = np.max(chord[zeta < start * (1 - 1e-9)])
+        upper, lower = max(upper, steepest / smooth), min(lower, flattest / smooth)
+    # The chord is stationary at the tangent point: the grid's 8e-5 enters squared.
+    assert stiffness_bounds(epsilon) == pytest.approx((lower, upper), rel=1e-7)
+
+
+def test_bounds_contain_the_smooth_punch_and_close_on_it():
+    lower, upper = stiffness_bounds(ROUGHNESS)
+    assert np.all(lower[2:] < 1)
+    assert np.all(upper[2:] > 1)
+    assert np.all(np.diff(lower) <= 0)
+    assert np.all(np.diff(upper) >= 0)
+    assert stiffness_bounds(0.0) == pytest.approx((1, 1), abs=1e-15)
+    epsilon = 1e-8
+    assert np.subtract(stiffness_bounds(epsilon), 1) == pytest.approx(
+        np.sqrt(2 * epsilon / 3) * np.array([-1, 1]), abs=2 * epsilon
+    )
+
+
+def test_bounds_of_the_roughest_punch():
+    # x_2 -> 3/(2 lambda) as (B.8) loses its constant, x_1 -> 1/sqrt(3) as it loses its cubic term.
+    lower, upper = stiffness_bounds(1 - 1e-16)
+    assert lower == pytest.approx(2 / 3 * 2 ** (1 / 6 - 1 / 2), rel=1e-7)
+    assert upper * np.sqrt(2.0**-53) == pytest.approx(np.sqrt(3) * 2 ** (1 / 6), rel=1e-7)
+
+
+@pytest.mark.parametrize("epsilon", ROUGHNESS[4:])
+def test_parametric_curve_passes_through_the_bounds(epsilon):
+    for x, bound in zip(tangent_roots(epsilon), reversed(stiffness_bounds(epsilon)), strict=True):
+        back, stiffness = stiffness_curve(x)
+        # d(1 - epsilon)/dx is finite, and 1 - epsilon = 0 at x = 1/sqrt(3): so are its digits there.
+        assert back == pytest.approx(epsilon, abs=1e-14)
+        if epsilon < 0.999:
+            assert stiffness == pytest.approx(bound, rel=1e-12)
+
+
+@given(st.floats(0.58, 1e3))
+@settings(deadline=None, derandomize=True)
+def test_parametric_curve_is_the_printed_one(x):
+    with mp.workdps(50):
+        t = mp.mpf(x)
+        epsilon = (4 * t**6 - (3 * t**2 - 1) ** 2) / (4 * t**6 + (3 * t**2 - 1) ** 2)
+        stiffness = (1 + epsilon) ** (mp.mpf(1) / 6) / (t * mp.sqrt(1 - epsilon))
+    computed = stiffness_curve(x)
+    assert computed[0] == pytest.approx(float(epsilon), rel=1e-13, abs=1e-300)
+    assert computed[1] == pytest.approx(float(stiffness), rel=1e-12)
+
+
+def test_no_root_is_too_large_for_the_curve():
+    epsilon, stiffness = stiffness_curve([1e8, 1e100, 1e200, 1e300])
+    np.testing.assert_allclose(epsilon, 1, rtol=1e-15)
+    np.testing.assert_allclose(stiffness, 2 / 3 * 0.5 ** (1 / 3), rtol=1e-15)
+
+
+@pytest.mark.parametrize("epsilon", [-0.1, 1.0, np.nan, [0.5, 2.0]])
+@pytest.mark.parametrize("function", [tangent_roots, stiffness_bounds, lambda e: force_coefficients(e, 1, 1)])
+def test_roughness_outside_its_range_is_refused(function, epsilon):
+    with pytest.raises(ValueError, match=r"epsilon must lie in \[0, 1\)"):
+        function(epsilon)

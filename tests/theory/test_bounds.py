@@ -1,0 +1,172 @@
+"""Barber's bounds: drawn by brute force, and against series of more terms than those bounded."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from weier.methods import westergaard
+from weier.theory.bounds import compliance_bounds, resistance_bounds
+from weier.theory.series import amplitude, tail_amplitude
+
+REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "contact.json").read_text(encoding="utf-8"))
+D, GAMMA = 1.25, 5
+
+
+def reference_curve(m):
+    """Loads, compliance and resistance of m terms with phases 0, 1, 2, 3."""
+    (case,) = (c for c in REFERENCE if (c["D"], c["gamma"], c["m"]) == (D, GAMMA, m))
+    assert case["phases"] == list(range(m))
+    return (np.array([row[key] for row in case["rows"]]) for key in ("mean_pressure", "compliance", "resistance"))
+
+
+def left_out(m, longer):
+    """Amplitude of the terms m ... longer - 1."""
+    return float(np.sum(amplitude(np.arange(m, longer), D, GAMMA)))
+
+
+def bracket(p, nodes, h, R):
+    """What a concave curve through the nodes with these slopes can be at p: above its chords, below its tangents."""
+    return np.interp(p, nodes, h), np.min(h + R * (p[:, None] - nodes), axis=-1)
+
+
+def test_compliance_bounds_lie_one_amplitude_to_either_side():
+    lower, upper = compliance_bounds([[0.1, 0.2], [0.3, 0.4]], [0.5, 0.01])
+    np.testing.assert_allclose(lower, [[-0.4, -0.3], [0.29, 0.39]], rtol=1e-15)
+    np.testing.assert_allclose(upper, [[0.6, 0.7], [0.31, 0.41]], rtol=1e-15)
+
+
+@pytest.mark.parametrize("longer", [2, 3, 4])
+def test_one_wave_bounds_the_compliance_of_longer_series(longer):
+    p, h, _ = reference_curve(longer)
+    G = left_out(1, longer)
+    lower, upper = compliance_bounds(westergaard.compliance(p), G)
+    at_mean_plane = h - G  # h counts from the sum of all amplitudes: shorter series, lower sum
+    assert np.all(lower <= at_mean_plane)
+    assert np.all(at_mean_plane <= upper)
+    # The band is not idle: without the amplitude left out, the longer series escapes.
+    assert np.any(np.abs(at_mean_plane - westergaard.compliance(p)) > 0.05 * G)
+
+
+@pytest.mark.parametrize(("m", "longer"), [(2, 3), (2, 4), (3, 4)])
+def test_longer_series_bound_the_compliance_of_still_longer_ones(m, longer):
+    p, h, _ = reference_curve(longer)
+    nodes = list(reference_curve(m))
+    inside = (p >= nodes[0][0]) & (p <= nodes[0][-1])
+    assert np.count_nonzero(inside) >= 8
+    below, above = bracket(p[inside], *nodes)
+    G = left_out(m, longer)
+    at_mean_plane = h[inside] - G
+    assert np.all(compliance_bounds(below, G)[0] <= at_mean_plane)
+    assert np.all(at_mean_plane <= compliance_bounds(above, G)[1])
+
+
+@pytest.mark.parametrize("longer", [2, 3, 4])
+@pytest.mark.parametrize("first_contact", [None, 0.0])
+def test_one_wave_bounds_the_resistance_of_longer_series(longer, first_contact):
+    nodes, _, R = reference_curve(longer)
+    p = np.unique(np.concatenate([nodes, np.geomspace(1e-9, 2, 400)]))
+    bounds = resistance_bounds(p, westergaard.compliance(p), left_out(1, longer), first_contact)
+    lower, upper = (b[np.searchsorted(p, nodes)] for b in bounds)
+    assert np.all(lower <= R)
+    assert np.all(upper >= R)
+    assert np.any(lower > 0)
+
+
+def tangent_lines(p, G):
+    """R_min and R_max of one wave at p, over all other loads: two searches in one dimension."""
+
+    def chord(q):
+        return (westergaard.compliance(q) - westergaard.compliance(p)) / (q - p)
+
+    below = minimize_scalar(
+        lambda q: chord(q) + 2 * G / (p - q), bounds=(0, p), method="bounded", options={"xatol": 1e-12}
+    ).fun
+    above = -minimize_scalar(
+        lambda q: -(chord(q) - 2 * G / (q - p)), bounds=(p, 5), method="bounded", options={"xatol": 1e-12}
+    ).fun
+    return max(above, 0), min(below, (westergaard.compliance(p) + 2 * G) / p)
+
+
+@pytest.mark.parametrize("G", [1e-3, 0.03, float(tail_amplitude(1, D, GAMMA))])
+def test_fine_tables_reach_the_tangent_lines(G):
+    p = np.linspace(1e-4, 3, 3000)
+    lower, upper = resistance_bounds(p, westergaard.compliance(p), G, first_contact=0.0)
+    for i in range(20, 1500, 61):
+        flattest, steepest = tangent_lines(p[i], G)
+        # Bounds from a table are looser, never tighter; the best chord is stationary, so by a squared spacing.
+        assert flattest - 1e-2 * flattest <= lower[i] <= flattest + 1e-9
+        assert steepest - 1e-9 <= upper[i] <= steepest * (1 + 1e-2)
+
+
+def test_nothing_left_out_bounds_the_slope_by_its_neighbouring_chords():
+    p = np.geomspace(1e-6, 0.9, 2000)
+    lower, upper = resistance_bounds(p, westergaard.compliance(p), 0.0, first_contact=0.0)
+    R = westergaard.resistance(p)
+    assert np.all(lower <= R)
+    assert np.all(upper >= R)
+    # d(-ln xi) over one step of the table, which is also the gap between neighbouring chords
+    step = np.log(p[1] / p[0])
+    np.testing.assert_allclose(upper[1:-1] - lower[1:-1], step, rtol=0.01, atol=1e-9)
+
+
+def test_coarser_tables_are_looser():
+    p = np.geomspace(1e-3, 3, 257)
+    h = westergaard.compliance(p)
+    fine, coarse = resistance_bounds(p, h, 0.05), resistance_bounds(p[::8], h[::8], 0.05)
+    assert np.all(coarse[0] <= fine[0][::8])
+    assert np.all(coarse[1] >= fine[1][::8])
+    assert np.any(coarse[1] > fine[1][::8])
+
+
+def test_first_contact_tightens_the_steepest_line():
+    p = np.geomspace(1e-3, 3, 50)
+    h = westergaard.compliance(p)
+    without, known = resistance_bounds(p, h, 0.05), resistance_bounds(p, h, 0.05, first_contact=0.0)
+    assert without[1][0] == np.inf
+    assert known[1][0] == pytest.approx((h[0] + 0.1) / p[0], rel=1e-15)
+    assert np.all(known[1] <= without[1])
+    np.testing.assert_array_equal(known[0], without[0])
+    assert known[0][-1] == 0
+
+
+def test_cases_are_bounded_as_if_alone_and_loads_come_in_any_order():
+    rng = np.random.default_rng(5)
+    p = rng.permutation(np.geomspace(1e-3, 3, 30))
+    h = westergaard.compliance(p) * np.array([1.0, 2.0])[:, None]
+    G, start = np.array([0.1, 0.3]), np.array([0.0, -0.01])
+    together = resistance_bounds(p, h, G, start)
+    order = np.argsort(p)
+    for i in range(2):
+        apart = resistance_bounds(p[order], h[i][order], G[i], start[i])
+        for both, one in zip(together, apart, strict=True):
+            np.testing.assert_array_equal(both[i][order], one)
+
+
+def test_missing_loads_stay_missing_and_spoil_no_other():
+    p = np.geomspace(1e-3, 3, 20)
+    h = westergaard.compliance(p)
+    holed = np.where(np.arange(20) == 7, np.nan, h)
+    present = np.arange(20) != 7
+    for holed_bound, bound in zip(
+        resistance_bounds(p, holed, 0.1), resistance_bounds(p[present], h[present], 0.1), strict=True
+    ):
+        assert np.isnan(holed_bound[7])
+        np.testing.assert_array_equal(holed_bound[present], bound)
+    for bound in (*resistance_bounds(p, np.full(20, np.nan), 0.1), *resistance_bounds(p, h, np.nan)):
+        assert np.isnan(bound).all()
+    for bound in compliance_bounds(holed, 0.1):
+        np.testing.assert_array_equal(np.isnan(bound), ~present)
+
+
+@pytest.mark.parametrize("G", [0.0, 1e-300, 1e10, 1e300])
+def test_loads_of_any_size_are_bounded_in_silence(G):
+    """A bound beyond the largest float is inf; warnings are errors here."""
+    p = np.array([1e-300, 1e-20, np.nextafter(1, 0), 1.0, np.nextafter(1, 2), 1e300])
+    lower, upper = resistance_bounds(p, westergaard.compliance(p), G, first_contact=0.0)
+    slack = np.finfo(float).eps / np.diff(p).min(initial=1, where=p[1:] > 0.5)  # of chords an ulp long
+    assert np.all(lower <= westergaard.resistance(p) + slack)
+    assert np.all(westergaard.resistance(p) <= upper + slack)
+    assert not np.isnan(lower + upper).any()

@@ -1,0 +1,109 @@
+"""Resistance from stiffness, constrictions, and the way to SI units."""
+
+import numpy as np
+import pytest
+
+from weier.methods import westergaard
+from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
+
+STEEL = {"mu_1": 80e9, "nu_1": 0.3, "rho_1": 1.4e-7}
+COPPER = {"mu_2": 45e9, "nu_2": 0.34, "rho_2": 1.7e-8}
+ROUGH = {"lambda_0": 1e-4, "g_0": 1e-7}
+
+
+def interface(**changed):
+    return Interface(**{**STEEL, **COPPER, **ROUGH, **changed})
+
+
+def test_composite_modulus_is_half_of_the_plane_strain_modulus():
+    E_1, E_2 = 2 * 80e9 * 1.3, 2 * 45e9 * 1.34  # E = 2 mu (1 + nu)
+    plane_strain = 1 / ((1 - 0.3**2) / E_1 + (1 - 0.34**2) / E_2)
+    assert composite_modulus(80e9, 0.3, 45e9, 0.34) == pytest.approx(plane_strain / 2, rel=1e-14)
+    assert interface().composite_modulus == composite_modulus(80e9, 0.3, 45e9, 0.34)
+
+
+def test_rigid_body_leaves_the_other():
+    assert interface(mu_2=np.inf).composite_modulus == pytest.approx(80e9 / 0.7, rel=1e-15)
+    assert composite_modulus(1.0, 0.5, np.inf, 0.3) == 2.0
+
+
+def test_holm_is_the_resistance_of_a_flat_punch_by_the_analogy():
+    # A circle of radius a has the stiffness dF/dh = 2 E* a = 4 M a; (2) with F in place of p gives ohm.
+    M, a = 3e10, 2e-6
+    assert holm([a], 1e-7, 2e-8) == pytest.approx(specific_resistance(1 / (4 * M * a), M, 1e-7, 2e-8), rel=1e-14)
+
+
+def test_holm_contacts_conduct_in_parallel():
+    radii = np.array([1e-6, 2e-6, 5e-6])
+    one_by_one = holm(radii[:, None], 1e-7, 2e-8)
+    assert one_by_one.shape == (3,)
+    assert holm(radii, 1e-7, 2e-8) == pytest.approx(1 / np.sum(1 / one_by_one), rel=1e-14)
+
+
+def test_greenwood_adds_the_contour_in_series():
+    radii = np.full((2, 7), 1e-6)
+    b = np.array([1e-5, 1e-3])
+    assert greenwood(radii, b, 1e-7, 0.0) == pytest.approx(
+        holm(radii, 1e-7, 0) + holm(b[:, None], 1e-7, 0), rel=1e-14
+    )
+    assert greenwood(radii, np.inf, 1e-7, 0.0) == pytest.approx(holm(radii, 1e-7, 0.0), rel=1e-15)
+
+
+def test_results_in_si_units_follow_westergaard_in_si_units():
+    # Johnson (1985, 13.7) writes p* = pi E* g/lambda with E* = 2 M.
+    bodies = interface()
+    M, g, wavelength = bodies.composite_modulus, 1e-7, 1e-4
+    p_full = np.pi * (2 * M) * g / wavelength
+    assert bodies.full_contact_pressure == pytest.approx(p_full, rel=1e-14)
+
+    p, step = 0.3 * p_full, 1e-5 * p_full
+    h = [g * q / p_full * (1 - np.log(q / p_full)) for q in (p - step, p, p + step)]
+    assert bodies.pressure(0.3) == pytest.approx(p, rel=1e-14)
+    assert bodies.compliance(westergaard.compliance(0.3)) == pytest.approx(h[1], rel=1e-14)
+    slope = (h[2] - h[0]) / (2 * step)
+    # The chord of h = xi (1 - ln xi) is off by step^2/(6 xi^2) ~ 2e-10, its rounding by 1e-16/step ~ 1e-11.
+    assert bodies.resistance(westergaard.resistance(0.3)) == pytest.approx(M * 1.57e-7 * slope, rel=1e-9)
+
+
+def test_resistance_depends_on_neither_modulus_nor_amplitude():
+    soft = interface(mu_1=1e6, g_0=1e-5)
+    assert soft.resistance(2.0) == pytest.approx(1.57e-7 * 1e-4 / (2 * np.pi) * 2.0, rel=1e-14)
+    assert interface().resistance([2.0, 4.0]) == pytest.approx(soft.resistance([2.0, 4.0]), rel=1e-14)
+
+
+def test_perfect_conductor_leaves_the_other():
+    assert interface(rho_2=0).resistance(1.0) == pytest.approx(1.4e-7 * 1e-4 / (2 * np.pi), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
+        ({"nu_2": -1.0}, r"nu_2 must lie in \(-1, 0.5\], got -1.0"),
+        ({"mu_1": 0.0}, "mu_1 must be positive .*, got 0.0"),
+        ({"mu_2": -3.0}, "mu_2 must be positive .*, got -3.0"),
+        ({"mu_2": np.nan}, "mu_2 must be positive .*, got nan"),
+        ({"rho_1": -1e-9}, "rho_1 must be finite and not negative, got -1e-09"),
+        ({"rho_2": np.inf}, "rho_2 must be finite and not negative, got inf"),
+        ({"lambda_0": 0.0}, "lambda_0 must be positive and finite, got 0.0"),
+        ({"g_0": np.inf}, "g_0 must be positive and finite, got inf"),
+        ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
+    ],
+)
+def test_interface_refuses_what_cannot_be(changed, message):
+    with pytest.raises(ValueError, match=message):
+        interface(**changed)
+
+
+def test_scalars_of_numpy_neither_overflow_nor_round():
+    """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
+    byte, half = np.uint8, np.float16
+    assert specific_resistance(half(3), half(1000), byte(200), byte(100)) == 3 * 1000 * 300
+    assert holm([byte(200), byte(100)], byte(200), byte(100)) == 300 / (4 * 300)
+    assert greenwood([byte(200), byte(100)], byte(100), byte(200), byte(100)) == 300 / (4 * 300) + 300 / 400
+    assert composite_modulus(byte(3), half(0.25), byte(7), 0.5) == composite_modulus(3, 0.25, 7, 0.5)
+    rough = interface(mu_1=half(3), mu_2=byte(7), rho_1=byte(200), rho_2=byte(100), lambda_0=half(3), g_0=byte(7))
+    same = interface(mu_1=3, mu_2=7, rho_1=200, rho_2=100, lambda_0=3, g_0=7)
+    assert rough == same
+    assert rough.full_contact_pressure == same.full_contact_pressure
+    assert rough.resistance(1.0) == same.resistance(1.0)

@@ -1,0 +1,224 @@
+"""The series: its numbers against mpmath, its crest by brute force, its refusals."""
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from weier.theory.phases import random_phases
+from weier.theory.profile import Profile
+from weier.theory.series import leading_amplitude, tail_amplitude
+
+EPS = np.finfo(float).eps
+REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "contact.json").read_text(encoding="utf-8"))
+EXAMPLES = [
+    Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0)),
+    Profile(1.7, "5/2", 5, random_phases(3)),
+    Profile(1.5, Fraction(3, 2), 3, 2.0),
+]
+
+
+def series(profile, x, derivative=0):
+    """The value of (1), or of its derivative, in 50 digits at a rational x."""
+    with mp.workdps(50):
+        gamma = mp.mpf(profile.gamma.numerator) / profile.gamma.denominator
+        k = [2 * mp.pi * gamma**n for n in range(profile.terms)]
+        at = mp.mpf(Fraction(x).numerator) / Fraction(x).denominator
+        return mp.fsum(
+            gamma ** ((mp.mpf(profile.D) - 2) * n)
+            * k[n] ** derivative
+            * mp.cos(k[n] * at + mp.mpf(float(profile.phase[n])) + derivative * mp.pi / 2)
+            for n in range(profile.terms)
+        )
+
+
+def test_profile_and_functions_agree_on_the_sums():
+    profile = EXAMPLES[0]
+    assert profile.total_amplitude == pytest.approx(leading_amplitude(4, 1.25, 5), rel=2 * EPS)
+    assert profile.tail_amplitude == tail_amplitude(4, 1.25, 5)
+    endless = Profile(1.25, 5, np.inf)
+    assert endless.total_amplitude == pytest.approx(1 / (1 - 5**-0.75), rel=4 * EPS)
+    assert endless.tail_amplitude == 0
+    # p_n* = 2 pi M g_n/lambda_n, in p_0* = 2 pi M g_0/lambda_0
+    np.testing.assert_allclose(profile.full_contact_pressure, profile.amplitude * 5.0 ** np.arange(4), rtol=4 * EPS)
+
+
+@pytest.mark.parametrize("profile", EXAMPLES)
+def test_height_slope_and_curvature_against_mpmath(profile):
+    x = np.linspace(-0.3, 1.7, 9) * profile.period
+    top = 2 * np.pi * float(profile.gamma) ** (profile.terms - 1)
+    for derivative, function in enumerate((profile.height, profile.slope, profile.curvature)):
+        exact = [float(series(profile, float(value), derivative)) for value in x]
+        # x itself is exact; top x cycles are rounded before the cosine: EPS top |x|, times the wavenumbers drawn down
+        scale = np.sum(profile.amplitude * (top * 1.0) ** derivative)
+        np.testing.assert_allclose(function(x), exact, atol=2 * EPS * scale * (1 + top * np.max(np.abs(x))), rtol=0)
+
+
+@pytest.mark.parametrize("profile", EXAMPLES)
+@pytest.mark.parametrize("points", [64, 1000])
+def test_sampled_height_against_mpmath(profile, points):
+    z = profile.sampled_height(points)
+    assert z.shape == (points,)
+    for j in (0, 1, points // 3, points - 1):
+        exact = float(series(profile, Fraction(j * profile.period, points)))
+        assert z[j] == pytest.approx(exact, abs=16 * EPS * profile.total_amplitude)
+
+
+def test_sampled_height_loses_nothing_to_fine_waves():
+    profile = Profile(1.9, 1000, 5, 1.0)  # finest wave: 1e12 to a period
+    z = profile.sampled_height(7)
+    exact = [float(series(profile, Fraction(j, 7))) for j in range(7)]
+    np.testing.assert_allclose(z, exact, atol=16 * EPS * profile.total_amplitude)
+
+
+@pytest.mark.parametrize("profile", EXAMPLES)
+def test_crest_is_the_highest_of_many_samples(profile):
+    x, z = profile.crest
+    dense = 512 * profile.wavenumber[-1]
+    highest = np.max(profile.sampled_height(dense))
+    # Between samples a crest rises by at most |z''| step^2/8.
+    missed = np.max(np.abs(profile.curvature(np.linspace(0, profile.period, 1000)))) * 2
+    step = profile.period / dense
+    assert highest - 1e-14 <= z <= highest + missed * step**2 / 8
+    assert 0 <= x <= profile.period
+    assert profile.height(x) == pytest.approx(z, abs=1e-14)
+    assert abs(profile.slope(x)) < 1e-12 * np.max(np.abs(profile.curvature(x)))
+
+
+LIGHT = [case for case in REFERENCE if case["rows"][0]["mean_pressure"] <= 1e-6 and case["m"] > 1]
+
+
+@pytest.mark.parametrize("case", LIGHT, ids=lambda c: f"{c['D']}-{c['gamma']}-{c['m']}-{c['phases'][-1]:.2f}")
+def test_reference_curves_begin_where_the_crest_touches(case):
+    profile = Profile(case["D"], case["gamma"], case["m"], case["phases"])
+    first_contact = profile.total_amplitude - profile.crest[1]
+    lightest = case["rows"][0]
+    p, h, R = (lightest[key] for key in ("mean_pressure", "compliance", "resistance"))
+    # One Hertzian contact from here down: R = const - ln p, whose integral from 0 is p (R + 1).
+    assert lightest["patches"] == 1
+    assert h - p * (R + 1) == pytest.approx(first_contact, abs=p * 1e-3 + 1e-9)
+
+
+def test_period_is_the_denominator_to_the_power_of_the_terms():
+    assert Profile(1.5, 5, 4).period == 1
+    profile = Profile(1.5, "5/2", 4, 0.3)
+    assert profile.period == 8
+    assert profile.wavenumber == [8, 20, 50, 125]
+    x = np.linspace(0, 8, 50)
+    np.testing.assert_allclose(profile.height(x + 8), profile.height(x), atol=1e-13)
+    for shorter in (1, 2, 4):
+        assert np.max(np.abs(profile.height(x + shorter) - profile.height(x))) > 0.1
+
+
+def test_ratio_may_be_written_in_many_ways():
+    for gamma in ("5/2", 2.5, Fraction(5, 2), "2.5"):
+        assert Profile(1.5, gamma, 2).gamma == Fraction(5, 2)
+    assert Profile(1.5, 1.1, 2).gamma == Fraction(11, 10)
+
+
+NUMPY_INTEGERS = [np.dtype(code).type for code in np.typecodes["AllInteger"]]
+NUMPY_FLOATS = [np.dtype(code).type for code in np.typecodes["Float"]]
+
+
+@pytest.mark.parametrize("of", NUMPY_INTEGERS + NUMPY_FLOATS, ids=lambda each: each.__name__)
+def test_numbers_of_numpy_become_pythons_own(of):
+    """Those of NumPy overflow in the powers of a series, or round them to three digits."""
+    number = of if of in NUMPY_FLOATS else float
+    profile = Profile(number(1.25), of(10), of(30), number(0.5))
+    assert profile == Profile(1.25, 10, 30, 0.5)
+    assert profile.wavenumber == [10**n for n in range(30)]
+    kinds = [type(value) for value in (profile.D, profile.gamma.numerator, profile.gamma.denominator, profile.m)]
+    assert kinds == [float, int, int, int]
+    # Every phase of its own, and a phase or a seed of a whole number.
+    assert Profile(1.25, 5, 3, [of(0), of(1), of(2)]) == Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+    assert Profile(1.25, 5, 3, of(2)) == Profile(1.25, 5, 3, 2.0)
+    for function in (leading_amplitude, tail_amplitude):
+        assert function(of(3), 1.25, of(5)) == function(3, 1.25, 5)
+
+
+@pytest.mark.parametrize("of", NUMPY_FLOATS, ids=lambda each: each.__name__)
+def test_floats_of_numpy_are_ratios_and_endless(of):
+    assert Profile(1.25, of(2.5), of(np.inf)) == Profile(1.25, "5/2", math.inf)
+    assert type(Profile(1.25, 5, of(np.inf)).m) is float
+
+
+@pytest.mark.parametrize("of", NUMPY_INTEGERS, ids=lambda each: each.__name__)
+def test_integers_of_numpy_are_parts_of_fractions_and_seeds(of):
+    profile = Profile(1.25, Fraction(of(5), of(3)), 12)
+    assert (profile.wavenumber[-1], profile.period) == (5**11, 3**11)
+    assert Profile(1.25, 5, 3, random_phases(of(7))) == Profile(1.25, 5, 3, random_phases(7))
+
+
+def test_one_phase_shifts_every_term_but_the_first():
+    np.testing.assert_array_equal(Profile(1.5, 5, 3, 0.7).phase, [0, 0.7, 0.7])
+    np.testing.assert_array_equal(Profile(1.5, 5, 2, [0.7, 0.1]).phase, [0.7, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((2.0, 5, 3), r"D must lie in \(1, 2\), got 2.0"),
+        ((1, 5, 3), r"D must lie in \(1, 2\), got 1"),
+        ((np.nan, 5, 3), r"D must lie in \(1, 2\), got nan"),
+        ((1.5, 1, 3), "gamma must exceed 1, .* got 1"),
+        ((1.5, "4/5", 3), "gamma must exceed 1, .* got 4/5"),
+        ((1.5, "five", 3), "gamma must be an integer or a fraction .*, got 'five'"),
+        ((1.5, "5/0", 3), "gamma must be an integer or a fraction .*, got '5/0'"),
+        ((1.5, np.inf, 3), "gamma must be an integer or a fraction .*, got inf"),
+        ((1.5, np.nan, 3), "gamma must be an integer or a fraction .*, got nan"),
+        ((1.5, math.pi, 3), 'instead of 3.14159.* take "311/99" = 3.14141'),
+        ((1.5, 5, 0), "m must be a whole number of terms, .* got 0"),
+        ((1.5, 5, 2.5), "m must be a whole number of terms, .* got 2.5"),
+        ((1.5, 5, True), "m must be a whole number of terms, .* got True"),
+        ((1.5, 5, np.True_), "m must be a whole number of terms, .* got True"),
+        ((1.5, 5, np.nan), "m must be a whole number of terms, .* got nan"),
+        ((1.5, 5, 3, (0.0, 1.0)), "one for each of the m = 3 terms, got 2"),
+        ((1.5, 5, 2, (0.0, np.nan)), "phases must be finite numbers in radians"),
+        ((1.5, 5, 1, [[0.0]]), "phases must be finite numbers in radians"),
+    ],
+)
+def test_profile_refuses_what_it_cannot_be(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        Profile(*arguments)
+
+
+def test_irrational_ratio_is_offered_one_that_works():
+    with pytest.raises(ValueError, match="take") as refusal:
+        Profile(1.5, math.sqrt(5), 3)
+    offered = str(refusal.value).split('"')[1]
+    assert float(Profile(1.5, offered, 3).gamma) == pytest.approx(math.sqrt(5), rel=1e-4)
+
+
+def test_endless_series_has_sums_but_no_heights():
+    endless = Profile(1.5, 5, np.inf)
+    for ask in (
+        lambda: endless.amplitude,
+        lambda: endless.height(0.0),
+        lambda: endless.period,
+        lambda: endless.crest,
+    ):
+        with pytest.raises(ValueError, match="m = inf has no last term"):
+            ask()
+
+
+def test_every_random_crest_is_a_maximum():
+    """A sampled top may stand where the profile is not concave: Newton leaves it alone."""
+    rng = np.random.default_rng(4)
+    for seed in range(60):
+        profile = Profile(
+            rng.uniform(1.05, 1.95), int(rng.integers(2, 6)), int(rng.integers(1, 5)), random_phases(seed)
+        )
+        x, top = profile.crest
+        assert top >= profile.sampled_height(64 * profile.wavenumber[-1]).max()
+        assert abs(float(profile.slope(x))) <= 1e-9 * float(abs(profile.curvature(x)))
+
+
+def test_phases_tell_profiles_apart():
+    described = [Profile(1.5, 3, 3, phases).describe_with_phases() for phases in (0.0, (0, 1, 2.5), random_phases(7))]
+    ends = ["phase 0", "phases 0, 1, 2.5", "seed 7"]
+    assert described == [f"D = 1.5, gamma = 3, m = 3, {end}" for end in ends]
+    assert Profile(1.5, 3, 9, [0.0] * 9).describe_with_phases().endswith("0, 0, ...")

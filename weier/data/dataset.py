@@ -1,0 +1,169 @@
+"""The data in memory, and their way to files and back.
+
+A file holds `case` x `method` x `mean_pressure`; what describes a case (D, gamma, m, phase) are coordinates.
+Where a number is missing, `status` says why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+
+from weier.data import netcdf, provenance, variables
+from weier.data.files import replacing
+from weier.data.provenance import NORMALISED, PAPER
+from weier.data.variables import COORDINATES, COST, CURVE, RUN, VARIABLES, Status, Variable
+from weier.kernels.arrays import Array
+
+__all__ = [
+    "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
+    "curve", "open_lazily", "read", "reading", "widened", "write",
+]  # fmt: skip
+
+
+def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) -> xr.Dataset:
+    """One curve over mean_pressure; scalars among the values, and the settings, become attributes."""
+    arrays = {name: value for name, value in values.items() if np.ndim(value) > 0}
+    scalars = {name: value for name, value in values.items() if np.ndim(value) == 0}
+    data = xr.Dataset(
+        {name: (_over_loads(name), value, variables.attributes(name)) for name, value in arrays.items()}
+    )
+    data = data.assign_coords(mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")))
+    return data.assign_attrs(normalisation=NORMALISED, references=PAPER, **{**settings, **scalars})
+
+
+def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0) -> xr.Dataset:
+    """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet."""
+    sizes = {
+        "case": cases,
+        "solution_method": len(methods),
+        "mean_pressure": loads.size,
+        "term": terms,
+        "edge": edges,
+    }
+    names = variables.of_curves(methods, edges > 0)
+    data = xr.Dataset({name: variables.blank(name, sizes) for name in names}).set_coords(COORDINATES)
+    data["status"].values[:] = Status.not_requested
+    return data.assign_coords(
+        solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
+        mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")),
+    )
+
+
+def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset:
+    """The seconds and settings of each case and method, with nothing in it yet."""
+    sizes = {"case": cases, "solution_method": len(methods), "term": terms}
+    data = xr.Dataset({name: variables.blank(name, sizes) for name in COST})
+    data = data.set_coords([name for name in COST if name in COORDINATES])
+    return data.assign_coords(
+        solution_method=("solution_method", list(methods), variables.attributes("solution_method"))
+    )
+
+
+def widened(data: xr.Dataset, methods: Sequence[str], terms: int, edges: int) -> xr.Dataset:
+    """The same cases over more methods, terms and edges of contact: blank where they were not asked for."""
+    own = data["solution_method"].values.tolist()
+    if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
+        return data
+    wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges)
+    places: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
+    places["solution_method"] = [list(methods).index(method) for method in own]
+    for name in data.variables.keys() - data.sizes.keys():
+        values = data.variables[name]
+        wide.variables[name][{dim: places.get(dim, slice(None)) for dim in values.dims}] = values.values
+    return wide
+
+
+def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
+    """Write a netCDF file whole or not at all: beside its place first, then renamed.
+
+    Parameters
+    ----------
+    data : Dataset
+        What to write.
+    path : path
+        The file; its folder is made.
+    title : str
+        One line for people.
+    step : str
+        What made the data, for the history of the file.
+    scene : str
+        The scene file as text.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a variable is neither numbers nor text, or a text is too long.
+
+    """
+    data = data.assign_attrs(provenance.attributes(title, step, scene))
+    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
+        netcdf.create(file, data, {}, netcdf.text_widths(data))
+        netcdf.fill(file, data)
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Read a netCDF file of weier into memory.
+
+    Raises
+    ------
+    ValueError
+        If the file is missing, cut short, or not of this kind.
+
+    """
+    with reading(path) as data:
+        return data.load()
+
+
+@contextmanager
+def reading(path: str | Path) -> Iterator[xr.Dataset]:
+    """A netCDF file of weier, opened lazily and closed at the end; values that the disk has changed raise, too.
+
+    Raises
+    ------
+    ValueError
+        If the file is missing, damaged, or not of this kind.
+
+    """
+    with open_lazily(path) as data:
+        try:
+            yield data
+        except RuntimeError as error:
+            if str(error).startswith("NetCDF: "):
+                raise _damaged(path, error) from None
+            raise
+
+
+def open_lazily(path: str | Path) -> xr.Dataset:
+    """A netCDF file of weier, opened; its values are read where they are asked for.
+
+    Raises
+    ------
+    ValueError
+        If the file is missing, cut short, or not of this kind.
+
+    """
+    try:
+        data = xr.open_dataset(path, engine="netcdf4", cache=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise _damaged(path, error) from None
+    if "key" not in data.variables:
+        data.close()
+        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
+    return data
+
+
+def _damaged(path: str | Path, error: Exception) -> ValueError:
+    if not Path(path).is_file():
+        return ValueError(f"there is no file {path}: make it first")
+    return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
+
+
+def _over_loads(name: str) -> tuple[str, ...]:
+    return tuple(dim for dim in VARIABLES[name].dims if dim not in RUN)

@@ -1,0 +1,141 @@
+"""Datasets as netCDF-4 files, made first and filled block by block, so that a file may be larger than memory.
+
+Chunks and compression are measured on 4800 cases of 4 methods at 40 loads, 61 MB of ten variables, uncompressed read
+in 0.24 s: with chunks of 256 cases of one method and deflate 1 they take 9.2 MB, 0.40 s to write, 0.16 s to read,
+5.5 ms for one method of all cases and 4 ms for one case. Deflate 4 saves 4 % and takes twice as long to write; a
+chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that is seen, and tells what a disk
+has changed. A variable takes 4 to 6 kB by itself, which is most of a file of one case: 3 for the index of its chunks,
+1 for its header, and 2 where it has more than six attributes. One without values has no chunks, and so no index.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from weier.data.variables import VARIABLES
+
+CHUNK_CASES = 256
+CHUNK_BYTES = 2**19  # a case of many contact edges is large by itself
+CACHE_BYTES = 2**22  # a variable: the library's 16 MB for each would be most of the memory that is taken
+DEFLATE: Final = 1
+
+
+def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], widths: Mapping[str, int]) -> None:
+    """Give an empty file the dimensions, variables and attributes of a dataset, but the values.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+        Open for writing.
+    like : Dataset
+        What the file will look like.
+    sizes : mapping of int
+        Sizes of dimensions that are to be larger than in `like`, such as all cases.
+    widths : mapping of int
+        Bytes of each text variable that is not of the table.
+    """
+    for dim, size in {**{str(dim): size for dim, size in like.sizes.items()}, **sizes}.items():
+        file.createDimension(dim, size)
+    for name, values in like.variables.items():
+        _create_variable(file, str(name), values, str(name) in like.coords, widths)
+    _relate_coordinates(file, like)
+    file.setncatts(like.attrs)
+
+
+def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) -> None:
+    """Write the values of a dataset into a file made by `create`: into these cases, or, if None, into all of it."""
+    for name, values in data.variables.items():
+        if (cases is None or "case" in values.dims) and not _missing(file, str(name), values):
+            file[str(name)][... if cases is None else cases] = _stored(file, str(name), values)
+
+
+def text_widths(data: xr.Dataset) -> dict[str, int]:
+    """Bytes of the longest text in each variable of text: for those of the table, what the table says."""
+    texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
+    return {name: _table_width(name) or _longest(values.values) for name, values in texts.items()}
+
+
+def _table_width(name: str) -> int:
+    dtype = VARIABLES[name].dtype if name in VARIABLES else ""
+    return int(dtype[1:]) if dtype.startswith("U") else 0
+
+
+def _create_variable(
+    file: netCDF4.Dataset, name: str, values: xr.Variable, coordinate: bool, widths: Mapping[str, int]
+) -> None:
+    text = values.dtype.kind in "UO"
+    dims = [str(dim) for dim in values.dims]
+    if text:
+        # Characters, not netCDF strings: those are not compressed, and no coordinate of CF.
+        dims.append(f"string{widths[name]}")
+        if dims[-1] not in file.dimensions:
+            file.createDimension(dims[-1], widths[name])
+    dtype: Any = "S1" if text else "i1" if values.dtype.kind == "b" else values.dtype
+    shape = [file.dimensions[dim].size for dim in dims]
+    missing = np.nan if values.dtype.kind == "f" and not coordinate else None
+    made = file.createVariable(
+        name, dtype, dims, fill_value=missing, shuffle=True, complevel=DEFLATE, zlib=True, fletcher32=True,
+        chunksizes=_chunks(dims, shape, np.dtype(dtype).itemsize), chunk_cache=CACHE_BYTES,
+    )  # fmt: skip
+    made.setncatts(values.attrs | ({"_Encoding": "utf-8"} if text else {}))
+
+
+def _chunks(dims: list[str], shape: list[int], itemsize: int) -> list[int]:
+    chunk = [1 if dim == "solution_method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
+    if dims[0] == "case":
+        row = itemsize * int(np.prod(chunk[1:]))
+        chunk[0] = min(shape[0], max(1, min(CHUNK_CASES, CHUNK_BYTES // row)))
+    return chunk
+
+
+def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
+    """Name the coordinates of each variable as CF does, those of none in the file's own attribute as xarray does."""
+    auxiliary = sorted(str(name) for name in data.coords if name not in data.dims)
+    related = set()
+    for name, values in data.data_vars.items():
+        mine = [other for other in auxiliary if set(data[other].dims) <= set(values.dims)]
+        if mine:
+            file[str(name)].coordinates = " ".join(mine)
+        related.update(mine)
+    alone = [name for name in auxiliary if name not in related]
+    if alone:
+        file.coordinates = " ".join(alone)
+
+
+def _missing(file: netCDF4.Dataset, name: str, values: xr.Variable) -> bool:
+    """Whether all values are what the file holds where nothing is written."""
+    return "_FillValue" in file[name].ncattrs() and bool(np.isnan(values.values).all())
+
+
+def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[Any]:
+    if values.dtype.kind not in "UO":
+        return values.values
+    file[name].set_auto_chartostring(False)
+    return _characters(values.values, file[name].shape[-1], name)
+
+
+def _characters(texts: NDArray[Any], width: int, name: str) -> NDArray[np.bytes_]:
+    """Texts of shape (...) as UTF-8 characters of shape (..., width)."""
+    found = _encoded(texts)
+    longest = max(map(len, found), default=0)
+    if longest > width:
+        raise ValueError(f"{name} must have at most {width} characters, got {longest}: shorten it")
+    return np.array(found, f"S{width}").reshape(*texts.shape, 1).view("S1")
+
+
+def _longest(texts: NDArray[Any]) -> int:
+    return max(1, *map(len, _encoded(texts))) if texts.size else 1
+
+
+def _encoded(texts: NDArray[Any]) -> list[bytes]:
+    flat = texts.ravel().tolist()
+    wrong = [text for text in flat if not isinstance(text, str)]
+    if wrong:
+        raise TypeError(f"a variable of text must hold text only, got {wrong[0]!r}")
+    return [text.encode() for text in flat]

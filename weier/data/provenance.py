@@ -1,0 +1,123 @@
+"""Where a file comes from: the attributes of the Attribute Convention for Data Discovery (ACDD 1.3).
+
+No clock: the same scene and the same commit make the same bytes, so the dates are those of the commit, and say so.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Iterable
+from functools import cache
+from typing import NamedTuple
+
+from weier.kernels.sources import PACKAGE
+
+NORMALISED = (
+    "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
+    "and resistance, dh/dp, in g_0/p_0*."
+)
+AUTHORS = ("M. Ciavarella", "G. Murolo", "G. Demelio", "J. R. Barber")
+PAPER = (
+    f"{', '.join(AUTHORS)}, Elastic contact stiffness and contact resistance for the "
+    "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
+)
+SUMMARY = (
+    "Elastic compliance and electrical contact resistance against mean pressure of a Weierstrass profile pressed on "
+    "a plane: closed-form estimates, numerical solutions, and bounds on the endless series, for each case and method."
+)
+KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surface, fractal, Weierstrass profile"
+DEVELOPERS = "The weier developers"
+VERSION = "0.1.0"
+
+
+CHANGED = " with changes"
+
+
+class Commit(NamedTuple):
+    """The commit of the checkout that this package is run from, and its date in ISO 8601; empty outside of one."""
+
+    name: str
+    date: str
+
+    @property
+    def dating(self) -> str:
+        """What the dates of a file mean."""
+        if not self.date:
+            return "It has no date, so that the same scene and program make the same bytes: no git commit is known."
+        later = "; the program was changed after it" * self.name.endswith(CHANGED)
+        return (
+            "Its dates are not those of the run but of the git commit of the program, so that the same scene and "
+            f"program make the same bytes{later}."
+        )
+
+
+def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = ()) -> dict[str, str]:
+    """Global attributes of a file.
+
+    Parameters
+    ----------
+    title : str
+        One line for people.
+    step : str
+        What made the file, for its history.
+    scene : str
+        The scene file as text.
+    before : iterable of str
+        Histories of the files that it is made from; lines that they share stand once.
+    """
+    made = commit()
+    software = f"weier {VERSION}" + (f", commit {made.name}" if made.name else "")
+    lines = dict.fromkeys(line for history in before for line in history.splitlines())
+    found = {
+        "Conventions": "CF-1.11, ACDD-1.3",
+        "title": title,
+        "summary": SUMMARY,
+        "keywords": KEYWORDS,
+        "id": re.sub(r"\W+", "-", title).strip("-").lower(),
+        "naming_authority": "weier",
+        "project": "weier",
+        "source": f"numerical model: {software}",
+        "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
+        "processing_level": step,
+        "comment": f"{NORMALISED} {made.dating}",
+        "normalisation": NORMALISED,
+        "references": PAPER,
+        "acknowledgement": f"If you use these data, cite weier and {PAPER}",
+        "license": "MIT",
+        "institution": DEVELOPERS,
+        "creator_name": DEVELOPERS,
+        "creator_type": "group",
+        "creator_institution": DEVELOPERS,
+        "publisher_name": DEVELOPERS,
+        "publisher_type": "group",
+        "publisher_institution": DEVELOPERS,
+        "contributor_name": ", ".join(AUTHORS),
+        "contributor_role": ", ".join(["author of the theory"] * len(AUTHORS)),
+        "program": "weier",
+        "product_version": VERSION,
+        "git_commit": made.name or "unknown: not run from a checkout",
+        "standard_name_vocabulary": "CF Standard Name Table v93",
+        "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
+    }
+    dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), made.date)
+    return found | (dates if made.date else {}) | ({"scene": scene} if scene else {})
+
+
+@cache
+def commit() -> Commit:
+    """The commit of the checkout; its name says so where files of the package were changed since."""
+    if not (PACKAGE.parent / ".git").exists():  # not the repository of whoever installed weier into theirs
+        return Commit("", "")
+    name, date = _git("rev-parse", "HEAD"), _git("show", "--no-patch", "--format=%cI", "HEAD")
+    changed = _git("status", "--porcelain", "--", PACKAGE.name)
+    return Commit(f"{name}{CHANGED}" if name and changed else name, date)
+
+
+def _git(*arguments: str) -> str:
+    command = ["git", "-C", str(PACKAGE.parent), "--no-optional-locks", *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""

@@ -1,0 +1,194 @@
+"""A file of curves, opened to be looked into by its labels: D, gamma, m, phase, method and mean pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from weier.data import dataset
+
+CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
+SHOWN = 10  # values that a message lists
+
+Ratio = int | float | str | Fraction
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Curves over case, method and mean_pressure, read from the file where they are asked for.
+
+    Its `sel` also selects cases by what describes them (D, gamma, m, phase), which are no index of an xarray Dataset,
+    and takes gamma as a fraction. What it selects is a Contact again; `data` is the xarray Dataset, and
+    `contact["compliance"]` a DataArray. Close the file with `close`, or open it in a `with` statement.
+
+    Examples
+    --------
+    >>> import weier
+    >>> with weier.open(path) as contact:
+    ...     one = contact.sel(m=2, solution_method="demelio")
+    ...     print(one["compliance"].dims, one.data.sizes["mean_pressure"])
+    ('case', 'mean_pressure') 2
+    """
+
+    data: xr.Dataset
+
+    def sel(
+        self,
+        *,
+        D: ArrayLike | None = None,
+        gamma: Ratio | Sequence[Ratio] | None = None,
+        m: ArrayLike | None = None,
+        phase: ArrayLike | None = None,
+        solution_method: str | Sequence[str] | None = None,
+        mean_pressure: ArrayLike | None = None,
+    ) -> Contact:
+        """Those cases, methods and loads that have the labels given.
+
+        Parameters
+        ----------
+        D, gamma, m : number or list of numbers
+            Of the cases; gamma also as a Fraction or "5/2", m also inf.
+        phase : number or list of m numbers
+            In radians: of every term but the first, which then has phase 0; or of each term.
+        solution_method : str or list of str
+            One name leaves no dimension `solution_method`, a list keeps it.
+        mean_pressure : number or list of numbers
+            Loads of the file, in p_0*. One number leaves no dimension `mean_pressure`.
+
+        Returns
+        -------
+        Contact
+            Never empty: the dimension `case` stays, of size 1 where one case fits.
+
+        Raises
+        ------
+        ValueError
+            If nothing has such a label: the message says what is there.
+
+        """
+        data = self.data
+        ratios = None if gamma is None else [_ratio(value) for value in _list(gamma)]
+        for name, wanted in (("D", D), ("gamma", ratios), ("m", m)):
+            if wanted is not None:
+                data = _with_parameter(data, name, np.atleast_1d(_numbers(name, wanted)))
+        if phase is not None:
+            data = _with_phase(data, _numbers("phase", phase))
+        if solution_method is not None:
+            rows = _rows(data["solution_method"].values, solution_method, "solution_method")
+            data = data.isel(solution_method=rows)
+        if mean_pressure is not None:
+            data = data.isel(mean_pressure=_rows(data["mean_pressure"].values, mean_pressure, "mean_pressure"))
+        return Contact(data)
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        return self.data[name]
+
+    def close(self) -> None:
+        """Close the file."""
+        self.data.close()
+
+    def __enter__(self) -> Contact:
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        self.close()
+
+
+def open(path: str | Path) -> Contact:
+    """Open a netCDF file that the pipeline left: values are read where they are asked for, however large it is.
+
+    Parameters
+    ----------
+    path : path
+        Such as results/paper/contact.nc.
+
+    Returns
+    -------
+    Contact
+        Its `sel` selects by D, gamma, m, phase, solution_method and mean_pressure; its `data` is the xarray Dataset.
+
+    Raises
+    ------
+    ValueError
+        If the file is missing, cut short, or not of weier.
+
+    Examples
+    --------
+    >>> import weier
+    >>> with weier.open(path) as contact:
+    ...     one = contact.sel(D=1.25, m=2, solution_method="demelio", mean_pressure=0.1)
+    ...     print(one["compliance"].values.round(4))
+    [0.4044]
+
+    """
+    return Contact(dataset.open_lazily(path))
+
+
+def _list(values: Any) -> list[Any]:
+    return list(values) if isinstance(values, list | tuple | np.ndarray) else [values]
+
+
+def _numbers(name: str, wanted: Any) -> NDArray[np.float64]:
+    try:
+        return np.asarray(wanted, float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number or a list of numbers, got {wanted!r:.80}") from None
+
+
+def _ratio(wanted: Any) -> float:
+    try:
+        return float(Fraction(wanted))
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        raise ValueError(
+            f'gamma must be a ratio such as 2.5 or "5/2", or a list of them, got {wanted!r:.80}'
+        ) from None
+
+
+def _with_parameter(data: xr.Dataset, name: str, wanted: NDArray[np.float64]) -> xr.Dataset:
+    values = data[name].values
+    # Equal first: inf is close to nothing.
+    fits = (values[:, None] == wanted) | np.isclose(values[:, None], wanted, rtol=CLOSE, atol=0)
+    if not fits.any(axis=0).all():
+        absent = wanted[np.argmin(fits.any(axis=0))]
+        raise ValueError(f"no case has {name} = {absent:g}: choose from {_some(np.unique(values))}")
+    return data.isel(case=np.flatnonzero(fits.any(axis=1)))
+
+
+def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
+    phase = data["phase"].values
+    expected = np.where(np.arange(phase.shape[1]) == 0, 0.0, wanted) if wanted.ndim == 0 else wanted
+    if expected.shape != (min(expected.size, phase.shape[1]),):
+        raise ValueError(f"phase must be a number or at most {phase.shape[1]} numbers, got {expected.size}")
+    first, rest = phase[:, : expected.size], np.isfinite(phase[:, expected.size :])
+    near = np.isclose(first, expected, rtol=CLOSE, atol=CLOSE)
+    if wanted.ndim == 0:
+        near |= np.isnan(first)  # a number is the phase of as many terms as there are
+    endless = np.isinf(data["m"].values)  # has no phases
+    fits = endless | (near.all(axis=1) & ~rest.any(axis=1))
+    if not fits.any():
+        raise ValueError(f"no case has phase = {wanted.tolist()}: the phases are in the coordinate phase(case, term)")
+    return data.isel(case=np.flatnonzero(fits))
+
+
+def _rows(labels: NDArray[Any], wanted: Any, name: str) -> int | list[int]:
+    rows = [_row(labels, label, name) for label in _list(wanted)]
+    return rows if isinstance(wanted, list | tuple | np.ndarray) else rows[0]
+
+
+def _row(labels: NDArray[Any], label: Any, name: str) -> int:
+    same = labels == label if isinstance(label, str) else np.isclose(labels, label, rtol=CLOSE, atol=0)
+    if not same.any():
+        raise ValueError(f"there is no {name} {label!r}: choose from {_some(labels)}")
+    return int(np.argmax(same))
+
+
+def _some(values: NDArray[Any]) -> str:
+    texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values.tolist()]
+    return ", ".join(texts[:SHOWN]) + (", ..." if len(texts) > SHOWN else "")

@@ -1,0 +1,46 @@
+"""Which files of the package a module is made of: its own and all that it imports.
+
+Snakemake reruns a job when an input changes, and knows nothing of imports; the Snakefile lists these.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+
+
+def sources(*modules: str) -> list[str]:
+    """Paths, from the folder of the project, of modules such as "weier.theory.bounds" and of what they import."""
+    found: set[Path] = set()
+    pending = [path for module in modules for path in _files(module)]
+    while pending:
+        path = pending.pop()
+        if path not in found:
+            found.add(path)
+            pending += [file for module in _imports(path) for file in _files(module)]
+    return sorted(str(path.relative_to(PACKAGE.parent)) for path in found)
+
+
+def _files(module: str) -> list[Path]:
+    """The file of a module, or of a package; the bare package `weier` stands for what a line takes from it."""
+    place = PACKAGE.parent.joinpath(*module.split("."))
+    files = [place.with_suffix(".py"), place / "__init__.py"]
+    return [path for path in files if path.exists() and path != PACKAGE / "__init__.py"]
+
+
+@cache
+def _imports(path: Path) -> tuple[str, ...]:
+    return tuple(_imported(ast.parse(path.read_text(encoding="utf-8"))))
+
+
+def _imported(tree: ast.AST) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names if name.name.startswith("weier"))
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("weier"):
+            yield node.module
+            yield from (f"{node.module}.{name.name}" for name in node.names)

@@ -1,0 +1,184 @@
+"""Archard's approximation: each wave carries the peak pressure of the next coarser one, Eqs (15)-(21).
+
+Term n is loaded to zeta_{n-1} = mean pressure of term n / p_n*, with zeta_{-1} = p/p_0* and
+zeta_n = gamma^(1-D) f(zeta_{n-1}). Three runs of terms follow one another, and two of them are sums of
+amplitudes only:
+
+- flattened terms, zeta > 1: f is affine, so their number has a closed form, and what follows is self-affine to
+  the complete series;
+- terms in partial contact, zeta < 1: ln zeta approaches its fixed point, the distance halving at each term;
+- flattened terms again, if that fixed point lies above 0, gamma^(D-1) < 2.
+
+f, h_n and dh_n/dzeta join smoothly at zeta = 1: a term that rounding puts into the neighbouring run costs nothing.
+Heights are in g_0, pressures in p_0*.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.estimate import solve_by
+from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.method import Method, Reference, Style
+from weier.theory.profile import Profile
+from weier.theory.series import full_contact_pressure
+
+LN2 = np.log(2)
+NEGLIGIBLE = 1e-20  # less than the rounding of the differences that it keeps positive
+DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point
+TAYLOR_TERMS = 12  # of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16
+MAX_MINUS_LOG = 750.0  # more than -ln of any double
+CHUNK = 512  # loads at a time: five arrays of 4 kB stay next to the processor
+
+
+def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
+    """Compliance h = sum h_n (19), (21).
+
+    Parameters
+    ----------
+    mean_pressure : array_like
+        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
+    D, gamma, m : array_like
+        Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
+        All four broadcast.
+
+    Returns
+    -------
+    ndarray
+        Compliance in g_0, of the broadcast shape.
+    """
+    return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
+
+
+def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
+    """Specific contact resistance dh/dp by the chain rule through the recursion (2), (17).
+
+    Parameters
+    ----------
+    mean_pressure : array_like
+        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
+    D, gamma, m : array_like
+        Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
+        All four broadcast.
+
+    Returns
+    -------
+    ndarray
+        Resistance in g_0/p_0*, of the broadcast shape; exactly 0 where all terms are flattened.
+    """
+    return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
+
+
+def _fixed(D: Array, gamma: Array) -> Array:
+    """Of zeta = gamma^(1-D) (1 + zeta) (18)."""
+    return 1 / np.expm1((D - 1) * np.log(gamma))
+
+
+def _compliance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
+    """Sum of h_n (19), (21)."""
+    _light_sums(zeta, log_zeta, _waves(runs, (runs.D - 2) * np.log(runs.gamma), 1.0))
+    return with_flat_waves(log_zeta, runs)
+
+
+def _resistance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
+    """Its derivative with zeta: that of ln zeta halves from term to term (18)."""
+    _light_sums(zeta, log_zeta, _waves(runs, (runs.D - 2) * np.log(runs.gamma) - LN2, 0.0))
+    return behind_flat_waves(np.divide(log_zeta, zeta, out=log_zeta), runs)
+
+
+class Waves(NamedTuple):
+    """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat; arrays of shape (runs,).
+
+    end : index behind the last load of the run
+    shrink, log_shrink : 2 gamma^(1-D), as zeta_{k+1} = shrink sqrt(zeta_k), and its logarithm
+    ratio : of successive weights
+    direct : number of waves to sum directly
+    rest : Taylor coefficients of the sum over all later waves, shape (runs, TAYLOR_TERMS); (runs, 0) without any
+    """
+
+    end: Indices
+    shrink: Array
+    log_shrink: Array
+    ratio: Array
+    direct: Array
+    rest: Array
+    constant: float
+
+
+def _waves(runs: Runs, log_ratio: Array, constant: float) -> Waves:
+    shrink, log_shrink = 2 * full_contact_pressure(-1, runs.D, runs.gamma), LN2 - (runs.D - 1) * np.log(runs.gamma)
+    # Where ln zeta approaches a point above 0, all waves are flat again after so many.
+    rising = np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE))
+    direct = np.minimum(np.where(log_shrink > 0, np.ceil(rising), DIRECT_TERMS), runs.left)
+    later, rest = runs.left - direct, np.empty((direct.size, 0))
+    if np.any(later > 0):
+        rest = _settled(np.minimum(2 * log_shrink, 0), later, log_ratio, constant)
+    return Waves(runs.end, shrink, log_shrink, np.exp(log_ratio), direct, rest, constant)
+
+
+def _settled(fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
+    """Taylor coefficients of such a sum, in the distance of ln zeta from its fixed point."""
+    # Order j of exp(x) (constant - x) has the coefficient exp(fixed) (constant - fixed - j)/j!, and the
+    # powers of distance/2^k sum to geometric series.
+    rest = np.empty((fixed.size, TAYLOR_TERMS))
+    order, ratio, power, halved = np.exp(fixed), np.exp(log_ratio), np.exp(log_ratio * terms), np.exp2(-terms)
+    rest[:, 0] = order * (constant - fixed) * np.expm1(log_ratio * terms) / np.expm1(log_ratio)
+    for j in range(1, TAYLOR_TERMS):
+        order, power, ratio = order / j, power * halved, ratio / 2
+        rest[:, j] = order * (constant - fixed - j) * (1 - power) / (1 - ratio)
+    return rest
+
+
+@kernel
+def _light_sums(zeta: Array, log_zeta: Array, waves: Waves) -> None:
+    """The sums, in place of ln zeta, a few loads at a time."""
+    start, scratch = 0, np.empty((2, CHUNK))
+    for r in range(waves.end.size):
+        while start < waves.end[r]:
+            stop = min(start + CHUNK, waves.end[r])
+            _light_sum(zeta[start:stop], log_zeta[start:stop], waves, r, scratch)
+            start = stop
+
+
+@kernel
+def _light_sum(zeta: Array, y: Array, waves: Waves, run: int, scratch: Array) -> None:
+    """The sums for some loads of one run, in place of y = ln zeta."""
+    total, z = scratch[0, : y.size], scratch[1, : y.size]
+    for i in range(y.size):
+        total[i], z[i], y[i] = 0.0, min(zeta[i], 1.0), min(y[i], 0.0)
+    weight, shrink, log_shrink = 1.0, waves.shrink[run], waves.log_shrink[run]
+    for _ in range(int(waves.direct[run])):
+        for i in range(y.size):
+            total[i] += weight * z[i] * (waves.constant - y[i])
+            z[i], y[i] = min(shrink * math.sqrt(z[i]), 1.0), min(log_shrink + y[i] / 2, 0.0)
+        weight *= waves.ratio[run]
+    fixed = min(2 * log_shrink, 0.0)
+    z[:] = 0.0
+    for j in range(waves.rest.shape[1] - 1, -1, -1):
+        coefficient = waves.rest[run, j]
+        for i in range(y.size):
+            z[i] = z[i] * (y[i] - fixed) + coefficient
+    for i in range(y.size):
+        y[i] = total[i] + weight * z[i]
+
+
+def _reference(profile: Profile, loads: Array) -> Reference:
+    from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+    return multiprecision.reference(multiprecision.archard, profile, loads)
+
+
+METHOD = Method(
+    name="archard",
+    label="Archard",
+    summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
+    solve=solve_by(compliance, resistance),
+    style=Style("#D55E00", (5, 1.5), "v"),
+    reference=_reference,
+)

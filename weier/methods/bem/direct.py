@@ -1,0 +1,99 @@
+"""The paper's solver: the dense matrix of influence and an active set by inversion (Johnson 1985, Section 5.9)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+from numpy.typing import NDArray
+
+from weier.kernels.blas import one_thread
+from weier.methods.bem.contact import Answer, count_patches, no_answer
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
+
+
+class Settled(NamedTuple):
+    """One load: the last solution, on the nodes in contact, and whether another round would change them.
+
+    flat : height of the rigid flat above the mean plane, in g_0
+    resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
+    pressure : of the nodes, shape (N,), in p_0*, free of tension
+    contact : whether a node is in contact, shape (N,)
+    rounds : dense solutions so far
+    settled : whether the last one changed no node
+    """
+
+    flat: float
+    resistance: float
+    pressure: Array
+    contact: Flags
+    rounds: int
+    settled: bool
+
+
+@one_thread
+def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> Answer:
+    """Solve every load from the heaviest down, each from the contact of the one before.
+
+    Parameters
+    ----------
+    height, influence : array, shape (N,)
+        Profile in g_0, displacement per nodal pressure in g_0/p_0*.
+    pressure : array, shape (N,)
+        Where it is positive the search for the contact begins; overwritten with the last solution.
+    loads : array, shape (loads,)
+        Mean pressures, increasing, in p_0*.
+    tolerance : float
+        Largest penetration, and largest tension times the compliance of one node, in g_0.
+
+    Returns
+    -------
+    Answer
+        Arrays over the loads, in their order; work counts dense solutions.
+
+    """
+    answer, matrix, contact = no_answer(loads.size), scipy.linalg.circulant(influence), pressure > 0
+    for load in range(loads.size - 1, -1, -1):
+        found = solve_load(matrix, height, contact, loads[load], tolerance)
+        contact, pressure[:] = found.contact, found.pressure
+        gap = found.flat - height + matrix @ pressure
+        answer.flat[load], answer.resistance[load], answer.work[load] = found.flat, found.resistance, found.rounds
+        answer.contact_nodes[load], answer.patches[load] = contact.sum(), count_patches(contact)
+        answer.residual[load] = max(
+            np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
+        )
+    return answer
+
+
+def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolerance: float) -> Settled:
+    """Drop the nodes that pull, add those that penetrate, until none is left or ROUNDS are over.
+
+    `matrix`, shape (N, N), is of displacement per nodal pressure; `contact` is where the search begins.
+    """
+    rounds, settled = 0, False
+    while not settled and rounds < ROUNDS:
+        nodes = contact if contact.any() else height == height.max()  # something has to carry the load
+        flat, resistance, pressure = _on_contact(matrix, nodes, height, load)
+        gap = flat - height + matrix @ pressure
+        stretched = nodes & (pressure < -tolerance / matrix[0, 0])
+        pierced = ~nodes & (gap < -tolerance)
+        contact = nodes & ~stretched | pierced
+        rounds, settled = rounds + 1, np.array_equal(contact, nodes)
+    return Settled(flat, resistance, np.maximum(pressure, 0.0), nodes, rounds, settled)
+
+
+def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array]:
+    """Height of the flat, the rate at which it sinks, and pressure, were all nodes in contact held there."""
+    nodes = np.flatnonzero(contact)
+    n, points = nodes.size, contact.size
+    system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))
+    system[:n, :n], system[n, :n], system[n, n] = matrix[np.ix_(nodes, nodes)], 1 / points, 0.0
+    right[:n, 0], right[n] = height[nodes], (load, 1.0)
+    solution, pressure = np.linalg.solve(system, right), np.zeros(points)
+    pressure[nodes] = solution[:n, 0]
+    return solution[n, 0], -solution[n, 1], pressure

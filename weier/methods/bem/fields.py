@@ -1,0 +1,53 @@
+"""Pressure, gap and displacement under one load, node by node."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.methods.bem import fft
+from weier.methods.bem.grids import full_contact, nested_grids
+from weier.methods.bem.solver import check_residual, check_tolerance, checked_points
+from weier.theory.loads import checked_load
+from weier.theory.profile import Profile
+
+Array = NDArray[np.float64]
+
+
+class Field(NamedTuple):
+    """Fields at the nodes of one period, each of shape (points,): x in lambda_0, pressure in p_0*, lengths in g_0.
+
+    The displacement is that of the half-plane, into the body, with a mean of 0.
+    """
+
+    x: Array
+    pressure: Array
+    gap: Array
+    displacement: Array
+
+
+def field(profile: Profile, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
+    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
+
+    Parameters are those of `curve`.
+
+    Raises
+    ------
+    ValueError
+        If the load is not one positive number, or `points` are too few for the finest wave.
+    ConvergenceError
+        If the solution misses the tolerance.
+
+    """
+    load = checked_load(mean_pressure)
+    points = checked_points(profile, points)
+    check_tolerance(tolerance)
+    hierarchy = nested_grids(profile, points, tolerance)
+    state = fft.make_state(points)
+    start = full_contact(hierarchy, load)
+    flat, residual, _ = fft.descend(load, hierarchy, start, state)
+    check_residual(np.array([residual]), np.array([load]), points, tolerance)
+    x = np.linspace(0.0, profile.period, points, endpoint=False)
+    return Field(x, state.pressure, flat - state.deformed, profile.sampled_height(points) - state.deformed)

@@ -1,0 +1,195 @@
+"""Nested grids: the waves that each carries, and the way of a solution to the next finer one.
+
+A wave joins on the first grid that shows it. The pressure so far is then its local mean, and under each of its crests
+stands Westergaard's pressure for that mean: thousands of contacts begin near to where they end.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+from numpy.typing import NDArray
+
+from weier.kernels.jit import kernel
+from weier.theory.halfplane import eigenvalues, influence_coefficients
+from weier.theory.profile import Profile
+
+Array = NDArray[np.float64]
+
+FEWEST_PER_WAVE = 8  # of the finest wave on a grid; less and it does not see the crests
+FEWEST_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
+COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten times its own error (docs/numerics.md)
+
+
+class Waves(NamedTuple):
+    """The waves of a profile, coarse to fine, each of shape (m,).
+
+    wavenumber : waves in one period
+    cycle : phase, in wavelengths
+    flattening : mean pressure p_n* that flattens this wave alone, in p_0*
+    """
+
+    wavenumber: NDArray[np.int64]
+    cycle: Array
+    flattening: Array
+
+
+class Hierarchy(NamedTuple):
+    """Nested grids, coarse to fine, each about twice as fine as the one before; arrays laid end to end.
+
+    points : nodes of each grid, shape (grids,)
+    terms : waves that each carries, from the coarsest wave on, shape (grids,)
+    height : profile of these waves, shape (sum of points,), in g_0
+    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
+        in g_0/p_0* and p_0*/g_0
+    tolerance : residual to reach on each grid, shape (grids,), in g_0
+    node_sinking : A_ii of each grid, shape (grids,), in g_0/p_0*
+    waves : all waves of the profile
+    """
+
+    points: NDArray[np.int64]
+    terms: NDArray[np.int64]
+    height: Array
+    sinking: Array
+    inverse: Array
+    tolerance: Array
+    node_sinking: Array
+    waves: Waves
+
+
+class Grid(NamedTuple):
+    """One grid of N nodes: its part of each array of the hierarchy.
+
+    height : profile of the waves that it carries, shape (N,), in g_0
+    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
+    tolerance : residual to reach, in g_0
+    node_sinking : A_ii, in g_0/p_0*
+    """
+
+    height: Array
+    sinking: Array
+    inverse: Array
+    tolerance: float
+    node_sinking: float
+
+
+def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
+    """Grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
+
+    An odd number is followed by one that the FFT likes, of at least half as many.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    points : int
+        Nodes of the finest grid, which carries all waves.
+    tolerance : float
+        Residual to reach on it, in g_0.
+
+    """
+    fewest = max(FEWEST_POINTS, FEWEST_PER_WAVE * profile.wavenumber[0])
+    sizes = [points]
+    while (coarser := _half(sizes[0])) >= fewest:
+        sizes.insert(0, coarser)
+    terms = [sum(FEWEST_PER_WAVE * k <= size for k in profile.wavenumber) for size in sizes[:-1]]
+    sinking = [eigenvalues(size, profile.period) for size in sizes]
+    return Hierarchy(
+        np.array(sizes),
+        np.array([*terms, profile.terms]),
+        np.concatenate([profile.sampled_height(n, m) for n, m in zip(sizes, [*terms, None], strict=True)]),
+        np.concatenate(sinking),
+        np.concatenate([inverse(values) for values in sinking]),
+        np.array([*(max(tolerance, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)), tolerance]),
+        np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
+        Waves(np.array(profile.wavenumber), profile.phase / (2 * np.pi), profile.full_contact_pressure),
+    )
+
+
+def _half(points: int) -> int:
+    return points // 2 if points % 2 == 0 else int(scipy.fft.next_fast_len((points + 1) // 2, real=True))
+
+
+def _accuracy(profile: Profile, points: int, terms: int) -> float:
+    return float(COARSE_ACCURACY * profile.amplitude[terms - 1] * (profile.wavenumber[terms - 1] / points) ** 2)
+
+
+def inverse(eigenvalue: Array) -> Array:
+    """Eigenvalues of A^-1, but for the mean, from those of A."""
+    return np.concatenate([[0.0], 1 / eigenvalue[1:]])
+
+
+def full_contact(hierarchy: Hierarchy, load: float) -> Array:
+    """Pressure that would flatten the coarsest grid under this load."""
+    grid = part_of_hierarchy(hierarchy, 0)
+    return load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
+
+
+@kernel
+def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
+    """One grid of the hierarchy."""
+    node, wave = 0, 0
+    for coarser in range(level):
+        node += hierarchy.points[coarser]
+        wave += hierarchy.points[coarser] // 2 + 1
+    points = hierarchy.points[level]
+    spectrum = slice(wave, wave + points // 2 + 1)
+    return Grid(
+        hierarchy.height[node : node + points],
+        hierarchy.sinking[spectrum],
+        hierarchy.inverse[spectrum],
+        hierarchy.tolerance[level],
+        hierarchy.node_sinking[level],
+    )
+
+
+@kernel
+def _beyond(before: float, last: float) -> float:
+    """Square of the pressure after the last node in contact, on a straight line; not above 0: the contact ends."""
+    return min(0.0, 2 * last * last - before * before)
+
+
+@kernel
+def _between(before: float, here: float, after: float, later: float, share: float) -> float:
+    """Pressure this share of the way from `here` to `after`, of four nodes: its square is straight, as at an edge."""
+    one = here * here if here > 0 else _beyond(later, after)
+    other = after * after if after > 0 else _beyond(before, here)
+    return np.sqrt(max(0.0, (1 - share) * one + share * other))
+
+
+@kernel
+def refine(coarse: int, p: Array, finer: Array) -> None:
+    """Carry the pressure from `coarse` nodes, the first of p, to all nodes of p; `finer` is a working array."""
+    for node in range(p.size):
+        i, rest = node * coarse // p.size, node * coarse % p.size
+        before, here, after, later = p[(i - 1) % coarse], p[i], p[(i + 1) % coarse], p[(i + 2) % coarse]
+        finer[node] = _between(before, here, after, later, rest / p.size) if rest else here
+    p[:] = finer
+
+
+@kernel
+def _westergaard(sine_squared: float, xi: float) -> float:
+    """Pressure over its mean under one wave, where sin^2(pi x) is `sine_squared` (10)."""
+    if xi < 1:
+        return 2 * np.sqrt((1 - sine_squared) * max(xi - sine_squared, 0.0)) / xi
+    return 1 + (1 - 2 * sine_squared) / xi
+
+
+@kernel
+def superpose(wave: int, waves: Waves, p: Array, finer: Array) -> None:
+    """Let the pressure p so far be the local mean of one more wave, and each of its crests carry that mean.
+
+    `finer` is a working array. Where no pressure stands on a crest, in a contact narrower than the wave, all stays.
+    """
+    wavenumber, cycle = waves.wavenumber[wave], waves.cycle[wave]
+    seen = np.sin(np.pi * wavenumber / p.size) ** 2  # narrower than two nodes, a contact might fall between them
+    highest = 0.0
+    for i in range(p.size):
+        sine = np.sin(np.pi * (wavenumber * i % p.size / p.size + cycle))
+        xi = max(p[i] / waves.flattening[wave], seen)
+        finer[i] = p[i] * _westergaard(sine * sine, xi)
+        highest = max(highest, finer[i])
+    if highest > 0:
+        p[:] = finer

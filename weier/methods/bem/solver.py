@@ -1,0 +1,195 @@
+"""Boundary elements for a profile: choose the grid, start the solver, check what it returns."""
+
+from __future__ import annotations
+
+import math
+from numbers import Real
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from weier.methods.bem import direct, fft
+from weier.methods.bem.contact import no_answer
+from weier.methods.bem.grids import full_contact, inverse, nested_grids
+from weier.methods.errors import ConvergenceError
+from weier.theory.halfplane import eigenvalues, influence_coefficients
+from weier.theory.limits import check_points, check_resolvable
+from weier.theory.loads import checked_loads
+from weier.theory.profile import Profile
+
+Array = NDArray[np.float64]
+
+POINTS_PER_WAVE = 64  # of the finest wave: an error of h below 7e-4 g_0
+
+
+class Curve(NamedTuple):
+    """Boundary-element curves over the loads, each of shape (loads,).
+
+    compliance : h, in g_0, from the profile whose waves all peak together
+    resistance : dh/dp of the contact as it stands, in g_0/p_0*
+    contact_fraction : nodes in contact per node
+    patch_count : contacts in one period; 0 in full contact
+    residual : largest violation of a contact condition, on a freshly applied operator, in g_0
+    work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
+    points : nodes in one period, a scalar
+    """
+
+    compliance: Array
+    resistance: Array
+    contact_fraction: Array
+    patch_count: NDArray[np.int64]
+    residual: Array
+    work: Array
+    points: int
+
+
+def curve(
+    profile: Profile,
+    mean_pressure: ArrayLike,
+    solver: str = "fft",
+    points: int | None = None,
+    tolerance: float = 1e-10,
+    resistance: bool = True,
+) -> Curve:
+    """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*.
+    solver : "fft" or "direct"
+        The fast solver, or the paper's dense one: the same discrete system, equal to rounding.
+    points : int, optional
+        Nodes in one period; 64 for each of the finest waves unless told.
+    tolerance : float
+        Largest residual, in g_0.
+    resistance : bool
+        Whether the fast solver should solve for the resistance too; without, it is NaN.
+
+    Returns
+    -------
+    Curve
+        Arrays over the loads.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not positive and increasing, `solver` is unknown, or `points` are too few for the finest
+        wave, or too many.
+    ConvergenceError
+        If a load misses the tolerance.
+
+    Notes
+    -----
+    The compliance converges as about N^-2. The resistance is the exact derivative of the discrete h(p), which is
+    linear as long as no node changes side; it converges as 1/N, since the edges of contact move by whole nodes.
+
+    """
+    loads = checked_loads(mean_pressure)
+    points = checked_points(profile, points)
+    check_tolerance(tolerance)
+    if solver not in ("fft", "direct"):
+        raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    check_points(points, dense=solver == "direct")
+    partial = loads[loads < flattening_load(profile, points)]
+    if partial.size == 0:
+        answer = no_answer(0)
+    elif solver == "fft":
+        hierarchy = nested_grids(profile, points, tolerance)
+        start = full_contact(hierarchy, float(partial[-1]))
+        answer = fft.solve_loads(hierarchy, start, partial, resistance)
+    else:
+        start = np.ones(points)
+        influence = influence_coefficients(points, profile.period)
+        answer = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
+    check_residual(answer.residual, partial, points, tolerance)
+    _check_resistance(answer.resistance, partial, points)
+
+    def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
+        return np.concatenate([values, np.full(loads.size - partial.size, flattened)])
+
+    return Curve(
+        whole(profile.total_amplitude - answer.flat, profile.total_amplitude),
+        whole(answer.resistance, 0.0),
+        whole(answer.contact_nodes / points, 1.0),
+        whole(answer.patches, 0).astype(np.int64),
+        whole(answer.residual, 0.0),
+        whole(answer.work, 0),
+        points,
+    )
+
+
+def checked_points(profile: Profile, points: int | None = None) -> int:
+    """`points` if the finest wave can be seen on them, or the default.
+
+    Raises
+    ------
+    ValueError
+        If there are no more than two points a wave, or more than a computer holds.
+
+    """
+    check_resolvable(profile)
+    finest = profile.wavenumber[-1]
+    if points is None:
+        return POINTS_PER_WAVE * finest
+    if not isinstance(points, Real) or not points > 2 * finest or points != points // 1:
+        raise ValueError(
+            f"points must be a whole number above {2 * finest}, two for each of the {finest} finest waves in a "
+            f"period, got {points}; {POINTS_PER_WAVE * finest} is the default"
+        )
+    check_points(points)
+    return int(points)
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance, in g_0, that is no positive number.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+
+    """
+    if not 0 < tolerance < math.inf:
+        raise ValueError(f"tolerance must be a positive length in g_0, such as 1e-10, got {tolerance}")
+
+
+def flattening_load(profile: Profile, points: int) -> float:
+    """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
+    height = profile.sampled_height(points)
+    pressure = np.fft.irfft(inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
+    return float(-pressure.min())
+
+
+def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
+    """Refuse a solution with a residual above the tolerance, in g_0, or without one.
+
+    Raises
+    ------
+    ConvergenceError
+        With the first such residual and its load.
+
+    """
+    missed = np.flatnonzero(~(residual <= tolerance))
+    if missed.size:
+        worst = missed[0]
+        raise ConvergenceError(
+            f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
+            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
+            "tolerance",
+            float(residual[worst]),
+        )
+
+
+def _check_resistance(resistance: Array, loads: Array, points: int) -> None:
+    """Refuse a resistance that the solver gave up, which it says by inf."""
+    missed = np.flatnonzero(np.isinf(resistance))
+    if missed.size:
+        raise ConvergenceError(
+            f"boundary elements on {points} points found the compliance but not the resistance under the mean "
+            f"pressure {loads[missed[0]]:.6g} p_0*; try other points, or resistance=False",
+            np.inf,
+        )

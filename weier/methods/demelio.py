@@ -1,0 +1,137 @@
+"""Demelio's approximation: every wave carries the same mean pressure, Eqs (23)-(26).
+
+The N + 1 terms with p_n* < p are flattened; the others are self-affine to the complete series and sum to (26),
+scaled by g_{N+1} and p_{N+1}*. Heights are in g_0, pressures in p_0*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.estimate import offer, solve_by
+from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.method import Method, Reference, Style
+from weier.methods.segment import Segment, Task
+from weier.theory.profile import Profile
+
+
+def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
+    """Compliance h = sum h_n (24)-(26), continued beyond p_0* and to a finite number of terms.
+
+    Parameters
+    ----------
+    mean_pressure : array_like
+        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
+    D, gamma, m : array_like
+        Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
+        All four broadcast.
+
+    Returns
+    -------
+    ndarray
+        Compliance in g_0, of the broadcast shape.
+    """
+    return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
+
+
+def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
+    """Specific contact resistance dh/dp: flattened terms do not contribute (2), (26).
+
+    Parameters
+    ----------
+    mean_pressure : array_like
+        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
+    D, gamma, m : array_like
+        Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
+        All four broadcast.
+
+    Returns
+    -------
+    ndarray
+        Resistance in g_0/p_0*, of the broadcast shape; exactly 0 where all terms are flattened.
+    """
+    return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
+
+
+def _fixed(D: Array, _: Array) -> Array:
+    return np.zeros_like(D)
+
+
+def _compliance(xi: Array, log_xi: Array, runs: Runs) -> Array:
+    """(26) for the waves that are not flat."""
+    zeroth, first = _moments(runs.gamma, runs.left)
+    _light_compliance(xi, log_xi, runs.end, zeroth, zeroth + (runs.D - 1) * np.log(runs.gamma) * first)
+    return with_flat_waves(log_xi, runs)
+
+
+def _resistance(_: Array, log_xi: Array, runs: Runs) -> Array:
+    """Its derivative with xi."""
+    zeroth, first = _moments(runs.gamma, runs.left)
+    _light_resistance(log_xi, runs.end, zeroth, (runs.D - 1) * np.log(runs.gamma) * first)
+    return behind_flat_waves(log_xi, runs)
+
+
+@kernel
+def _light_compliance(xi: Array, log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
+    """xi (constant - slope ln xi), in place of ln xi."""
+    start = 0
+    for r in range(end.size):
+        x, y = xi[start : end[r]], log_xi[start : end[r]]
+        for i in range(y.size):
+            y[i] = min(x[i], 1.0) * (constant[r] - slope[r] * min(y[i], 0.0))
+        start = end[r]
+
+
+@kernel
+def _light_resistance(log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
+    """Constant - slope ln xi, in place of ln xi."""
+    start = 0
+    for r in range(end.size):
+        y = log_xi[start : end[r]]
+        for i in range(y.size):
+            y[i] = constant[r] - slope[r] * min(y[i], 0.0)
+        start = end[r]
+
+
+def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
+    """Sums of gamma^-k and of k gamma^-k over m terms."""
+    # sum k r^k = [sum of r^k over the m - 1 last but one - (m - 1) r^(m-1)] r/(1 - r), r = 1/gamma
+    fewer = np.maximum(m - 1, 0)
+    return _geometric(gamma, m), (_geometric(gamma, fewer) - fewer * gamma**-fewer) / (gamma - 1)
+
+
+def _geometric(gamma: Array, m: Array) -> Array:
+    """Sum of gamma^-k over m terms."""
+    return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
+
+
+LARGEST_ERROR = 0.7  # of the compliance, in the amplitude of the terms after the first
+SECONDS = 5e-5, 2e-6  # to start, and for each load
+
+_solve = solve_by(compliance, resistance)
+
+
+def _candidates(task: Task) -> Iterator[Segment]:
+    return offer(task, "demelio", LARGEST_ERROR, SECONDS, _solve)
+
+
+def _reference(profile: Profile, loads: Array) -> Reference:
+    from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+    return multiprecision.reference(multiprecision.demelio, profile, loads)
+
+
+METHOD = Method(
+    name="demelio",
+    label="Demelio",
+    summary="each wave carries the mean pressure (23)-(26); any m, also inf",
+    solve=_solve,
+    style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
+    candidates=_candidates,
+    reference=_reference,
+)

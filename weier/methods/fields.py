@@ -1,0 +1,137 @@
+"""What happens along the surface: pressure, gap and displacement under one load, and the events along all loads."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from weier.data.dataset import NORMALISED
+from weier.methods import bem, patches
+from weier.theory.limits import check_resolvable
+from weier.theory.loads import checked_load
+from weier.theory.profile import Profile
+
+ATTRIBUTES = {
+    "x": ("position along the surface", "lambda_0"),
+    "pressure": ("contact pressure", "p_0*"),
+    "gap": ("gap between flat and surface", "g_0"),
+    "displacement": (
+        "elastic displacement away from the flat, of mean 0: gap = mean gap - height + displacement",
+        "g_0",
+    ),
+    "left": ("left edge of a contact", "lambda_0"),
+    "right": ("right edge of a contact", "lambda_0"),
+    "left_strength": ("A at the left edge: p = A s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "right_strength": ("A at the right edge: p = A s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "mean_pressure": ("mean pressure of the event", "p_0*"),
+    "birth": ("1 where a contact is born, 0 where two merge", "1"),
+    "patch_count": ("contacts in one period just above the event, 0 in full contact", "1"),
+}
+
+
+def fields(profile: Profile, mean_pressure: float, method: str = "patches", points: int | None = None) -> xr.Dataset:
+    """Pressure, gap and displacement along one period under one mean pressure.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : float
+        Positive, in p_0*.
+    method : "patches" or "bem"
+        Exact contact edges, or boundary elements.
+    points : int, optional
+        Positions x in one period, the nodes of "bem"; by default, 64 for each of the finest waves.
+
+    Returns
+    -------
+    Dataset
+        pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0. By "patches" also, over the dimension
+        patch: the edges left and right of each contact, in lambda_0, and the strength A of the pressure at both,
+        p = A s^(1/2) at the distance s inside an edge; the gap outside is (4 pi/3) A s^(3/2). The attribute mean_gap
+        is d, in g_0.
+
+    Raises
+    ------
+    ValueError
+        If the load, the method or the points are out of range.
+    ConvergenceError
+        If the load cannot be solved.
+
+    Examples
+    --------
+    >>> import weier
+    >>> along = weier.fields(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 0.1)
+    >>> for left, right in zip(along.left.values, along.right.values):
+    ...     print(f"contact from {left:.3f} to {right:.3f}")
+    contact from 0.142 to 0.164
+    contact from 0.937 to 1.008
+    >>> print(along.pressure.dims, f"mean gap {along.mean_gap:.3f}")
+    ('x',) mean gap 0.784
+
+    """
+    load = checked_load(mean_pressure)
+    check_resolvable(profile)
+    if method == "bem":
+        found = bem.field(profile, load, points)
+        return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
+    if method != "patches":
+        raise ValueError(f'method must be "patches" or "bem" for fields, got {method!r}')
+    contact = patches.solve_load(profile, load)
+    points = bem.checked_points(profile, points)
+    x = np.linspace(0.0, profile.period, points, endpoint=False)
+    along = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
+    ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}
+    ends |= {"left_strength": contact.edge_strength[:, 0], "right_strength": contact.edge_strength[:, 1]}
+    data = _dataset(("x",), along, mean_pressure=load, mean_gap=contact.mean_gap, method=method)
+    return data.merge(_dataset(("patch",), ends))
+
+
+def events(profile: Profile, low: float, high: float) -> xr.Dataset:
+    """Mean pressures at which contacts are born or merge.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    low, high : float
+        Mean pressures to look between, positive and increasing, in p_0*.
+
+    Returns
+    -------
+    Dataset
+        Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (1) or merge (0), and
+        patch_count just above. The resistance has its kinks there.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not positive and increasing, or the waves too many.
+    ConvergenceError
+        If a load on the way cannot be solved.
+
+    Examples
+    --------
+    >>> import weier
+    >>> found = weier.events(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 1e-3, 1.0)
+    >>> for event in zip(found.mean_pressure.values.round(3), found.birth.values, found.patch_count.values):
+    ...     print(*event)
+    0.077 1 2
+    0.196 1 3
+    0.549 1 4
+    0.674 0 3
+    0.68 1 4
+    0.891 0 3
+
+    """
+    check_resolvable(profile)
+    found = patches.events(profile, low, high)._asdict()
+    return _dataset(("event",), found | {"birth": found["birth"].astype("i1")})
+
+
+def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:
+    data = {}
+    for name, value in values.items():
+        long_name, unit = ATTRIBUTES[name]
+        data[name] = (dims, value, {"long_name": long_name, "units": "1", "normalised_by": unit})
+    return xr.Dataset(data, attrs={"normalisation": NORMALISED, **attributes})

@@ -1,0 +1,45 @@
+"""Resolved terms on the layer of all finer ones, as one of the methods."""
+
+from __future__ import annotations
+
+import math
+
+from weier.kernels.arrays import Array
+from weier.methods.errors import NotApplicableError
+from weier.methods.hybrid.candidates import candidates
+from weier.methods.hybrid.solver import POINTS_PER_WAVE, Curve, curve
+from weier.methods.method import Method, Noise, Style
+from weier.theory.profile import Profile
+
+DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of milliseconds a load
+
+
+def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
+    return curve(profile, loads, terms or _default_terms(profile), points)
+
+
+def _default_terms(profile: Profile) -> int:
+    """As many terms as fit on the default number of nodes, and at least one."""
+    terms = 1
+    while POINTS_PER_WAVE * profile.truncated(terms + 1).wavenumber[-1] <= DEFAULT_POINTS:
+        terms += 1
+    return terms
+
+
+def _applies(profile: Profile) -> None:
+    if math.isfinite(profile.m):
+        raise NotApplicableError(
+            f'method "hybrid" is for the infinite series, m = inf, got m = {profile.m}: take layer, bem or patches'
+        )
+
+
+METHOD = Method(
+    name="hybrid",
+    label="resolved on a layer",
+    summary="coarse terms by boundary elements on the layer of all finer ones; m = inf",
+    solve=_solve,
+    applies=_applies,
+    style=Style("#56B4E9", (4, 1, 1, 1), "D"),
+    noise=Noise(1e-8, 1e-4),  # a residual of 1e-9; the slope of the layer between the rows of its table
+    candidates=candidates,
+)

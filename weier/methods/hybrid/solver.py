@@ -1,0 +1,92 @@
+"""The best estimate of the infinite series from its first terms, with bounds beside it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+from weier.methods.bem.solver import checked_points
+from weier.methods.errors import NotApplicableError
+from weier.methods.hybrid.closure import law_of
+from weier.methods.hybrid.newton import solve_loads
+from weier.methods.hybrid.truncation_bounds import bounds, check_infinite
+from weier.theory.halfplane import influence_coefficients
+from weier.theory.loads import checked_loads
+from weier.theory.profile import Profile
+
+POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
+MAX_POINTS = 2**14  # more take minutes
+LOADS = 1e-6, 1e3  # p_0*: lighter ones drown in the tolerance, heavier ones leave the table
+
+
+class Curve(NamedTuple):
+    """The infinite series over the loads, each of shape (loads,).
+
+    compliance : best estimate of h, in g_0, from the profile whose waves all peak together
+    resistance : dh/dp of it, in g_0/p_0*
+    compliance_lower, compliance_upper : bounds on h from the resolved terms alone (27), as much wider as
+        boundary elements may be off
+    residual : largest violation of the equations, in g_0
+    """
+
+    compliance: Array
+    resistance: Array
+    compliance_lower: Array
+    compliance_upper: Array
+    residual: Array
+
+
+def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> Curve:
+    """Best estimate of the infinite series from its first terms, with bounds beside it.
+
+    Parameters
+    ----------
+    profile : Profile
+        With m = inf.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, in p_0*.
+    terms : int
+        Waves to resolve, at least 1.
+    points : int, optional
+        Nodes in a period of the resolved waves; 32 for each of the finest by default.
+
+    Returns
+    -------
+    Curve
+        Arrays over the loads.
+
+    Raises
+    ------
+    ValueError
+        If the series is finite, or takes more than 2^14 points; NotApplicableError if a load lies outside
+        [1e-6, 1e3].
+    ConvergenceError
+        If Newton's method stops short of 1e-9 g_0.
+    """
+    loads = _checked_loads(mean_pressure)
+    kept, points = _checked(profile, terms, points)
+    closure = law_of(kept, float(influence_coefficients(points, kept.period)[0]))
+    h, R, residual = solve_loads(kept, loads, points, closure)
+    return Curve(h, R, *bounds(profile, loads, terms), residual)
+
+
+def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:
+    check_infinite(profile)
+    kept = profile.truncated(terms)
+    points = checked_points(kept, points or POINTS_PER_WAVE * kept.wavenumber[-1])
+    if points > MAX_POINTS:
+        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
+    return kept, points
+
+
+def _checked_loads(mean_pressure: ArrayLike) -> Array:
+    loads = checked_loads(mean_pressure)
+    outside = (loads < LOADS[0]) | (loads > LOADS[1])
+    if outside.any():
+        raise NotApplicableError(
+            f"mean_pressure must lie in [{LOADS[0]:g}, {LOADS[1]:g}] p_0* where terms are resolved on the layer, got "
+            f"{loads[outside][0]:g}: take method layer"
+        )
+    return loads

@@ -1,0 +1,162 @@
+"""What a method of solution is: one object, of which the rest of the program asks all that depends on the method.
+
+A method is listed in `weier.methods.registry`. Everything else follows from its fields: how it is run and where it
+applies, how it looks in figures, what a plan may expect of it, which of its settings the trade between speed and
+accuracy compares, and what it is held against at the extremes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from weier.kernels.arrays import Array
+from weier.methods.errors import NotApplicableError
+from weier.methods.segment import Segment, Task
+from weier.theory.limits import check_resolvable
+from weier.theory.profile import Profile
+
+Settings = Mapping[str, Any]
+
+
+class Estimate(NamedTuple):
+    """What a closed form gives: compliance, in g_0, and resistance, in g_0/p_0*; each of shape (loads,)."""
+
+    compliance: Array
+    resistance: Array
+
+
+class Style(NamedTuple):
+    """How the curve of a method is drawn: colour, lengths of dashes and gaps (none for a solid line), and marker."""
+
+    color: str = "#E69F00"
+    dashes: tuple[float, ...] = (9, 2)
+    marker: str = "P"
+
+
+class Noise(NamedTuple):
+    """What rounding and iteration leave: of a height, relative to the total amplitude; of a slope, to itself."""
+
+    height: float = 1e-12
+    slope: float = 1e-11
+
+
+DEFAULT_STYLE, CLOSED_FORM = Style(), Noise()
+
+
+class Reference(NamedTuple):
+    """Compliance and resistance by other means, shape (loads,), as floats or numbers of mpmath, and which means."""
+
+    compliance: Any
+    resistance: Any
+    source: str
+
+
+class Variant(NamedTuple):
+    """One competitor in a comparison: a name of at most 16 letters, a method and its settings."""
+
+    name: str
+    method: str
+    settings: Settings
+
+
+def applies_to_resolvable(profile: Profile) -> None:
+    """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
+
+    Raises
+    ------
+    ValueError
+        If the finest wave fits too often into the period; NotApplicableError if there is no finest wave.
+
+    """
+    if math.isinf(profile.m):
+        raise NotApplicableError(
+            "m = inf has no finest wave to resolve: choose a finite m, or a method for the infinite series, such as "
+            "layer or planned"
+        )
+    check_resolvable(profile)
+
+
+def _applies_to_all(profile: Profile) -> None:
+    """Refuse nothing."""
+
+
+def _no_candidates(task: Task) -> Iterable[Segment]:
+    return ()
+
+
+def _default_variant(profile: Profile) -> Iterable[tuple[str, Settings]]:
+    return [("", {})]
+
+
+def _instantaneous(profile: Profile, loads: Array) -> float:
+    return 0.0
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method of solution.
+
+    Parameters
+    ----------
+    name : str
+        As users type it.
+    label : str
+        As figures and pages call it.
+    summary : str
+        What it is and where it applies, in one line of plain text.
+    solve : callable
+        From a profile, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
+        annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and whatever else the table of
+        variables knows. Raises ConvergenceError rather than return a wrong number.
+    applies : callable
+        Raises NotApplicableError, which says why, for a profile that the method says nothing about.
+    numerical : bool
+        Whether it solves the truncated series itself, so that its curve can be called exact but for a known error.
+    style : Style
+        How its curve is drawn.
+    noise : Noise
+        What rounding and iteration leave of its numbers at the default settings.
+    algorithms : sequence of settings
+        Those that choose between algorithms: each is compiled in advance, and tried at the extremes.
+    variants : callable
+        From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
+    candidates : callable
+        From the task of a plan to the segments of a curve that this method offers, with their errors and costs.
+    solution_error : callable, optional
+        From a profile and what `solve` returned to the error of the compliance, in g_0; for numerical methods.
+    seconds : callable
+        From a profile and loads to the seconds that a curve is expected to take on one core.
+    reference : callable, optional
+        From a profile and loads to what an estimate is by other means, or None where that takes minutes.
+    """
+
+    name: str
+    label: str
+    summary: str
+    solve: Callable[..., Any]
+    applies: Callable[[Profile], None] = _applies_to_all
+    numerical: bool = False
+    style: Style = DEFAULT_STYLE
+    noise: Noise = CLOSED_FORM
+    algorithms: tuple[Settings, ...] = ({},)
+    variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = _default_variant
+    candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
+    solution_error: Callable[[Profile, Any], float] | None = None
+    seconds: Callable[[Profile, Array], float] = _instantaneous
+    reference: Callable[[Profile, Array], Reference | None] | None = None
+
+    def takes(self, profile: Profile) -> bool:
+        """Whether the method applies to a profile."""
+        try:
+            self.applies(profile)
+        except ValueError:
+            return False
+        return True
+
+    def named_variants(self, profile: Profile) -> list[Variant]:
+        """The variants with their full names, such as "bem 96"."""
+        own = self.variants(profile)
+        return [Variant(f"{self.name} {name}".strip(), self.name, settings) for name, settings in own]

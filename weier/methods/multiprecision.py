@@ -1,0 +1,91 @@
+"""What the closed forms are, in 50 digits: the sums term by term, of the very doubles that a method is given.
+
+Nothing is shared with the methods but the recursion on paper. An infinite series is summed until the rest is a
+geometric series or below the last digit. Each function returns compliance, in g_0, and resistance, in g_0/p_0*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import mpmath as mp
+
+from weier.kernels.arrays import Array
+from weier.methods.method import Reference
+from weier.theory.profile import Profile
+
+DIGITS = 50
+Pair = tuple[Any, Any]
+
+
+def reference(sums: Callable[..., Pair], profile: Profile, loads: Array) -> Reference:
+    """The sums of a method for all loads."""
+    series = profile.D, float(profile.gamma), profile.m
+    pairs = [sums(float(p), *series) for p in loads]
+    return Reference([h for h, _ in pairs], [R for _, R in pairs], "mpmath")
+
+
+def westergaard(p: float, *series: float) -> Pair:
+    """One wave (12)-(14)."""
+    with mp.workdps(DIGITS):
+        return _compliance(mp.mpf(p)), _resistance(mp.mpf(p))
+
+
+def archard(p: float, D: float, gamma: float, m: float) -> Pair:
+    """Each wave under the peak pressure of the coarser one (15)-(21)."""
+    with mp.workdps(DIGITS):
+        down, falls = _ratios(D, gamma)
+        zeta, slope, g = mp.mpf(p), mp.mpf(1), mp.mpf(1)  # zeta_{n-1}, its derivative with p, g_n
+        h = R = mp.mpf(0)
+        n, before = 0, mp.inf
+        while n < m:
+            if m == mp.inf and (_flat_for_good(zeta, down) or abs(zeta / before - 1) < mp.mpf(10) ** -DIGITS):
+                return h + g * _compliance(zeta) / (1 - falls), R  # slope is below the last digit
+            h, R = h + g * _compliance(zeta), R + g * slope * _resistance(zeta)
+            before, n, g = zeta, n + 1, g * falls
+            if zeta >= 1:
+                zeta, slope = down * (1 + zeta), down * slope
+            else:
+                zeta, slope = 2 * down * mp.sqrt(zeta), down * slope / mp.sqrt(zeta)
+        return h, R
+
+
+def demelio(p: float, D: float, gamma: float, m: float) -> Pair:
+    """Each wave under the mean pressure (23)-(26)."""
+    with mp.workdps(DIGITS):
+        if m == mp.inf:
+            return _infinite_demelio(mp.mpf(p), mp.mpf(D), mp.mpf(gamma))
+        down, falls = _ratios(D, gamma)
+        xi, g, weight = mp.mpf(p), mp.mpf(1), mp.mpf(1)
+        h = R = mp.mpf(0)
+        for _ in range(int(m)):
+            h, R = h + g * _compliance(xi), R + weight * _resistance(xi)
+            xi, g, weight = xi * down, g * falls, weight / mp.mpf(gamma)
+        return h, R
+
+
+def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
+    """All flattened terms, then sum k r^k = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
+    flat = max(mp.ceil(mp.log(p) / ((D - 1) * mp.log(gamma))), 0)
+    g, xi, r = gamma ** ((D - 2) * flat), p * gamma ** ((1 - D) * flat), 1 / gamma
+    logarithms = -mp.log(xi) / (1 - r) + (D - 1) * mp.log(gamma) * r / (1 - r) ** 2  # of sum -r^k ln xi_k
+    h = (1 - g) / (1 - gamma ** (D - 2)) + g * xi * (1 / (1 - r) + logarithms)
+    return h, gamma**-flat * logarithms
+
+
+def _ratios(D: float, gamma: float) -> Pair:
+    """p_n*/p_{n+1}* and g_{n+1}/g_n."""
+    return mp.mpf(gamma) ** (1 - mp.mpf(D)), mp.mpf(gamma) ** (mp.mpf(D) - 2)
+
+
+def _flat_for_good(zeta: Any, down: Any) -> bool:
+    return bool(zeta >= 1 and 2 * down >= 1)
+
+
+def _compliance(xi: Any) -> Any:
+    return xi * (1 - mp.log(xi)) if xi < 1 else mp.mpf(1)
+
+
+def _resistance(xi: Any) -> Any:
+    return -mp.log(xi) if xi < 1 else mp.mpf(0)

@@ -1,0 +1,38 @@
+"""Contact patches as one of the methods."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from weier.methods.error_model import RESIDUAL
+from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
+from weier.methods.patches.candidates import candidates
+from weier.methods.patches.solver import Curve, curve
+from weier.theory.profile import Profile
+
+TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
+
+
+def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
+    for tolerance in TOLERANCES_COMPARED:
+        yield f"{tolerance:.0e}", {"tolerance": tolerance}
+
+
+def _solution_error(profile: Profile, solved: Curve) -> float:
+    """What the residual leaves of the compliance, in g_0."""
+    return RESIDUAL * float(solved.residual.max(initial=0.0))
+
+
+METHOD = Method(
+    name="patches",
+    label="contact patches",
+    summary="the edges of contact as unknowns, ten digits; finite m, up to some 300 contacts",
+    solve=curve,
+    applies=applies_to_resolvable,
+    numerical=True,
+    style=Style("#000000", (), "d"),
+    noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
+    variants=_variants,
+    solution_error=_solution_error,
+    candidates=candidates,
+)

@@ -1,0 +1,5 @@
+"""Curves within a tolerance: the cheapest methods, load by load, that their error models allow."""
+
+from weier.methods.planned.method import method
+
+__all__ = ["method"]

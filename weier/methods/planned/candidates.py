@@ -1,0 +1,82 @@
+"""What a plan chooses from: full contact, and whatever the methods offer for the whole series or a truncated one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+from weier.methods.method import Method
+from weier.methods.planned import forecast
+from weier.methods.planned.truncations import chord_tasks, resolvable_lengths, truncation_tasks
+from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.theory.profile import Profile
+
+FULL_CONTACT = "full contact"
+
+
+def candidates(
+    profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]
+) -> Iterator[Segment]:
+    """All that might do, each at its cheapest setting; their error is infinite where they say nothing."""
+    lengths = resolvable_lengths(profile)
+    whole = _whole_task(profile, loads, tolerance, quantity, lengths)
+    yield from _full_contact(whole, lengths)
+    yield from _offers(whole, methods)
+    if quantity == COMPLIANCE:
+        for task in truncation_tasks(profile, loads, tolerance, lengths, whole.first_contact):
+            yield from _offers(task, methods)
+    elif profile.m not in lengths:  # no bound holds a resistance tightly: all terms are better
+        for task, other_loads in chord_tasks(profile, loads, lengths):
+            for offer in _offers(task, methods):
+                yield _with_chords(offer, other_loads)
+
+
+def _whole_task(profile: Profile, loads: Array, tolerance: float, quantity: str, lengths: Sequence[int]) -> Task:
+    first = forecast.first_contact(profile, lengths) if quantity == COMPLIANCE else math.inf
+    resolved = profile.m in lengths
+    contacts = forecast.contacts(profile, loads) if resolved else np.full(loads.size, np.inf)
+    return Task(profile, loads, np.zeros(loads.size), tolerance, quantity, contacts, first)
+
+
+def _offers(task: Task, methods: Sequence[Method]) -> Iterator[Segment]:
+    for method in methods:
+        if method.takes(task.profile):
+            yield from method.candidates(task)
+
+
+def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[Segment]:
+    """Full contact of the terms that the tolerance needs: closed form, free."""
+    profile, loads = task.profile, task.mean_pressure
+    finite = [] if math.isinf(profile.m) else [int(profile.m)]
+    few = [terms for terms in lengths if profile.amplitude_beyond(terms) / 2 <= task.tolerance][:1]
+    for terms in {*finite, *few} if task.quantity == COMPLIANCE else finite:
+        kept, change = profile.truncated(terms), profile.amplitude_beyond(terms) / 2
+        load = forecast.full_contact_load(kept)
+        what = "what follows changes that by half of its height" if change else "nothing is left to flatten"
+        yield segment(
+            task,
+            FULL_CONTACT,
+            f"from {load:.3g} p_0* on these terms are flat, and {what}",
+            partial(_flat, kept),
+            terms=terms,
+            truncation=np.where(loads >= load, change, np.inf),
+        )
+
+
+def _flat(kept: Profile, loads: Array) -> Solution:
+    none = np.zeros(loads.size)
+    return Solution(none + kept.total_amplitude, none, none, none)
+
+
+def _with_chords(offer: Segment, other_loads: Array) -> Segment:
+    """The same with the other loads solved beside each load; its own error is within that of the chords."""
+    return offer._replace(
+        discretisation=np.where(np.isfinite(offer.discretisation), 0.0, np.inf),
+        other_loads=other_loads,
+        seconds_load=(1 + other_loads.shape[1]) * offer.seconds_load,
+        why=f"{offer.why}; chords to a lighter and a heavier load hold the resistance of the longer series",
+    )

@@ -1,0 +1,30 @@
+"""Plans as one of the methods."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from weier.kernels.arrays import Array
+from weier.methods.method import Method, Noise, Style
+from weier.methods.planned.plan import TOLERANCE
+from weier.methods.planned.solver import Curve, curve
+from weier.methods.segment import COMPLIANCE
+from weier.theory.profile import Profile
+
+
+def method(among: Callable[[], tuple[Method, ...]]) -> Method:
+    """The method that plans among others, which are looked up when a plan is made."""
+
+    def solve(profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
+        return curve(profile, loads, among(), tolerance, quantity)
+
+    return Method(
+        name="planned",
+        label="planned",
+        summary="whichever of these meets a tolerance, as weier.plan chooses and explains; any m",
+        solve=solve,
+        style=Style("#56B4E9", (3, 0.8), "X"),
+        variants=lambda profile: (),  # it runs those of the others
+        noise=Noise(TOLERANCE, math.inf),  # segments of several methods; asked for the compliance alone
+    )

@@ -1,0 +1,55 @@
+"""All methods of solution, from the roughest to the most accurate; whatever the program knows of them it asks here.
+
+To add a method, write its `METHOD` and list it in METHODS.
+"""
+
+from __future__ import annotations
+
+import math
+
+from weier.methods import archard, bem, demelio, hybrid, layer, patches, planned, westergaard
+from weier.methods.method import Method
+from weier.theory.profile import Profile
+
+METHODS: tuple[Method, ...] = (
+    westergaard.METHOD,
+    archard.METHOD,
+    demelio.METHOD,
+    layer.METHOD,
+    hybrid.METHOD,
+    bem.METHOD,
+    patches.METHOD,
+    planned.method(among=lambda: METHODS),
+)
+PLANNED = METHODS[-1].name  # runs whichever of the others meets a tolerance
+
+
+def names() -> list[str]:
+    """The names of all methods."""
+    return [method.name for method in METHODS]
+
+
+def numerical_names() -> list[str]:
+    """The names of the methods that solve the truncated series itself, the most accurate first."""
+    return [method.name for method in reversed(METHODS) if method.numerical]
+
+
+def infinite_names() -> list[str]:
+    """The names of the methods that apply to the infinite series."""
+    infinite = Profile(D=1.5, gamma=2, m=math.inf)
+    return [method.name for method in METHODS if method.takes(infinite)]
+
+
+def method_named(name: str) -> Method:
+    """The method of this name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+
+    """
+    for method in METHODS:
+        if method.name == name:
+            return method
+    raise ValueError(f"method must be one of {', '.join(names())}, got {name!r}")

@@ -1,0 +1,82 @@
+"""One profile, one method, many loads: the public way in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from time import perf_counter
+from typing import Any
+
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from weier.data import dataset
+from weier.kernels.arrays import Array
+from weier.kernels.jit import compiling_seconds
+from weier.methods.registry import METHODS, method_named
+from weier.methods.settings import check_names
+from weier.theory.loads import checked_loads
+from weier.theory.profile import Profile
+
+
+def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **settings: Any) -> xr.Dataset:
+    """Compliance and contact resistance of a profile pressed against a plane.
+
+    Parameters
+    ----------
+    profile : Profile
+        The Weierstrass series.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*.
+    method : str
+        {methods}
+    **settings
+        Settings of the method, such as `points` of "bem"; attributes of the result.
+
+    Returns
+    -------
+    Dataset
+        Over the dimension mean_pressure: compliance, in g_0, and resistance, in g_0/p_0*; the numerical methods
+        add contact_fraction, patch_count, residual and work, "patches" the indentation from first contact and the
+        contact edges, "planned" the errors it expects. The attribute seconds is the time it took.
+
+    Raises
+    ------
+    ValueError
+        If the loads, the method or a setting is unknown or out of range; NotApplicableError where the method
+        does not apply to the profile.
+    ConvergenceError
+        If a solver misses its tolerance.
+
+    Examples
+    --------
+    >>> import weier
+    >>> profile = weier.Profile(D=1.25, gamma=5, m=3, phases=(0.0, 1.0, 2.0))
+    >>> curve = weier.solve(profile, [0.01, 0.1, 1.0], method="demelio")
+    >>> curve.compliance.values.round(4)
+    array([0.0706, 0.4208, 1.3527])
+
+    """
+    loads = checked_loads(mean_pressure)
+    found, seconds = answer(profile, loads, method, settings)
+    return dataset.curve(loads, found._asdict(), {"method": method, **settings, "seconds": seconds})
+
+
+def answer(profile: Profile, loads: Array, method: str, settings: Mapping[str, Any]) -> tuple[Any, float]:
+    """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds without compiling.
+
+    For `loads` that are checked; raises what `solve` raises.
+    """
+    solver = method_named(method)
+    check_names(solver, settings)
+    solver.applies(profile)
+    start, compiling = perf_counter(), compiling_seconds()
+    found = solver.solve(profile, loads, **settings)
+    return found, perf_counter() - start - (compiling_seconds() - compiling)
+
+
+def _summaries(indent: str) -> str:
+    """A line for each method, for the docstring."""
+    return f"\n{indent}".join(f'"{method.name}": {method.summary}.' for method in METHODS)
+
+
+solve.__doc__ = str(solve.__doc__).replace("{methods}", _summaries(" " * 8))

@@ -1,0 +1,115 @@
+"""One wave against a plane: Westergaard's closed form, Eqs (6)-(14) and Appendix A.
+
+Lengths along x are in the wavelength lambda, heights in the amplitude g, pressures in p* (7): xi is the mean
+pressure (9). The functions broadcast.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+from weier.methods.errors import NotApplicableError
+from weier.methods.method import Estimate, Method, Reference, Style
+from weier.methods.segment import Segment, Solution, Task, segment
+from weier.theory.profile import Profile
+
+SECONDS_LOAD = 1e-6
+
+
+def compliance(xi: ArrayLike) -> Array:
+    """Compliance h = xi (1 - ln xi), in g; h = g beyond full contact, xi >= 1 (12)."""
+    xi = np.minimum(xi, 1.0)
+    return np.asarray(xi * (1 - np.log(xi)))
+
+
+def resistance(xi: ArrayLike) -> Array:
+    """Specific contact resistance dh/dxi = -ln xi, in g/p*; 0 beyond full contact (13), (14).
+
+    Notes
+    -----
+    (13) prints 1/R; this is R, which joins (14) at xi = 1.
+    """
+    return np.asarray(-np.log(np.minimum(xi, 1.0)) + 0.0)
+
+
+def contact_half_width(xi: ArrayLike) -> Array:
+    """Half-width a = arcsin(sqrt(xi))/pi of the contact around each crest, in lambda; 1/2 in full contact (8)."""
+    return np.asarray(np.arcsin(np.sqrt(np.minimum(xi, 1.0))) / np.pi)
+
+
+def pressure(x: ArrayLike, xi: ArrayLike) -> Array:
+    """Pressure at x, in p*; 0 outside the contact (10).
+
+    Notes
+    -----
+    sin^2(pi a/lambda) = xi (8), which cancels the factor before the root.
+    """
+    xi, s, c = np.asarray(xi, float), *_wave(x)
+    partial = 2 * c * np.sqrt(np.maximum(xi - s**2, 0))
+    return np.asarray(np.where(xi < 1, partial, xi + (c - s) * (c + s)))
+
+
+def gap(x: ArrayLike, xi: ArrayLike) -> Array:
+    """Gap at x for mean pressures xi > 0, in g; 0 in the contact.
+
+    Notes
+    -----
+    Outside the contact the root of (10) turns imaginary and is the slope of the gap,
+    4 pi cos(pi x) sqrt(sin^2(pi x) - xi); the gap is its integral from the edge.
+    """
+    xi, s, _ = np.asarray(xi, float), *_wave(x)
+    root = np.sqrt(np.maximum(s**2 - xi, 0))
+    return np.asarray(2 * (s * root - xi * np.arcsinh(root / np.sqrt(xi))))
+
+
+def _wave(x: ArrayLike) -> tuple[Array, Array]:
+    """|sin(pi x)| and |cos(pi x)|, of period 1."""
+    x = np.asarray(x, float)
+    angle = np.pi * np.abs(x - np.rint(x))
+    return np.sin(angle), np.cos(angle)
+
+
+def _solve(profile: Profile, loads: Array) -> Estimate:
+    return Estimate(compliance(loads), resistance(loads))
+
+
+def _applies(profile: Profile) -> None:
+    if profile.m != 1:
+        raise NotApplicableError(f'method "westergaard" is for one wave, m = 1, got m = {profile.m}')
+
+
+def _candidates(task: Task) -> Iterator[Segment]:
+    """The only way that a plan takes for one wave."""
+    if task.profile.m == 1:
+        seconds = np.full(task.mean_pressure.size, SECONDS_LOAD)
+        yield segment(
+            task, "westergaard", "one wave has a closed form", _solution, seconds_start=SECONDS_LOAD,
+            seconds_load=seconds,
+        )  # fmt: skip
+
+
+def _solution(loads: Array) -> Solution:
+    exact = np.zeros(loads.size)
+    return Solution(compliance(loads), resistance(loads), exact, exact)
+
+
+def _reference(profile: Profile, loads: Array) -> Reference:
+    from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+    return multiprecision.reference(multiprecision.westergaard, profile, loads)
+
+
+METHOD = Method(
+    name="westergaard",
+    label="Westergaard",
+    summary="the closed form for one wave (6)-(14); m = 1",
+    solve=_solve,
+    applies=_applies,
+    style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
+    candidates=_candidates,
+    reference=_reference,
+)

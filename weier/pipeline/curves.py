@@ -1,0 +1,87 @@
+"""The curves of a study, one case at a time: which are there, and which of them is the numerical one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import xarray as xr
+
+from weier.kernels.arrays import Array
+from weier.methods.registry import numerical_names
+from weier.theory.profile import Profile
+
+ESTIMATES = ("archard", "demelio", "layer")  # in the order of Section 4
+FULL = 0.99  # of the compliance of full contact: where a linear axis shows no more change
+LIGHT = 100  # below the load of full contact by more than this, one or two crests of the finest wave carry all
+
+
+def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
+    """Each case of the studies as a dataset of its own, without the dimension `case`."""
+    return [study.isel(case=case) for study in studies for case in range(study.sizes["case"])]
+
+
+def groups(of: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
+    """The cases that share the values of the named coordinates, together, in order of appearance."""
+    found: dict[tuple[float, ...], list[xr.Dataset]] = {}
+    for case in of:
+        found.setdefault(tuple(float(case[name]) for name in names), []).append(case)
+    return list(found.values())
+
+
+def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
+    """The values of a variable over the loads by one method, or None if it has none."""
+    methods = case["solution_method"].values.tolist()
+    if method not in methods:
+        return None
+    values: Array = case[name].values[methods.index(method)]
+    return values if np.isfinite(values).any() else None
+
+
+def numerical_method(case: xr.Dataset) -> str | None:
+    """The most accurate method that solved the case itself, not an estimate of it, or None."""
+    return next((method for method in numerical_names() if curve(case, "compliance", method) is not None), None)
+
+
+def numerical(case: xr.Dataset, name: str) -> Array | None:
+    """The values of a variable by the most accurate method, or None if no numerical method has any."""
+    return curve(case, name, numerical_method(case))
+
+
+def second(case: xr.Dataset, name: str) -> Array | None:
+    """The values of a variable by the other numerical method, where two solved the case, or None."""
+    solved = [method for method in numerical_names() if curve(case, "compliance", method) is not None]
+    return curve(case, name, solved[1]) if len(solved) > 1 else None
+
+
+def full_contact_load(of: Sequence[xr.Dataset]) -> float:
+    """The first load at which all cases are all but flat, or the last load there is."""
+    return max((_full_contact_load(case) for case in of), default=np.nan)
+
+
+def light_load(of: Sequence[xr.Dataset]) -> float:
+    """Where a logarithmic axis of loads starts: a power of ten well below full contact, or the first load."""
+    decade = 10.0 ** np.floor(np.log10(full_contact_load(of) / LIGHT))
+    return float(max(decade, min(case["mean_pressure"].values[0] for case in of)))
+
+
+def profile(case: xr.Dataset) -> Profile:
+    """The profile of a case, from its coordinates alone."""
+    m = float(case["m"])
+    phases = case["phase"].values[: int(m)] if np.isfinite(m) else 0.0
+    return Profile(float(case["D"]), float(case["gamma"]), m, phases)
+
+
+def phase_angle(case: xr.Dataset) -> float:
+    """The phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
+    phase = case["phase"].values
+    return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0
+
+
+def _full_contact_load(case: xr.Dataset) -> float:
+    loads = case["mean_pressure"].values
+    h = numerical(case, "compliance")
+    known = case["compliance"].values if h is None else h[None]
+    solved = known[np.isfinite(known).any(axis=1)]
+    flat = (solved >= FULL * float(case["total_amplitude"])).all(axis=0)
+    return float(loads[np.argmax(flat)] if solved.size and flat.any() else loads[-1])

@@ -1,0 +1,122 @@
+"""`weier.plan`: the plan of one profile, by `weier.methods.planned.plan.plan`, or those of all cases of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, overload
+
+from numpy.typing import ArrayLike
+
+from weier.methods import registry
+from weier.methods.errors import OutOfReachError
+from weier.methods.planned.plan import Plan
+from weier.methods.planned.plan import plan as plan_profile
+from weier.methods.registry import PLANNED
+from weier.scene import Case, Scene
+from weier.theory.profile import Profile
+
+
+@dataclass(frozen=True)
+class ScenePlan:
+    """The plan of each case, by its key, or why there is none; `print` it."""
+
+    cases: Mapping[str, Plan | OutOfReachError]
+
+    @property
+    def plans(self) -> list[Plan]:
+        """Those of the cases that can be solved."""
+        return [each for each in self.cases.values() if isinstance(each, Plan)]
+
+    @property
+    def seconds(self) -> float:
+        """Expected seconds on one core."""
+        return sum(each.seconds for each in self.plans)
+
+    @property
+    def memory(self) -> float:
+        """Expected bytes beyond those of the interpreter."""
+        return max((each.memory for each in self.plans), default=0.0)
+
+    def __str__(self) -> str:
+        """The plan of every case, and what all of them take."""
+        found, total = len(self.plans), len(self.cases)
+        sum_up = (
+            f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
+        )
+        others = [f"  {each}" for each in self.cases.values() if isinstance(each, OutOfReachError)]
+        return "\n".join([*map(str, self.plans), sum_up, *(["not the others:", *others] if others else [])])
+
+
+@overload
+def plan(
+    subject: Profile, mean_pressure: ArrayLike, tolerance: float | None = None, quantity: str | None = None
+) -> Plan: ...
+@overload
+def plan(
+    subject: Scene,
+    mean_pressure: ArrayLike | None = None,
+    tolerance: float | None = None,
+    quantity: str | None = None,
+) -> ScenePlan: ...
+def plan(
+    subject: Profile | Scene,
+    mean_pressure: ArrayLike | None = None,
+    tolerance: float | None = None,
+    quantity: str | None = None,
+) -> Plan | ScenePlan:
+    """The cheapest way to curves within a tolerance, load by load; nothing is solved.
+
+    Parameters
+    ----------
+    subject : Profile or Scene
+        With any number of terms, inf too; a scene as `weier.scene.load` reads it.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*. Of a scene: its own unless told.
+    tolerance : float
+        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*. Of a scene: its
+        own unless told; else 1e-3.
+    quantity : "compliance" or "resistance"
+        What is to be that accurate. Of a scene: its own unless told; else the compliance.
+
+    Returns
+    -------
+    Plan or ScenePlan
+        Which method, how many terms, points and seconds, what error and why: `print` it.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance is not positive or the quantity unknown, a profile comes without loads, or a scene without
+        tolerance; OutOfReachError if no method can be that accurate on a profile.
+
+    Examples
+    --------
+    >>> import weier
+    >>> found = weier.plan(weier.Profile(D=1.25, gamma=5, m=3), [0.01, 0.1, 20], tolerance=1e-4)
+    >>> [segment.method for segment in found.segments]
+    ['bem', 'full contact']
+
+    """
+    told = {"tolerance": tolerance, "quantity": quantity}
+    wanted: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
+    if isinstance(subject, Scene):
+        return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
+    if mean_pressure is None:
+        raise ValueError("mean_pressure must be given with a profile: only a scene has loads of its own")
+    return plan_profile(subject, mean_pressure, registry.METHODS, **wanted)
+
+
+def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:
+    every = "tolerance" in wanted
+    cases = {key: case for key, case in scene.cases.items() if every or PLANNED in case.methods}
+    if not cases:
+        raise ValueError(f"scene {scene.name} has no tolerance to plan for: add one, such as tolerance: 1.0e-3")
+    return ScenePlan({key: _plan_case(case, loads, wanted) for key, case in cases.items()})
+
+
+def _plan_case(case: Case, loads: ArrayLike, wanted: Mapping[str, Any]) -> Plan | OutOfReachError:
+    try:
+        return plan_profile(case.profile, loads, registry.METHODS, **{**case.settings.get(PLANNED, {}), **wanted})
+    except OutOfReachError as error:
+        return error

@@ -1,0 +1,161 @@
+"""One profile without a scene file: what `weier solve`, `weier plot` and `weier plan` do."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import yaml
+
+from weier.data import dataset
+from weier.data.dataset import Status
+from weier.data.files import write_text
+from weier.data.variables import VARIABLES
+from weier.kernels.arrays import Array
+from weier.methods.errors import ConvergenceError
+from weier.methods.planned.plan import Plan
+from weier.methods.registry import PLANNED, method_named
+from weier.methods.settings import checked_settings
+from weier.pipeline.batch import solve_batch
+from weier.pipeline.plan import plan
+from weier.scene import Case, Scene
+from weier.theory.loads import check_range
+
+PROFILE = ("D", "gamma", "m", "phase", "total_amplitude", "tail_amplitude", "first_contact")
+WHY = {
+    Status.not_applicable: "does not apply, as said above: choose another one",
+    Status.not_converged: "missed its tolerance, as said above: move the loads or the tolerance",
+}
+
+
+def solve_one(
+    parameters: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+) -> xr.Dataset:
+    """The curves of one profile, as a dataset of one case with the seconds of each method.
+
+    Parameters
+    ----------
+    parameters : mapping
+        D, gamma, m and one of phase, phases and seed, as in a scene.
+    loads : ndarray, shape (loads,)
+        Mean pressures, in p_0*.
+    methods : sequence of str
+        As in `solve`.
+    settings : mapping
+        Of each method.
+
+    Raises
+    ------
+    ValueError
+        If a parameter, method or setting is out of range or unknown, or a method does not apply.
+    ConvergenceError
+        If a solver misses its tolerance.
+
+    """
+    check_range(loads)
+    foreign = [method for method in settings if method not in methods]
+    if foreign:
+        raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")
+    checked = {method: checked_settings(method_named(method), settings.get(method, {})) for method in methods}
+    case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
+    case.check()
+    title = f"Weierstrass profile, {case.profile.describe()}"
+    text = _text(title, case, loads)
+    scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch=1, text=text)
+    data, cost = solve_batch(scene, [case])
+    _check_solved(data)
+    return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
+
+
+def plan_one(
+    parameters: Mapping[str, Any], loads: Array, tolerance: float | None = None, quantity: str | None = None
+) -> Plan:
+    """What one profile takes; nothing is solved.
+
+    Parameters
+    ----------
+    parameters, loads
+        As in `solve_one`.
+    tolerance, quantity
+        As in `weier.plan`.
+
+    Returns
+    -------
+    Plan
+        Load by load.
+
+    Raises
+    ------
+    ValueError
+        If a parameter, load or tolerance is out of range, or no method can be that accurate.
+
+    """
+    check_range(loads)
+    case = Case(parameters, (PLANNED,), {})
+    case.check()
+    return plan(case.profile, loads, tolerance, quantity)
+
+
+def write(data: xr.Dataset, path: Path) -> None:
+    """Write the curves as netCDF or, where the name ends in .json, as JSON."""
+    if path.suffix == ".json":
+        write_text(path, as_json(data) + "\n")
+    else:
+        dataset.write(data, path, data.attrs["title"], "solved", data.attrs["scene"])
+
+
+def as_json(data: xr.Dataset) -> str:
+    """The curves of one case as JSON: what each method has, null where a number is missing or without bound."""
+    case = data.isel(case=0)
+    parameters = {name: _plain(case[name].values) for name in PROFILE}
+    curves = {method: _curves(_of(case, method)) for method in case["solution_method"].values.tolist()}
+    loads = case["mean_pressure"].values.tolist()
+    measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
+    units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
+    found = {"title": data.attrs["title"], "normalisation": dataset.NORMALISED, "units": units, **parameters}
+    return json.dumps(found | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
+
+
+def _of(case: xr.Dataset, method: str) -> xr.Dataset:
+    """What belongs to a method."""
+    run = case.sel(solution_method=method)
+    return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].only_with not in ("", method)])
+
+
+def _curves(run: xr.Dataset) -> dict[str, Any]:
+    """What a method has, but what belongs to the profile."""
+    own = [name for name, values in run.items() if values.dtype.kind == "f" and name not in PROFILE]
+    own += [name for name in run.data_vars if name == "planned_method"]
+    numbers = {str(name): _plain(run[name].values) for name in own if run[name].notnull().any()}
+    return numbers | {"settings": json.loads(str(run["settings"].values))}
+
+
+def _plain(values: Array) -> Any:
+    """Numbers as JSON has them: it knows neither nan nor inf. Words as they are."""
+    if values.dtype.kind == "U":
+        return values.tolist()
+    if values.ndim == 0:
+        return float(values) if np.isfinite(values) else "inf" if np.isposinf(values) else None
+    return [_plain(value) for value in values]
+
+
+def _check_solved(data: xr.Dataset) -> None:
+    for method, number in zip(
+        data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True
+    ):
+        if number != Status.solved:
+            kind = ConvergenceError if number == Status.not_converged else ValueError
+            raise kind(f"method {method!r} {WHY[Status(number)]}")
+
+
+def _text(title: str, case: Case, loads: Array) -> str:
+    """A scene file that gives the same curves."""
+    # Lists of phases are one to a profile in a scene.
+    product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
+    scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
+    scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
+    return yaml.safe_dump(scene | {"studies": {"one": {"product": product}}}, sort_keys=False)

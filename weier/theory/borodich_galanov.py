@@ -1,0 +1,90 @@
+"""Bounds on the stiffness of the self-similar punch of Borodich and Galanov, Appendix B.
+
+The punch lies between two paraboloids, (1 -/+ epsilon) r^2/(2 R) (B.1), so that its force lies between two
+Hertzian curves and its convex force curve has a slope between two tangents to the upper one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+
+
+def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
+    """C_1 and C_2 of the bounds C_1 zeta^(3/2) > F > C_2 zeta^(3/2), in N/m^(3/2) (B.3), (B.4).
+
+    Parameters
+    ----------
+    epsilon : array_like
+        Roughness, in [0, 1).
+    modulus : array_like
+        Composite modulus M (3), in Pa.
+    radius : array_like
+        Radius R of the smooth punch, in m.
+
+    Raises
+    ------
+    ValueError
+        If epsilon lies outside [0, 1).
+    """
+    epsilon, radius = _checked(epsilon), np.asarray(radius, float)
+    smooth = 8 / 3 * np.asarray(modulus, float)
+    return smooth * np.sqrt(radius / (1 - epsilon)), smooth * np.sqrt(radius / (1 + epsilon))
+
+
+def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
+    """Positive roots x_1 <= x_2 of 2 lambda x^3 - 3 x^2 + 1 = 0, lambda = C_2/C_1 (B.8), (B.9).
+
+    Raises
+    ------
+    ValueError
+        If epsilon lies outside [0, 1).
+
+    Notes
+    -----
+    With x = 1/(2 sin t), (B.8) is sin 3 t = lambda. The arc tangent keeps all digits of 3 t where the roots merge,
+    epsilon = 0, and where x_2 grows without bound, epsilon = 1.
+    """
+    epsilon = _checked(epsilon)
+    angle = np.arctan2(np.sqrt(1 - epsilon), np.sqrt(2 * epsilon))
+    return 0.5 / np.sin((np.pi - angle) / 3), 0.5 / np.sin(angle / 3)
+
+
+def stiffness_bounds(epsilon: ArrayLike) -> tuple[Array, Array]:
+    """Lower and upper bound on k/k_H, the stiffness over that of the smooth punch at the same force (B.16).
+
+    They bound the contact conductance alike, by (2).
+
+    Raises
+    ------
+    ValueError
+        If epsilon lies outside [0, 1).
+    """
+    epsilon = _checked(epsilon)
+    first, second = tangent_roots(epsilon)
+    common = (1 + epsilon) ** (1 / 6) / (1 - epsilon) ** (1 / 2)
+    return common / second, common / first
+
+
+def stiffness_curve(x: ArrayLike) -> tuple[Array, Array]:
+    """Points (epsilon, k/k_H) of Fig. 9 for the root x > 1/sqrt(3): the lower bound where x > 1 (B.16), (B.19).
+
+    Notes
+    -----
+    The difference 4 x^6 - (3 x^2 - 1)^2 in (B.19) is (x^2 - 1)^2 (4 x^2 - 1): no digit is lost near x = 1.
+    With (B.18), 1 - epsilon = (1 + epsilon) lambda^2.
+    """
+    x = np.asarray(x, float)
+    y = (1 / x) ** 2  # (B.19) divided by x^6: a large x cannot overflow
+    ratio = (3 - y) ** 2 * y / 4  # lambda^2
+    epsilon = ((x - 1) / x * ((x + 1) / x)) ** 2 * (4 - y) / (4 + (3 - y) ** 2 * y)
+    return epsilon, ((1 + ratio) / 2) ** (1 / 3) * 2 / (3 - y)  # x lambda = (3 - y)/2
+
+
+def _checked(epsilon: ArrayLike) -> Array:
+    epsilon = np.asarray(epsilon, float)
+    if not np.all((epsilon >= 0) & (epsilon < 1)):
+        raise ValueError(f"epsilon must lie in [0, 1), got {epsilon}")
+    return epsilon

@@ -1,0 +1,161 @@
+"""Barber's bounds on what the terms left out of a series can change, Section 5.5.
+
+Roughness within a band of half-height G moves the mean gap at a given load by at most G. So the complete curve
+lies within G of the truncated one when both count from the mean plane, and as it is concave, so does its slope
+between two lines. The functions know arrays only: any consistent units will do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+
+
+def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:
+    """Bounds h - G and h + G on the compliance of the complete series (27).
+
+    Parameters
+    ----------
+    compliance : array_like, shape (..., loads)
+        Compliance h of the truncated series.
+    amplitude : array_like, shape (...)
+        Total amplitude G of the terms left out.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (..., loads)
+
+    Notes
+    -----
+    The bounds hold in the datum of the truncated series: h = sum of the g_n retained - mean gap. In its own
+    datum, with all g_n in that sum, the complete series lies G higher, within [h, h + 2 G].
+    """
+    h, G = np.asarray(compliance, float), np.asarray(amplitude, float)[..., None]
+    return h - G, h + G
+
+
+def complete_bounds(
+    compliance: ArrayLike, amplitude: ArrayLike, full_contact: ArrayLike, error: ArrayLike = 0.0
+) -> tuple[Array, Array]:
+    """Bounds h and h + 2 G on the compliance of the complete series in its own datum (27), where all g_n count.
+
+    Parameters
+    ----------
+    compliance : array_like
+        Compliance h of the truncated series, in its own datum.
+    amplitude : array_like
+        Total amplitude G of the terms left out.
+    full_contact : array_like
+        Compliance of the complete series at full contact, the sum of all g_n, which it never exceeds.
+    error : array_like
+        What h may be off.
+
+    Returns
+    -------
+    lower, upper : ndarray
+        Of the shape to which the arguments broadcast, within [0, full contact].
+    """
+    h, top = np.asarray(compliance, float), np.asarray(full_contact, float)
+    return np.clip(h - error, 0, top), np.clip(h + 2 * np.asarray(amplitude, float) + error, 0, top)
+
+
+def resistance_bounds(
+    mean_pressure: ArrayLike,
+    compliance: ArrayLike,
+    amplitude: ArrayLike,
+    first_contact: ArrayLike | None = None,
+) -> tuple[Array, Array]:
+    """Bounds on dh/dp of the complete series: the flattest and steepest line that its concave curve allows.
+
+    The line through the complete curve at p stays above that curve, hence above the lower bound on it, and starts
+    no higher than the upper bound: R <= [h(p) - h(p') + 2 G]/(p - p') for every p' < p, and
+    R >= [h(p') - h(p) - 2 G]/(p' - p) for every p' > p.
+
+    Parameters
+    ----------
+    mean_pressure : array_like, shape (..., loads)
+        Mean pressures p >= 0, in any order. Broadcasts against `compliance`.
+    compliance : array_like, shape (..., loads)
+        Compliance h of the truncated series.
+    amplitude : array_like, shape (...)
+        Total amplitude G of the terms left out.
+    first_contact : array_like, shape (...), optional
+        Compliance of the truncated series at p = 0, sum g_n - max z: it tightens the upper bound at light loads.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (..., loads)
+        0 and inf where no load above or below says more. NaN where an input is NaN; the loads around it
+        keep bounds that hold.
+
+    Notes
+    -----
+    Each p' gives a bound that holds, so the best of the tabulated ones holds, too: it exceeds the best of all p' by
+    what a finer table would gain. Nothing is assumed of the curve beyond the last load. Work and memory grow with
+    loads^2.
+
+    Examples
+    --------
+    One wave (12), where the waves left out have 5 % of its amplitude:
+
+    >>> import numpy as np
+    >>> from weier import bounds, westergaard
+    >>> p = np.linspace(0.01, 1, 100)
+    >>> lower, upper = bounds.resistance_bounds(p, westergaard.compliance(p), 0.05, first_contact=0.0)
+    >>> print(f"{lower[49]:.2f} < {westergaard.resistance(0.5):.2f} < {upper[49]:.2f}")
+    0.12 < 0.69 < 1.40
+
+    """
+    p, h = np.broadcast_arrays(np.asarray(mean_pressure, float), np.asarray(compliance, float))
+    G = np.asarray(amplitude, float)[..., None, None]
+    other_p, other_h = p, h
+    if first_contact is not None:
+        start = np.broadcast_to(np.asarray(first_contact, float)[..., None], (*h.shape[:-1], 1))
+        other_p = np.concatenate([np.zeros_like(start), p], axis=-1)
+        other_h = np.concatenate([start, h], axis=-1)
+    run = p[..., :, None] - other_p[..., None, :]
+    rise = h[..., :, None] - other_h[..., None, :] + 2 * G
+    with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
+        steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+        flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+    missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
+    lower = np.maximum(np.fmax.reduce(flattest, axis=-1), 0)
+    upper = np.fmin.reduce(steepest, axis=-1)
+    return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
+
+
+def chord_bounds(
+    mean_pressure: ArrayLike, compliance: ArrayLike, error: ArrayLike, other: ArrayLike, others: ArrayLike
+) -> tuple[Array, Array]:
+    """Bounds on dh/dp of a concave curve at loads of which each has other loads of its own.
+
+    As `resistance_bounds`, but a bound at one load rests on no load of another, and each compliance has an error of
+    its own. The curve begins at h >= 0: no crest is higher than all waves together.
+
+    Parameters
+    ----------
+    mean_pressure : array_like, shape (loads,)
+        Mean pressures p > 0.
+    compliance, error : array_like, shape (loads,)
+        Compliance h and what it may be off, above or below.
+    other : array_like, shape (loads, others)
+        Other loads p' > 0 of each, above or below it.
+    others : array_like, shape (2, loads, others)
+        Compliance there, and what it may be off.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (loads,)
+        R >= [h(p') - h(p)]/(p' - p) for every p' > p, and R <= [h(p) - h(p')]/(p - p') for every p' < p, at the worst
+        that the errors allow.
+    """
+    p, top = np.asarray(mean_pressure, float), np.asarray(compliance, float) + np.asarray(error, float)
+    there, (h, off) = np.asarray(other, float), np.asarray(others, float)
+    run, rise = p[:, None] - there, top[:, None] - (h - off)
+    with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
+        steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+        flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+        start = top / p
+    return flattest.max(axis=1, initial=0.0), np.minimum(steepest.min(axis=1, initial=np.inf), start)

@@ -1,0 +1,140 @@
+"""From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+
+
+def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:
+    """Composite modulus M of two bodies of shear modulus mu and Poisson's ratio nu, in the unit of mu (3)."""
+    mu_1, nu_1, mu_2, nu_2 = (np.asarray(value, float) for value in (mu_1, nu_1, mu_2, nu_2))
+    return np.asarray(1 / ((1 - nu_1) / mu_1 + (1 - nu_2) / mu_2))
+
+
+def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
+    """Resistance times nominal area, R A = M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
+
+    dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
+    """
+    return np.asarray(np.asarray(modulus, float) * _sum(rho_1, rho_2) * np.asarray(compliance_slope, float))
+
+
+def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
+    """Resistance of circular contacts far apart, in ohm (4).
+
+    Parameters
+    ----------
+    radii : array_like, shape (..., contacts)
+        Radii a_i, in m.
+    rho_1, rho_2 : array_like, shape (...)
+        Resistivities, in ohm m.
+
+    Notes
+    -----
+    (4) prints (rho_1 + rho_2)/(2 sum a_i). A circular contact has the stiffness dF/dh = 4 M a and so, by (2),
+    the resistance (rho_1 + rho_2)/(4 a), which is Holm's rho/(2 a) for two bodies of one metal.
+    """
+    return np.asarray(_sum(rho_1, rho_2) / (4 * np.sum(np.asarray(radii, float), axis=-1)))
+
+
+def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
+    """Resistance of circular contacts clustered in a circle of radius `contour_radius`, in ohm (5).
+
+    `radii` has shape (..., contacts) and is in m; the other arguments have shape (...). As for `holm`, half of
+    what (5) prints.
+    """
+    return np.asarray(holm(radii, rho_1, rho_2) + _sum(rho_1, rho_2) / (4 * np.asarray(contour_radius, float)))
+
+
+def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
+    return np.asarray(np.asarray(rho_1, float) + np.asarray(rho_2, float))
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Two bodies and the scale of their roughness: turns normalised results into SI units.
+
+    Parameters
+    ----------
+    mu_1, mu_2 : float
+        Shear moduli, in Pa. One may be inf: a rigid body.
+    nu_1, nu_2 : float
+        Poisson's ratios, in (-1, 0.5].
+    rho_1, rho_2 : float
+        Resistivities, in ohm m. 0 is a perfect conductor.
+    lambda_0, g_0 : float
+        Wavelength and amplitude of the coarsest wave, in m.
+
+    Raises
+    ------
+    ValueError
+        If a value lies outside its range, or both bodies are rigid.
+
+    Examples
+    --------
+    >>> import weier
+    >>> copper = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
+    >>> contact = weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)
+    >>> print(f"{contact.pressure(0.1) / 1e6:.1f} MPa, {contact.resistance(2.5):.2e} ohm m2")
+    21.4 MPa, 1.35e-11 ohm m2
+
+    """
+
+    mu_1: float
+    mu_2: float
+    nu_1: float
+    nu_2: float
+    rho_1: float
+    rho_2: float
+    lambda_0: float
+    g_0: float
+
+    def __post_init__(self) -> None:
+        # NumPy's own scalars would overflow, or keep all that is made of them to the digits of their type.
+        for name, value in vars(self).copy().items():
+            object.__setattr__(self, name, float(value))
+        for name in ("mu_1", "mu_2"):
+            self._require(name, getattr(self, name) > 0, "be positive (inf for a rigid body)")
+        for name in ("nu_1", "nu_2"):
+            self._require(name, -1 < getattr(self, name) <= 0.5, "lie in (-1, 0.5]")
+        for name in ("rho_1", "rho_2"):
+            self._require(name, 0 <= getattr(self, name) < math.inf, "be finite and not negative")
+        for name in ("lambda_0", "g_0"):
+            self._require(name, 0 < getattr(self, name) < math.inf, "be positive and finite")
+        if math.isinf(self.mu_1) and math.isinf(self.mu_2):
+            raise ValueError(
+                "mu_1 and mu_2 are both inf: two rigid bodies have no elastic contact, give one a modulus"
+            )
+
+    @property
+    def composite_modulus(self) -> float:
+        """Composite modulus M, in Pa (3)."""
+        return float(composite_modulus(self.mu_1, self.nu_1, self.mu_2, self.nu_2))
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
+        return 2 * math.pi * self.composite_modulus * self.g_0 / self.lambda_0
+
+    def pressure(self, normalised: ArrayLike) -> Array:
+        """Pressures in Pa, from pressures in p_0*."""
+        return np.asarray(np.multiply(normalised, self.full_contact_pressure))
+
+    def compliance(self, normalised: ArrayLike) -> Array:
+        """Compliances, heights and gaps in m, from those in g_0."""
+        return np.asarray(np.multiply(normalised, self.g_0))
+
+    def resistance(self, normalised: ArrayLike) -> Array:
+        """Specific contact resistances in ohm m^2, from those in g_0/p_0* (2)."""
+        slope = np.multiply(normalised, self.g_0 / self.full_contact_pressure)
+        return specific_resistance(slope, self.composite_modulus, self.rho_1, self.rho_2)
+
+    def _require(self, name: str, held: bool, condition: str) -> None:
+        if not held:
+            raise ValueError(f"{name} must {condition}, got {getattr(self, name)}")

@@ -1,0 +1,50 @@
+"""The elastic half-plane under periodic pressure: what N equal elements of linear pressure do to the surface.
+
+A pressure wave p_k sinks by u_k = p_k/|k| (k in waves per lambda_0), and the mean pressure is removed, u_0 = 0.
+On N equal elements with linear pressure the same is a circulant matrix, known exactly through its eigenvalues:
+no sum over image loads is cut off (Section 5.1 of the paper; Johnson 1985, Eq. 2.37 and Fig. 5.17c).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import zeta
+
+from weier.kernels.arrays import Array
+
+
+@lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again: zeta takes a tenth of a curve
+def eigenvalues(points: int, period: float = 1.0) -> Array:
+    """Displacement per pressure for each wave that `points` nodes can carry.
+
+    Parameters
+    ----------
+    points : int
+        Nodes N in one period.
+    period : float
+        Length of the period, in lambda_0.
+
+    Returns
+    -------
+    array, shape (points//2 + 1,)
+        In g_0/p_0*, for 0, 1, ... waves a period, in the order of `numpy.fft.rfft`; the first is 0. Not to be written
+        to: who asks again gets the same array.
+
+    Notes
+    -----
+    A triangle of pressure has the spectrum sinc^2; its aliases at kappa + j sum to Hurwitz zeta functions:
+    sin^2(pi kappa)/(pi^2 N) [zeta(3, kappa) + zeta(3, 1 - kappa)] with kappa = k/N.
+
+    """
+    kappa = np.arange(1, points // 2 + 1) / points
+    aliases = zeta(3, kappa) + zeta(3, 1 - kappa)
+    values = np.concatenate([[0.0], period * np.sin(np.pi * kappa) ** 2 / (np.pi**2 * points) * aliases])
+    values.flags.writeable = False
+    return values
+
+
+def influence_coefficients(points: int, period: float = 1.0) -> Array:
+    """Displacement at node j when the pressure is 1 at node 0, shape (points,), in g_0/p_0*."""
+    return np.fft.irfft(eigenvalues(points, period), points)

@@ -1,0 +1,46 @@
+"""What the solvers can hold: waves of a period, and nodes of a grid."""
+
+from __future__ import annotations
+
+import math
+
+from weier.theory.profile import Profile
+
+MAX_WAVES = 100_000  # of the finest term in one period: 6.4 million nodes, a gigabyte
+MAX_POINTS = 10**7
+MAX_DENSE_POINTS = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
+
+
+def resolvable(profile: Profile) -> bool:
+    """Whether the waves of one period can be sampled."""
+    return (profile.m - 1) * math.log(profile.gamma.numerator) <= math.log(MAX_WAVES)
+
+
+def check_resolvable(profile: Profile) -> None:
+    """Refuse a finite series whose period holds more waves than a computer does.
+
+    Raises
+    ------
+    ValueError
+        If the finest wave fits too often into the period.
+
+    """
+    if not resolvable(profile):
+        raise ValueError(
+            f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
+            "exceeds: take fewer terms, or methods other than bem and patches"
+        )
+
+
+def check_points(points: int, dense: bool = False) -> None:
+    """Refuse a grid that no computer holds, with a dense matrix or without.
+
+    Raises
+    ------
+    ValueError
+        If it has too many nodes.
+
+    """
+    most, instead = (MAX_DENSE_POINTS, 'take solver "fft", or fewer') if dense else (MAX_POINTS, "take fewer")
+    if points > most:
+        raise ValueError(f"points must be at most {most}, got {points}: {instead}")

@@ -1,0 +1,208 @@
+"""The Weierstrass series (1) with its phases: waves, tail, heights and slopes.
+
+Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+from weier.theory import series
+from weier.theory.crests import sampled, summits
+from weier.theory.phases import Phases, RandomPhases, checked_phases
+
+MAX_PHASES_DESCRIBED = 8  # phases in a line
+MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The profile z(x) = sum_n g_n cos(2 pi gamma^n x + phi_n), n = 0..m-1 (1), in g_0.
+
+    Parameters
+    ----------
+    D : float
+        Fractal dimension, 1 < D < 2.
+    gamma : int, Fraction, str or float
+        Ratio of successive wavelengths, > 1 and rational: 5, Fraction(5, 2), "5/2", 2.5.
+    m : int or inf
+        Number of terms. An infinite series has no heights: it is for the methods archard, demelio, layer and planned.
+    phases : float, sequence of m floats, or RandomPhases
+        Radians. A number is phi_n for every n >= 1, with phi_0 = 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter lies outside its range; the message says what would do.
+
+    Examples
+    --------
+    >>> import weier
+    >>> profile = weier.Profile(D=1.5, gamma="5/2", m=3, phases=1.0)
+    >>> print(profile.describe(), profile.period, profile.height([0.0, 0.5]).round(4))
+    D = 1.5, gamma = 5/2, m = 3 4 [ 1.5578 -1.6174]
+    """
+
+    D: float
+    gamma: Fraction
+    m: float
+    phases: Phases = 0.0
+
+    # Its own, since it takes more types than the fields keep.
+    def __init__(
+        self,
+        D: float,
+        gamma: int | float | str | Fraction,
+        m: float,
+        phases: float | Sequence[float] | Array | RandomPhases = 0.0,
+    ) -> None:
+        for name, value in (
+            ("D", series.checked_dimension(D)),
+            ("gamma", _checked_ratio(gamma)),
+            ("m", series.checked_terms(m)),
+            ("phases", checked_phases(phases, m)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def terms(self) -> int:
+        """The number of terms, for a finite series.
+
+        Raises
+        ------
+        ValueError
+            If m = inf.
+        """
+        if math.isinf(self.m):
+            raise ValueError("m = inf has no last term: choose a finite m, or an estimate that has a limit")
+        return int(self.m)
+
+    @cached_property
+    def amplitude(self) -> Array:
+        """Amplitudes g_n, shape (m,), in g_0 (20)."""
+        return series.amplitude(np.arange(self.terms), self.D, float(self.gamma))
+
+    @cached_property
+    def full_contact_pressure(self) -> Array:
+        """Full-contact pressures p_n*, shape (m,), in p_0* (16)."""
+        return series.full_contact_pressure(np.arange(self.terms), self.D, float(self.gamma))
+
+    @cached_property
+    def phase(self) -> Array:
+        """Phases phi_n, shape (m,), in radians."""
+        if isinstance(self.phases, RandomPhases):
+            return self.phases.first(self.terms)
+        if isinstance(self.phases, tuple):
+            return np.array(self.phases)
+        return np.where(np.arange(self.terms) == 0, 0.0, self.phases)
+
+    @property
+    def total_amplitude(self) -> float:
+        """Sum of all g_n, in g_0: the compliance at full contact (22)."""
+        if math.isinf(self.m):
+            return float(series.tail_amplitude(0, self.D, float(self.gamma)))
+        return math.fsum(self.amplitude)
+
+    @property
+    def tail_amplitude(self) -> float:
+        """Sum G_m of the amplitudes that the truncation leaves out, in g_0 (27)."""
+        return float(series.tail_amplitude(self.m, self.D, float(self.gamma)))
+
+    def truncated(self, terms: int) -> Profile:
+        """The first `terms` of the series, as a profile."""
+        phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
+        return Profile(self.D, self.gamma, terms, phases)
+
+    def amplitude_beyond(self, terms: float) -> float:
+        """Sum of the amplitudes of this series after the first `terms`, in g_0."""
+        return 0.0 if terms == self.m else self.total_amplitude - self.truncated(int(terms)).total_amplitude
+
+    @property
+    def period(self) -> int:
+        """Length after which the truncated series repeats, in lambda_0: denominator(gamma)^(m-1)."""
+        return int(self.gamma.denominator ** (self.terms - 1))
+
+    @cached_property
+    def wavenumber(self) -> list[int]:
+        """Waves of each term in one period: exact integers, ascending, m of them."""
+        a, b, last = self.gamma.numerator, self.gamma.denominator, self.terms - 1
+        return [a**n * b ** (last - n) for n in range(self.terms)]
+
+    def describe(self) -> str:
+        """The parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
+        return f"D = {self.D:g}, gamma = {self.gamma}, m = {self.m}"
+
+    def describe_with_phases(self) -> str:
+        """The same and the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
+        if isinstance(self.phases, RandomPhases):
+            return f"{self.describe()}, seed {self.phases.seed}"
+        if isinstance(self.phases, float):
+            return f"{self.describe()}, phase {self.phases:g}"
+        first = ", ".join(f"{phase:g}" for phase in self.phases[:MAX_PHASES_DESCRIBED])
+        return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MAX_PHASES_DESCRIBED else ''}"
+
+    def height(self, x: ArrayLike) -> Array:
+        """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
+        return self._series(x, self.amplitude, np.cos)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """Slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
+        return self._series(x, -self.amplitude * self._frequency, np.sin)
+
+    def curvature(self, x: ArrayLike) -> Array:
+        """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
+        return self._series(x, -self.amplitude * self._frequency**2, np.cos)
+
+    def sampled_height(self, points: int, terms: int | None = None) -> Array:
+        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
+        return sampled(self.amplitude[:terms], self.wavenumber[:terms], self.phase[:terms], points)
+
+    @cached_property
+    def crest(self) -> tuple[float, float]:
+        """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
+        x, phase = summits(self.amplitude, self.wavenumber, self.phase, self.period)
+        height = np.cos(phase) @ self.amplitude
+        highest = int(np.argmax(height))
+        return float(x[highest]), float(height[highest])
+
+    @cached_property
+    def _frequency(self) -> Array:
+        return 2 * np.pi * np.array(self.wavenumber) / self.period
+
+    def _series(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
+        x = np.asarray(x, float)
+        total = np.zeros_like(x)
+        for c, k, phi in zip(coefficient, self.wavenumber, self.phase, strict=True):
+            cycles = x * (k / self.period)
+            total += c * wave(2 * np.pi * (cycles - np.rint(cycles)) + phi)
+        return total
+
+
+def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+    if isinstance(gamma, np.floating):
+        gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
+    try:
+        given = Fraction(gamma)
+    except (ValueError, OverflowError, TypeError, ZeroDivisionError):
+        raise ValueError(f'gamma must be an integer or a fraction such as "5/2", got {gamma!r}') from None
+    # A Fraction keeps the integers that it is made of, and NumPy's overflow in its powers without a word.
+    ratio = Fraction(int(given.numerator), int(given.denominator))
+    if isinstance(gamma, float):
+        ratio = ratio.limit_denominator(MAX_DENOMINATOR)
+        if float(ratio) != gamma:
+            near = ratio.limit_denominator(100)
+            raise ValueError(
+                f"gamma must be a ratio of whole numbers, or the profile never repeats: "
+                f'instead of {gamma} take "{near}" = {float(near):.6g}'
+            )
+    if ratio <= 1:
+        raise ValueError(f"gamma must exceed 1, so that each term is finer than the one before, got {gamma}")
+    return ratio
