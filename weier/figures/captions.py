@@ -33,7 +33,7 @@ def caption(scene: Scene, name: str) -> Caption:
 def _describe_methods(cases: Sequence[Collection[str]]) -> str:
     """A sentence that tells the curves of methods apart, for cases by their methods."""
     if len(cases) > MAX_PANELS:
-        return "Each thin line is one profile, and each thick line is the median of one method over all profiles."
+        return "Thin lines are single profiles; thick lines and markers are the median of each method."
     methods = {method for case in cases for method in case}
     parts = ["colours show the estimates"] if methods.difference(numerical_names()) else []
     numerical = [method_named(method).label for method in numerical_names() if method in methods]
