@@ -116,7 +116,7 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
         raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(known)}")
     _, command, variable = known[kind]
     if command and [variable in study for study in studies] != [True]:
-        raise ValueError(f"the figure {kind} is drawn from one file, which `weier {command}` writes")
+        raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
 
 
 def save(figure: Figure, path: str | Path) -> None:

@@ -69,7 +69,7 @@ LABELS = {
 
 # Okabe and Ito's colours, told apart by colour-blind readers; the dashes tell them apart in grey.
 BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
-PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
+PURPLE, ORANGE = "#CC79A7", "#E69F00"
 DASHES = (
     "-",
     (0, (5, 1.5)),

@@ -80,7 +80,7 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
 def _cost(path: Path) -> xr.Dataset:
     cost = dataset.read(path)
     if "seconds" not in cost:
-        raise ValueError(f"{path} has no seconds: take a file of costs that `weier batch` wrote")
+        raise ValueError(f"{path} has no seconds: take the file of costs that `weier batch` wrote")
     return cost
 
 
