@@ -10,7 +10,7 @@ from weier.accuracy import tradeoff
 from weier.accuracy.tradeoff.fit import constants
 from weier.accuracy.tradeoff.numbers import pareto, seconds_per_load, worst_over_loads
 from weier.data import dataset
-from weier.methods import laws
+from weier.methods import bem, patches
 from weier.methods.registry import method_named
 from weier.methods.settings import check_names
 
@@ -78,11 +78,13 @@ def test_a_fit_finds_the_laws_that_made_the_data(measured):
         for case in range(2):
             points, contacts = measured["points"].values[case, at], measured["patch_count"].values[case, at]
             if name.startswith("bem"):
-                start, load = laws.bem_seconds(points, contacts)
+                start, load = bem.error_model.seconds(points, contacts)
                 seconds.values[case, at] = start + load.sum()
             if name.startswith("patches"):
                 waves = [1, 3][case]
-                seconds.values[case, at] = laws.SECONDS_START["patches"] + laws.patches_seconds(waves, contacts).sum()
+                seconds.values[case, at] = (
+                    patches.error_model.SECONDS_START + patches.error_model.seconds(waves, contacts).sum()
+                )
     found = {c.name: c for c in constants(measured.assign(seconds=seconds)) if not c.bound}
     for name in ("SECONDS_LOAD bem", "SECONDS_NODE bem"):
         assert found[name].measured == pytest.approx(found[name].shipped, rel=1e-6)

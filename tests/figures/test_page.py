@@ -194,7 +194,7 @@ def planned(tmp_path):
 def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
     loaded, data, cost = planned
     made = [plan(case.profile, loaded.loads, 1e-4) for case in loaded.studies["one"]]
-    methods = [" and ".join(dict.fromkeys(part.method for part in each.parts)) for each in made]
+    methods = [" and ".join(dict.fromkeys(segment.method for segment in each.segments)) for each in made]
     assert len(set(methods)) == 2
     table = plans.rows(loaded, data, [cost])
     assert [row[0] for row in table] == [*methods, "out of reach", "all"]

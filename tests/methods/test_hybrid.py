@@ -1,4 +1,4 @@
-"""The endless series: the layer model where one term is resolved, and closing in on the truth as more are."""
+"""The infinite series: the layer model where one term is resolved, and closing in on the truth as more are."""
 
 import math
 import sys
@@ -9,8 +9,7 @@ import pytest
 
 from weier import Profile, figures, random_phases
 from weier.accuracy import convergence as study
-from weier.methods import bem, laws, layer, patches
-from weier.methods import hybrid as endless
+from weier.methods import bem, hybrid, layer, patches
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.solver import LOADS as CARRIED
 from weier.methods.hybrid.truncation_bounds import BOUND_SHARE
@@ -25,7 +24,7 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
     exact = layer.curve(LOADS, 1.5, 5, math.inf)
     errors = []
     for points in (32, 64, 128):
-        found = endless.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
+        found = hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
         errors.append(np.abs(found.compliance - exact.compliance).max())
         assert np.all(found.residual <= newton.TOLERANCE)
     orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
@@ -43,9 +42,9 @@ def convergence():
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
     h = convergence["compliance"].values
     low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
-    mesh = laws.BEM_COMPLIANCE / 32**2  # of the estimate's grid, in g_0
+    mesh = bem.error_model.COMPLIANCE / 32**2  # of the estimate's grid, in g_0
     assert np.all((low - mesh <= h) & (h <= high + mesh))
-    # The last estimate lies within the bounds of every shorter series: they are about the same endless one.
+    # The last estimate lies within the bounds of every shorter series: they are about the same infinite one.
     assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
     off = np.abs(h[:-1] - h[-1]).max(axis=1)
     assert off[-1] < off[0] / 3
@@ -64,8 +63,8 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
 
 def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
-    monkeypatch.setattr(study, "MOST_POINTS", 300)
-    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MOST_BOUND_POINTS", 2000)
+    monkeypatch.setattr(study, "MAX_POINTS", 300)
+    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
     data = study.convergence([Profile(1.25, 5, math.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
@@ -90,10 +89,10 @@ class OnePlace(RandomPhases):
 
 
 def test_bounds_hold_for_crests_between_two_nodes():
-    """The endless series with all its crests at that place touches at h = 0, and no bound lies below."""
+    """The infinite series with all its crests at that place touches at h = 0, and no bound lies below."""
     kept = Profile(1.25, 5, 2)
-    points = laws.bem_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
-    lower, upper = endless.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
+    points = bem.error_model.fewest_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
+    lower, upper = hybrid.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
     truth = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
     assert np.all(lower <= truth)
     assert lower[0] == 0
@@ -104,31 +103,31 @@ def test_resistance_is_the_slope_of_the_estimate():
     """To the step, since nodes come into contact on the way."""
     step = 1e-4
     loads = np.array([0.1 * (1 - step), 0.1, 0.1 * (1 + step)])
-    found = endless.curve(PROFILE, loads, 2)
+    found = hybrid.curve(PROFILE, loads, 2)
     slope = (found.compliance[2] - found.compliance[0]) / (loads[2] - loads[0])
     assert found.resistance[1] == pytest.approx(slope, rel=step)
     assert np.all(np.diff(found.resistance) < 0)
 
 
-def test_what_is_not_endless_or_too_long_is_refused():
+def test_what_is_not_infinite_or_too_long_is_refused():
     with pytest.raises(ValueError, match="m must be inf, got 3"):
-        endless.curve(Profile(1.5, 5, 3), LOADS, 1)
+        hybrid.curve(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="m must be inf, got 3"):
-        endless.bounds(Profile(1.5, 5, 3), LOADS, 1)
+        hybrid.bounds(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="terms must be fewer, got 7"):
-        endless.curve(Profile(1.5, 5, math.inf), LOADS, 7)
+        hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 7)
 
 
 @pytest.mark.parametrize("load", [1e-300, 0.9e-6, 1.1e3, 1e300])
 def test_loads_that_the_equations_do_not_carry_are_refused(load):
     with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\] p_0\*.*got .*: take method layer"):
-        endless.curve(PROFILE, [load], 1)
+        hybrid.curve(PROFILE, [load], 1)
 
 
 def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     """Within the error of the mesh, 9e-4 of a wave, twice as much where a node is all of the contact."""
     profile = Profile(1.25, 5, math.inf)
-    found, exact = endless.curve(profile, list(CARRIED), 1), layer.curve(CARRIED, 1.25, 5, math.inf)
+    found, exact = hybrid.curve(profile, list(CARRIED), 1), layer.curve(CARRIED, 1.25, 5, math.inf)
     assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
     assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
     assert np.all(found.resistance >= 0)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.solver import MOST_POINTS, POINTS_PER_WAVE, curve
+from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
 from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -59,7 +59,7 @@ def _resolve_into(data: xr.Dataset, place: tuple[int, int], profile: Profile, lo
     terms = place[1] + 1
     points = POINTS_PER_WAVE * profile.truncated(terms).wavenumber[-1]
     try:
-        if points <= MOST_POINTS:
+        if points <= MAX_POINTS:
             found = curve(profile, loads, terms)._asdict()
             data["points"].values[place] = points
         else:

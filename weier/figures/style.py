@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
-from weier.theory.profile import LARGEST_DENOMINATOR
+from weier.theory.profile import MAX_DENOMINATOR
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -197,7 +197,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
 
 
 def _ratio(case: xr.Dataset) -> Fraction:
-    return Fraction(float(case["gamma"])).limit_denominator(LARGEST_DENOMINATOR)
+    return Fraction(float(case["gamma"])).limit_denominator(MAX_DENOMINATOR)
 
 
 def _terms(case: xr.Dataset) -> str:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from weier import Profile
 from weier.accuracy.extremes import Outcome, examine, verdicts
-from weier.methods import bem, laws
+from weier.methods import bem
 from weier.methods.method import Variant
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
@@ -57,7 +57,11 @@ def check(method, profile, mean_pressure, **options):
     p, h, R = mean_pressure[solved], found.compliance[solved], found.resistance[solved]
     noise, total = verdicts.NOISE[method], profile.total_amplitude
     meshed = method == "bem" and solved.any()
-    mesh = laws.bem_compliance_error(profile, bem.checked_points(profile, options.get("points"))) if meshed else 0.0
+    mesh = (
+        bem.error_model.compliance_error(profile, bem.checked_points(profile, options.get("points")))
+        if meshed
+        else 0.0
+    )
     assert verdicts.monotone(h, noise.height * total)
     assert verdicts.concave(p, h, R, noise, total)
     assert verdicts.inside(profile, p, h, R, noise, mesh)

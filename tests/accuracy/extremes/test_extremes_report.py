@@ -14,10 +14,11 @@ from scipy.linalg import circulant
 from tests.test_conventions import checked, complaints
 from weier import Profile, figures
 from weier.accuracy import extremes
-from weier.accuracy.extremes import Outcome, Verdict, exact, verdicts
+from weier.accuracy.extremes import Outcome, Verdict, verdicts
 from weier.accuracy.extremes.conditioning import operator, system
 from weier.accuracy.extremes.truth import truth
 from weier.data import dataset
+from weier.methods import multiprecision as exact
 from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant

@@ -20,7 +20,7 @@ from weier.accuracy.extremes.truth import TIGHTEST, Truth, truth
 from weier.data import dataset
 from weier.data.check import Verdict
 from weier.data.variables import CURVE, RUN, flags
-from weier.methods import bem, laws
+from weier.methods import bem, patches
 from weier.methods.method import Variant
 from weier.methods.registry import method_named
 from weier.pipeline.batch import describe_case
@@ -136,7 +136,9 @@ def _judged(contender: Variant, profile: Profile, loads: NDArray[np.float64], fo
     if p.size == 0:
         return judged
     noise, total = method_named(contender.method).noise, profile.total_amplitude
-    mesh = laws.bem_compliance_error(profile, _points(contender, profile)) if contender.method == "bem" else 0.0
+    mesh = (
+        bem.error_model.compliance_error(profile, _points(contender, profile)) if contender.method == "bem" else 0.0
+    )
     judged["inside"] = Verdict(verdicts.inside(profile, p, h, R, noise, mesh))
     if p.size > 1:
         judged["monotone"] = Verdict(verdicts.monotone(h, noise.height * total))
@@ -148,8 +150,8 @@ def _expected(profile: Profile, found: Examined, solved: NDArray[np.bool_], know
     """The verdict on the errors that a method expects, where it expects any and the truth is known."""
     h, R = found.compliance[solved], found.resistance[solved]
     blurs = (
-        np.full(h.size, laws.patches_error(TIGHTEST, "compliance") * profile.total_amplitude),
-        laws.patches_error(TIGHTEST, "resistance") * np.maximum(R, 1),
+        np.full(h.size, patches.error_model.error(TIGHTEST, "compliance") * profile.total_amplitude),
+        patches.error_model.error(TIGHTEST, "resistance") * np.maximum(R, 1),
     )
     off = verdicts.distance(h, known.compliance), verdicts.distance(R, known.resistance)
     errors = found.compliance_error[solved], found.resistance_error[solved]

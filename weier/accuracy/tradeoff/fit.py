@@ -11,19 +11,30 @@ from scipy.optimize import nnls
 
 from weier.accuracy.tradeoff.numbers import by_load, worst_over_loads
 from weier.kernels.arrays import Array
-from weier.methods import laws
+from weier.methods import bem, demelio, error_model, patches
 from weier.methods.bem.method import POINTS_COMPARED
+from weier.methods.layer.method import LARGEST_ERROR
 from weier.methods.patches.method import TOLERANCES_COMPARED
 from weier.pipeline import curves
 from weier.theory.profile import Profile
 
 GRIDS = tuple(f"bem {count}" for count in POINTS_COMPARED)  # solved to the default residual
-EXACT = tuple(f"patches {limit:.0e}" for limit in TOLERANCES_COMPARED if limit in laws.PATCHES_TOLERANCES)
+EXACT = tuple(f"patches {limit:.0e}" for limit in TOLERANCES_COMPARED if limit in patches.error_model.TOLERANCES)
 ESTIMATES = {"LAYER": "layer 24", "DEMELIO": "demelio"}  # 24 points are the layer's own choice
 
 
+SHIPPED = {
+    "BEM_COMPLIANCE": bem.error_model.COMPLIANCE,
+    "BEM_RESISTANCE": bem.error_model.RESISTANCE,
+    "PATCHES_COMPLIANCE": patches.error_model.COMPLIANCE,
+    "PATCHES_RESISTANCE": patches.error_model.RESISTANCE,
+    "LAYER": LARGEST_ERROR,
+    "DEMELIO": demelio.LARGEST_ERROR,
+}
+
+
 class Constant(NamedTuple):
-    """A constant of weier.laws: its name, the value shipped, and the one measured.
+    """A constant of weier.methods.laws: its name, the value shipped, and the one measured.
 
     Of an error the largest over profiles, settings and loads, which a shipped one must not fall below; of seconds
     (`bound` is False) the least squares of the relative misfit.
@@ -59,11 +70,15 @@ def constants(data: xr.Dataset) -> list[Constant]:
     errors = {
         "BEM_COMPLIANCE": [run.compliance_error / _missed(run) for run in grids],
         "BEM_RESISTANCE": [_resistance_missed(run, data["mean_pressure"].values) for run in grids],
-        "PATCHES_COMPLIANCE": [(run.compliance_error - laws.ROUNDING) / limit for limit, run in exact],
-        "PATCHES_RESISTANCE": [(run.resistance_error.max() - laws.ROUNDING) / limit for limit, run in exact],
+        "PATCHES_COMPLIANCE": [
+            (run.compliance_error - error_model.RESISTANCE_ROUNDING) / limit for limit, run in exact
+        ],
+        "PATCHES_RESISTANCE": [
+            (run.resistance_error.max() - error_model.RESISTANCE_ROUNDING) / limit for limit, run in exact
+        ],
         **{name: _shares(data, method) for name, method in ESTIMATES.items()},
     }
-    bounds = [Constant(name, getattr(laws, name), _largest(values), True) for name, values in errors.items()]
+    bounds = [Constant(name, SHIPPED[name], _largest(values), True) for name, values in errors.items()]
     return [*bounds, *_grid_seconds(grids, data), *_patches_seconds([run for _, run in exact], data)]
 
 
@@ -92,12 +107,12 @@ def _runs(data: xr.Dataset, name: str) -> list[Run]:
 
 
 def _missed(run: Run) -> float:
-    return laws.unresolved(run.profile) * (run.profile.wavenumber[-1] / run.points) ** 2
+    return bem.error_model.curvature(run.profile) * (run.profile.wavenumber[-1] / run.points) ** 2
 
 
 def _resistance_missed(run: Run, loads: Array) -> float:
     """Error of a resistance times points/waves, at the loads for which there is a law."""
-    seen = loads >= laws.bem_light_load(run.profile, int(run.points))
+    seen = loads >= bem.error_model.light_load(run.profile, int(run.points))
     return float(run.resistance_error[seen].max(initial=0.0)) * run.points / run.profile.wavenumber[-1]
 
 
@@ -107,7 +122,7 @@ def _shares(data: xr.Dataset, name: str) -> list[float]:
     found = []
     for case in np.flatnonzero(data["m"].values > 1):
         D, amplitude = float(data["D"][case]), float(data["total_amplitude"][case]) - 1
-        light = error[case] / laws.unflattened(data["mean_pressure"].values, laws.CROWDED, D)
+        light = error[case] / error_model.partial_share(data["mean_pressure"].values, error_model.CREST_LOAD, D)
         beyond = light[light > float(data["first_contact"][case])]
         found.append(float(beyond.max(initial=0.0)) / amplitude)
     return found
@@ -115,26 +130,29 @@ def _shares(data: xr.Dataset, name: str) -> list[float]:
 
 def _grid_seconds(grids: Sequence[Run], data: xr.Dataset) -> list[Constant]:
     """Sum of load + node points pairs over the loads, and three times the last; a start takes what is shipped."""
-    loads = data.sizes["mean_pressure"] + laws.START_LOADS
+    loads = data.sizes["mean_pressure"] + bem.error_model.START_LOADS
     columns = []
     for run in grids:
-        pairs = laws.fft_pairs(run.contacts)
-        columns.append([loads, run.points * (pairs.sum() + laws.START_LOADS * pairs[-1])])
-    load, node = _fitted(columns, [run.seconds - laws.SECONDS_START["bem"] for run in grids])
+        pairs = bem.error_model.fft_pairs(run.contacts)
+        columns.append([loads, run.points * (pairs.sum() + bem.error_model.START_LOADS * pairs[-1])])
+    load, node = _fitted(columns, [run.seconds - bem.error_model.SECONDS_START for run in grids])
     return [
-        Constant("SECONDS_LOAD bem", laws.SECONDS_LOAD["bem"], load, False),
-        Constant("SECONDS_NODE bem", laws.SECONDS_NODE["bem"], node, False),
+        Constant("SECONDS_LOAD bem", bem.error_model.SECONDS_LOAD, load, False),
+        Constant("SECONDS_NODE bem", bem.error_model.SECONDS_NODE, node, False),
     ]
 
 
 def _patches_seconds(exact: Sequence[Run], data: xr.Dataset) -> list[Constant]:
     loads = data.sizes["mean_pressure"]
-    columns = [[loads, loads * run.profile.wavenumber[-1], np.sum(run.contacts**laws.CONTACT_POWER)] for run in exact]
-    load, wave, contact = _fitted(columns, [run.seconds - laws.SECONDS_START["patches"] for run in exact])
+    columns = [
+        [loads, loads * run.profile.wavenumber[-1], np.sum(run.contacts**patches.error_model.CONTACT_POWER)]
+        for run in exact
+    ]
+    load, wave, contact = _fitted(columns, [run.seconds - patches.error_model.SECONDS_START for run in exact])
     return [
-        Constant("SECONDS_LOAD patches", laws.SECONDS_LOAD["patches"], load, False),
-        Constant("SECONDS_WAVE", laws.SECONDS_WAVE, wave, False),
-        Constant("SECONDS_CONTACT", laws.SECONDS_CONTACT, contact, False),
+        Constant("SECONDS_LOAD patches", patches.error_model.SECONDS_LOAD, load, False),
+        Constant("SECONDS_WAVE", patches.error_model.SECONDS_WAVE, wave, False),
+        Constant("SECONDS_CONTACT", patches.error_model.SECONDS_CONTACT, contact, False),
     ]
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from weier.methods.errors import OutOfReachError
-from weier.methods.planned.plan import QUANTITIES
 from weier.methods.registry import PLANNED
+from weier.methods.segment import QUANTITIES
 from weier.pipeline.plan import plan
 from weier.scene import Scene
 
@@ -60,7 +60,7 @@ def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> It
         if isinstance(made, OutOfReachError):
             yield Outcome(OUT_OF_REACH, np.nan, np.nan, wanted["tolerance"], np.nan, np.nan)
         else:
-            methods = " and ".join(dict.fromkeys(part.method for part in made.parts))
+            methods = " and ".join(dict.fromkeys(segment.method for segment in made.segments))
             yield Outcome(methods, made.seconds, seconds.get(key, np.nan), made.tolerance, made.error, measured)
 
 

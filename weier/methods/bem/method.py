@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from weier.methods import laws
+from weier.methods.bem import error_model
+from weier.methods.bem.candidates import candidates
 from weier.methods.bem.solver import Curve, curve
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.theory.profile import Profile
@@ -30,8 +31,7 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
     """What grid and residual leave of the compliance, in g_0."""
-    residual = float(solved.residual.max(initial=0.0))
-    return laws.bem_compliance_error(profile, solved.points) + laws.RESIDUAL * residual
+    return error_model.solution_error(profile, solved.points, float(solved.residual.max(initial=0.0)))
 
 
 METHOD = Method(
@@ -46,4 +46,5 @@ METHOD = Method(
     algorithms=({}, {"solver": "direct"}),
     variants=_variants,
     solution_error=_solution_error,
+    candidates=candidates,
 )

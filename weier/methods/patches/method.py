@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from weier.methods import laws
+from weier.methods.error_model import RESIDUAL
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.patches.curve import Curve, curve
+from weier.methods.patches.candidates import candidates
+from weier.methods.patches.solver import Curve, curve
 from weier.theory.profile import Profile
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
@@ -19,7 +20,7 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
     """What the residual leaves of the compliance, in g_0."""
-    return laws.RESIDUAL * float(solved.residual.max(initial=0.0))
+    return RESIDUAL * float(solved.residual.max(initial=0.0))
 
 
 METHOD = Method(
@@ -33,4 +34,5 @@ METHOD = Method(
     noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
     variants=_variants,
     solution_error=_solution_error,
+    candidates=candidates,
 )
