@@ -17,7 +17,8 @@ import weier
 from weier import scene
 from weier.data import dataset, variables
 from weier.methods import registry
-from weier.pipeline import batch
+from weier.pipeline import batch, curves
+from weier.pipeline.claims import claim, paper
 
 
 def test_the_tutorial_is_true():
@@ -89,6 +90,39 @@ def test_the_method_of_contributing_is_solved_once_it_is_listed(monkeypatch):
     assert curve.compliance.item() == pytest.approx(0.5 * (1 + np.log(2)), rel=1e-15)  # (12)
 
 
+@pytest.fixture
+def two_profiles(tmp_path):
+    """A study of two curves by several methods."""
+    (tmp_path / "scene.yaml").write_text(DATA.replace("[demelio, layer]", "[demelio, patches]"))
+    loaded = scene.load(tmp_path / "scene.yaml")
+    return batch.solve_batch(loaded, loaded.studies["one"])[0]
+
+
+def test_the_figure_of_contributing_is_drawn(two_profiles):
+    (code,) = (code for code in examples("python") if "CAPTION = " in code)
+    names = {}
+    exec(compile(code, "CONTRIBUTING.md", "exec"), names)
+    assert "{methods}" in names["CAPTION"]
+    panels = names["draw"]([two_profiles], "").axes
+    assert [axes.get_xscale() for axes in panels] == ["linear"] * two_profiles.sizes["case"]
+    assert all({"Demelio", "contact patches"} <= {line.get_label() for line in axes.lines} for axes in panels)
+
+
+def test_the_claim_of_contributing_is_measured(two_profiles, monkeypatch):
+    (code,) = (code for code in examples("python") if "@claim" in code)
+    monkeypatch.setattr("weier.pipeline.claims.claim.CLAIMS", {})
+    names = dict(vars(paper))
+    exec(compile(code, "CONTRIBUTING.md", "exec"), names)
+    ((name, entered),) = claim.CLAIMS.items()
+    assert entered.measure is names[name]
+    largest = two_profiles["resistance"].sel(solution_method="patches").diff("mean_pressure").max().item()
+    assert entered.measure(curves.cases([two_profiles])) == (
+        f"From one load to the next, the largest change of the numerical resistance is {largest:+.2g} g_0/p_0*.",
+        pytest.approx(largest),
+        True,
+    )
+
+
 def test_rows_of_tables_in_contributing_are_those_of_the_project():
     (row,) = (code for code in examples("python") if "Variable(" in code)
     for name, shown in eval(f"{{{row}}}", vars(variables)).items():
@@ -145,7 +179,7 @@ def test_figures_and_captions_of_the_scene_are_there(site):
 
 
 def test_pictures_have_words_and_numbers_stay_whole(site):
-    assert 'alt="Figure 1: The profiles over two of their longest waves"' in page(site, "gallery")
+    assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in page(site, "gallery")
     assert re.search(r'<td class="number"><p>6\.7e-04</p></td>', page(site, "benchmark"))
     assert re.search(r"<td><p>tamaas</p></td>", page(site, "benchmark"))
 

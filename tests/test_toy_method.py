@@ -61,7 +61,7 @@ def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
     gather([tmp_path / "batch.nc"], list(loaded.cases), tmp_path / "contact.nc", loaded.title)
     gathered = dataset.read(tmp_path / "contact.nc")
     figures.draw("compliance", [gathered], "", tmp_path / "figure.png")
-    drawn = figures.style.line("toy")
+    drawn = style.line("toy")
     assert (drawn["label"], drawn["color"]) == ("a toy", TOY.style.color)
     assert (tmp_path / "figure.png").stat().st_size > 0
 

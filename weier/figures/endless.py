@@ -12,6 +12,13 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.pipeline import curves
 
+CAPTION = (
+    "The infinite series: estimates with more and more terms resolved lie within the bounds, which hold whatever the "
+    "remaining terms are. Estimates and bounds close in as terms are resolved."
+)
+COMMAND = "endless"
+VARIABLE = "points"
+
 SHOWN = (1, 2, 4)  # resolved terms, beside the most there are
 
 

@@ -61,10 +61,10 @@ def _unknown(loads: Array) -> Truth:
 def _contact(profile: Profile, loads: tuple[float, ...]) -> Truth:
     """Closed forms at both ends; between them the contact patches of the moved profile at their tightest."""
     seen = surface_of(profile)
-    single = int((seen.heights.rise == 0).sum()) == 1 and profile.period == 1
+    single = int((seen.heights.crest_offset == 0).sum()) == 1 and profile.period == 1
     pairs = _solved(Variant("patches", "patches", {"tolerance": TIGHTEST}), _moved(profile), np.array(loads))
     for i, load in enumerate(loads):
-        if load >= seen.full_load * (1 + 1e-12):
+        if load >= seen.full_contact_load * (1 + 1e-12):
             pairs[i] = _total(profile), mp.mpf(0)
         elif load <= LIGHT and single:
             pairs[i] = _first_touch(profile, seen, load)
@@ -77,7 +77,7 @@ def _first_touch(profile: Profile, seen: Surface, load: float) -> exact.Pair:
     It is Hertz's, of half-width a = 2 sqrt(p/k), and Westergaard's wave of curvature 4 pi^2 is the case
     h = p (1 - ln p).
     """
-    x = seen.heights.place[np.argmax(seen.heights.rise)]
+    x = seen.heights.crest_position[np.argmax(seen.heights.crest_offset)]
     with mp.workdps(exact.DIGITS):
         for _ in range(8):  # Newton's method from a double
             x = x - _height(profile, x, 1) / _height(profile, x, 2)

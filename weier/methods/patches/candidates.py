@@ -10,7 +10,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL
 from weier.methods.patches import error_model
-from weier.methods.patches.curve import curve
+from weier.methods.patches.solver import curve
 from weier.methods.segment import RESISTANCE, Segment, Solution, Task, segment
 from weier.theory.crests import countable
 from weier.theory.profile import Profile

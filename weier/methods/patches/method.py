@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from weier.methods.error_model import RESIDUAL
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches.candidates import candidates
-from weier.methods.patches.curve import Curve, curve
+from weier.methods.patches.solver import Curve, curve
 from weier.theory.profile import Profile
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact

@@ -26,7 +26,7 @@ def _surface(kept: Profile) -> Surface:
 def full_contact_load(kept: Profile) -> float:
     """A load from which on contact is full, in p_0*: that which flattens all waves, or the sum of all p_n*."""
     if countable(kept.wavenumber[-1]):
-        return _surface(kept).full_load
+        return _surface(kept).full_contact_load
     with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
         return float(kept.full_contact_pressure.sum())
 
@@ -51,8 +51,9 @@ def contacts(kept: Profile, loads: Array) -> Array:
         return np.full(loads.size, kept.wavenumber[-1] * CONTACTS_PER_WAVE)
     surface, ratio = _surface(kept), float(kept.gamma)
     approach = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))
-    crests = np.searchsorted(np.sort(-surface.heights.rise), approach, side="right")
-    troughs = np.searchsorted(np.sort(-surface.pressures.rise), surface.full_load - loads, side="right")
+    crests = np.searchsorted(np.sort(-surface.heights.crest_offset), approach, side="right")
+    tension = surface.full_contact_load - loads
+    troughs = np.searchsorted(np.sort(-surface.tensions.crest_offset), tension, side="right")
     return np.maximum(np.minimum(crests, troughs), 1).astype(float)
 
 
