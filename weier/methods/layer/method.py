@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
-from weier.methods.layer.stack import ACCURACY, POINTS, TOLERANCE, Curve, curve
+from weier.methods.layer.curve import ACCURACY, POINTS, TOLERANCE, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.segment import Segment, Task
 from weier.theory.profile import Profile
