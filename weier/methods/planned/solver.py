@@ -12,7 +12,7 @@ from weier.kernels.arrays import Array
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method
-from weier.methods.planned.plan import plan
+from weier.methods.planned.plan import Plan, plan
 from weier.methods.segment import COMPLIANCE, Segment, Solution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
@@ -21,8 +21,8 @@ ROUNDING = 1e-9  # of a tolerance, to which the errors expected and those found 
 METHOD_NAME = "<U16"  # as the table of variables has it
 
 
-class Curve(NamedTuple):
-    """Planned curves over the loads, each of shape (loads,).
+class SolvedLoads(NamedTuple):
+    """What was solved over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*
@@ -37,6 +37,24 @@ class Curve(NamedTuple):
     planned_method: NDArray[np.str_]
     planned_terms: Array
     planned_points: Array
+
+
+class Curve(NamedTuple):
+    """Planned curves: what was solved over the loads, and what the plan expected before.
+
+    compliance ... planned_points : as in `SolvedLoads`
+    planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for
+    """
+
+    compliance: Array
+    resistance: Array
+    compliance_error: Array
+    resistance_error: Array
+    planned_method: NDArray[np.str_]
+    planned_terms: Array
+    planned_points: Array
+    planned_seconds: float
+    planned_error: float
 
 
 def curve(
@@ -58,7 +76,7 @@ def curve(
     Returns
     -------
     Curve
-        Arrays over the loads.
+        Arrays over the loads, and what the plan expected.
 
     Raises
     ------
@@ -78,36 +96,34 @@ def curve(
     happen: as much as the resistance changes within that distance is added to its error, and a load at which that is
     too much is solved by contact patches. A plan for the compliance solves no other loads, and has no such error.
     """
-    return _within(profile, mean_pressure, methods, tolerance, quantity, ())
+    made = plan(profile, mean_pressure, methods, tolerance, quantity)
+    return Curve(*_run_within(made, methods, ()), made.seconds, made.error)
 
 
-def _within(
-    profile: Profile,
-    loads: Array,
-    methods: Sequence[Method],
-    tolerance: float,
-    quantity: str,
-    failed: tuple[Segment, ...],
-) -> Curve:
-    """Plan and run; where errors are found above the tolerance, again without what left them."""
-    curves = []
-    for segment in plan(profile, loads, methods, tolerance, quantity, failed).segments:
-        values = run(profile, (segment,))
-        error = values.compliance_error if quantity == COMPLIANCE else _relative_error(values)
-        missed = ~(error <= tolerance * (1 + ROUNDING))
+def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ...]) -> SolvedLoads:
+    """Run a plan; where errors are found above the tolerance, plan and run again without what left them."""
+    solved = []
+    for segment in made.segments:
+        values = run(made.profile, (segment,))
+        error = values.compliance_error if made.quantity == COMPLIANCE else _relative_error(values)
+        missed = ~(error <= made.tolerance * (1 + ROUNDING))
         if missed.any():
             try:
-                failures = (*failed, segment)
-                again = _within(profile, segment.mean_pressure[missed], methods, tolerance, quantity, failures)
+                again = _run_again(made, segment.mean_pressure[missed], methods, (*failed, segment))
             except OutOfReachError as refusal:
                 raise OutOfReachError(f"{refusal}; {_missed(segment, error)}") from None
             for old, new in zip(values, again, strict=True):
                 old[missed] = new
-        curves.append(values)
-    return _joined(curves)
+        solved.append(values)
+    return _joined(solved)
 
 
-def _relative_error(solved: Curve) -> Array:
+def _run_again(made: Plan, loads: Array, methods: Sequence[Method], failed: tuple[Segment, ...]) -> SolvedLoads:
+    others = plan(made.profile, loads, methods, made.tolerance, made.quantity, failed)
+    return _run_within(others, methods, failed)
+
+
+def _relative_error(solved: SolvedLoads) -> Array:
     return solved.resistance_error / np.maximum(solved.resistance, 1)
 
 
@@ -119,7 +135,7 @@ def _missed(segment: Segment, error: Array) -> str:
     )
 
 
-def run(profile: Profile, segments: Sequence[Segment]) -> Curve:
+def run(profile: Profile, segments: Sequence[Segment]) -> SolvedLoads:
     """Run segments that cover the loads one after the other.
 
     Raises
@@ -127,17 +143,17 @@ def run(profile: Profile, segments: Sequence[Segment]) -> Curve:
     ConvergenceError
         If a solver misses its own tolerance.
     """
-    return _joined([_curve(segment, _solved(profile, segment)) for segment in segments])
+    return _joined([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
 
 
-def _joined(curves: Sequence[Curve]) -> Curve:
-    return Curve(*(np.concatenate(columns) for columns in zip(*curves, strict=True)))
+def _joined(curves: Sequence[SolvedLoads]) -> SolvedLoads:
+    return SolvedLoads(*(np.concatenate(columns) for columns in zip(*curves, strict=True)))
 
 
-def _curve(segment: Segment, solved: Solution) -> Curve:
+def _solved_loads(segment: Segment, solved: Solution) -> SolvedLoads:
     count = segment.mean_pressure.size
     points = float(segment.settings.get("points", np.nan))
-    return Curve(
+    return SolvedLoads(
         *solved,
         np.full(count, segment.method, METHOD_NAME),
         np.full(count, float(segment.terms)),
