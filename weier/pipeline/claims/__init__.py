@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from weier.data import dataset, markdown
-from weier.data.check import Verdict
+from weier.data.check import Check
 from weier.data.files import write_text
 from weier.data.variables import flags
 from weier.pipeline import curves
@@ -84,7 +84,7 @@ def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
         "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
         "claim_measured_value": ([measured.value for measured in found.values()], "value of the quantity here"),
         "claim_holds": (
-            np.array([Verdict.of(measured.holds) for measured in found.values()], "i1"),
+            np.array([Check.of(measured.holds) for measured in found.values()], "i1"),
             "whether the statement of the paper fits what is measured here",
         ),
     }
@@ -92,7 +92,7 @@ def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
         name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
         for name, (values, long_name) in columns.items()
     }
-    variables["claim_holds"].attrs |= flags(Verdict)
+    variables["claim_holds"].attrs |= flags(Check)
     return xr.Dataset(variables).set_coords("claim")
 
 
@@ -102,7 +102,7 @@ def _markdown(title: str, found: Mapping[str, Measured]) -> str:
     rows = [
         [
             *map(markdown.plain, (name, CLAIMS[name].statement, measured.text)),
-            Verdict.of(measured.holds).text,
+            Check.of(measured.holds).text,
         ]
         for name, measured in found.items()
     ]
