@@ -11,6 +11,7 @@ from weier.methods.method import Method, Noise, Style
 from weier.theory.profile import Profile
 
 DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of milliseconds a load
+SECONDS_LAYER, SECONDS_LOAD = 5.0, 0.03  # a layer that does not converge takes so long to say so
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
@@ -32,6 +33,18 @@ def _applies(profile: Profile) -> None:
         )
 
 
+def _solution_error(profile: Profile, solved: Curve) -> float:
+    """How far the bounds on the compliance are from it, in g_0."""
+    return float(
+        max((solved.compliance_upper - solved.compliance).max(), (solved.compliance - solved.compliance_lower).max())
+    )
+
+
+def _seconds(profile: Profile, loads: Array) -> float:
+    """At most: those of the layer, and of the default number of nodes."""
+    return SECONDS_LAYER + SECONDS_LOAD * loads.size
+
+
 METHOD = Method(
     name="hybrid",
     label="resolved on a layer",
@@ -39,5 +52,7 @@ METHOD = Method(
     solve=_solve,
     applies=_applies,
     style=Style("#56B4E9", (4, 1, 1, 1), "D"),
+    solution_error=_solution_error,
+    seconds=_seconds,
     noise=Noise(1e-8, 1e-4),  # a residual of 1e-9; the slope of the layer between the rows of its table
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
-from weier.methods.layer.stack import ACCURACY, POINTS, TOLERANCE, Curve, curve
+from weier.methods.layer.stack import ACCURACY, MOST_LEVELS, POINTS, TOLERANCE, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.theory.profile import Profile
 
@@ -34,6 +34,11 @@ def _reference(profile: Profile, loads: Array) -> Reference | None:
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
+def _seconds(profile: Profile, loads: Array) -> float:
+    """At most: an infinite series may take as many scales as there can be."""
+    return SECONDS_SCALE * min(profile.m, MOST_LEVELS) * loads.size
+
+
 METHOD = Method(
     name="layer",
     label="non-linear layer",
@@ -42,5 +47,6 @@ METHOD = Method(
     style=Style("#009E73", (1.2, 1.2), "s"),
     noise=Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5
     variants=_variants,
+    seconds=_seconds,
     reference=_reference,
 )

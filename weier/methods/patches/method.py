@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from weier.kernels.arrays import Array
 from weier.methods import laws
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches.curve import Curve, curve
@@ -22,6 +25,12 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
     return laws.RESIDUAL * float(solved.residual.max(initial=0.0))
 
 
+def _seconds(profile: Profile, loads: Array) -> float:
+    """At most: at each load as many contacts as there are waves."""
+    waves = profile.wavenumber[-1]
+    return float(laws.patches_seconds(waves, np.full(loads.size, float(waves))).sum())
+
+
 METHOD = Method(
     name="patches",
     label="contact patches",
@@ -32,5 +41,6 @@ METHOD = Method(
     style=Style("#000000", (), "d"),
     noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
     variants=_variants,
+    seconds=_seconds,
     solution_error=_solution_error,
 )
