@@ -27,7 +27,7 @@ KINDS = (
 
 # Of other files than those of a scene: the command that writes such a file, and what it alone has.
 MEASURES = {
-    "endless": ("endless", "points"),
+    "convergence": ("convergence", "resolved_terms"),
     "extremes": ("extremes", "compliance_digits"),
     "work_precision": ("tradeoff", "seconds"),
 }

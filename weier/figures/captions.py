@@ -25,9 +25,9 @@ CAPTIONS = {
         "The profile and, below it, where it touches over mean pressure: contacts are born as points, grow, and "
         "merge until all is one."
     ),
-    "endless": (
-        "The endless series: estimates with ever more terms resolved lie within the bounds, which hold whatever "
-        "the terms left out; both close in as terms are resolved."
+    "convergence": (
+        "The infinite series: estimates with ever more terms resolved lie within the bounds, which hold for "
+        "whatever phases the other terms have; both converge as terms are resolved."
     ),
     "extremes": (
         "Correct digits of the compliance of one profile, by every method, over all loads a number can hold; and "
