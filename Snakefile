@@ -146,5 +146,4 @@ rule claims:
 
 include: "rules/accuracy.smk"
 include: "rules/docs.smk"
-include: "rules/extremes.smk"
 include: "rules/page.smk"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.extreme_series import CORNERS, EPS, assert_accurate, extreme_cases
-from weier.accuracy.extremes import exact
 from weier.methods import archard, demelio
+from weier.methods import multiprecision as exact
 from weier.theory.series import leading_amplitude
 
 

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.extreme_series import ACCURACY, EPS, TINY, extreme_cases
-from weier.accuracy.extremes import exact
 from weier.methods import archard, demelio, flattened, westergaard
+from weier.methods import multiprecision as exact
 from weier.theory.series import full_contact_pressure, leading_amplitude, tail_amplitude
 
 either = pytest.mark.parametrize("estimate", [archard, demelio])

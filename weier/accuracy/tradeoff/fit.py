@@ -1,48 +1,48 @@
-"""The laws fitted again to what was measured: each constant beside the one that `weier.methods.laws` ships."""
+"""The constants of error and cost models measured again, each beside the one that is shipped."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from scipy.optimize import nnls
 
-from weier.accuracy.tradeoff.numbers import by_load, worst_over_loads
+from weier.accuracy.metrics import by_load
 from weier.kernels.arrays import Array
 from weier.methods import laws
-from weier.methods.bem.method import POINTS_COMPARED
-from weier.methods.patches.method import TOLERANCES_COMPARED
+from weier.methods.registry import method_named
+from weier.methods.settings import all_settings
 from weier.pipeline import curves
 from weier.theory.profile import Profile
 
-GRIDS = tuple(f"bem {count}" for count in POINTS_COMPARED)  # solved to the default residual
-EXACT = tuple(f"patches {limit:.0e}" for limit in TOLERANCES_COMPARED if limit in laws.PATCHES_TOLERANCES)
-ESTIMATES = {"LAYER": "layer 24", "DEMELIO": "demelio"}  # 24 points are the layer's own choice
-
 
 class Constant(NamedTuple):
-    """A constant of weier.laws: its name, the value shipped, and the one measured.
+    """A constant of an error or cost model: its name, the value shipped, and the one measured, NaN if it was not.
 
-    Of an error the largest over profiles, settings and loads, which a shipped one must not fall below; of seconds
-    (`bound` is False) the least squares of the relative misfit.
+    The constant of an error (`bounds_error`) is the largest over profiles, settings and loads, which a shipped one
+    must not fall below; that of seconds is the least squares of the relative misfit.
     """
 
     name: str
     shipped: float
     measured: float
-    bound: bool
+    bounds_error: bool
 
 
-class Run(NamedTuple):
-    """One contender on one profile: contacts and the error of R by load, that of h at worst."""
+class Sample(NamedTuple):
+    """One method on one profile: its settings, the seconds for all loads, and contacts and errors at each load."""
 
     profile: Profile
-    points: float
+    first_contact: float
+    settings: dict[str, Any]
     seconds: float
+    points: float
+    loads: Array
     contacts: Array
-    compliance_error: float
+    compliance_error: Array
     resistance_error: Array
 
 
@@ -54,92 +54,120 @@ def constants(data: xr.Dataset) -> list[Constant]:
     data : Dataset
         As `weier.accuracy.tradeoff.measure` returns it.
     """
-    grids = [run for name in GRIDS for run in _runs(data, name)]
-    exact = [(float(name.split()[1]), run) for name in EXACT for run in _runs(data, name)]
-    errors = {
-        "BEM_COMPLIANCE": [run.compliance_error / _missed(run) for run in grids],
-        "BEM_RESISTANCE": [_resistance_missed(run, data["mean_pressure"].values) for run in grids],
-        "PATCHES_COMPLIANCE": [(run.compliance_error - laws.ROUNDING) / limit for limit, run in exact],
-        "PATCHES_RESISTANCE": [(run.resistance_error.max() - laws.ROUNDING) / limit for limit, run in exact],
-        **{name: _shares(data, method) for name, method in ESTIMATES.items()},
-    }
-    bounds = [Constant(name, getattr(laws, name), _largest(values), True) for name, values in errors.items()]
-    return [*bounds, *_grid_seconds(grids, data), *_patches_seconds([run for _, run in exact], data)]
+    return [constant for name, fit in FITS.items() for constant in fit(list(_samples(data, name)))]
 
 
-def _largest(values: Sequence[float]) -> float:
-    return float(max(0.0, *np.nan_to_num(values))) if len(values) else np.nan
-
-
-def _runs(data: xr.Dataset, name: str) -> list[Run]:
-    """A contender on all profiles it ran on."""
-    methods = data["solution_method"].values.tolist()
-    if name not in methods:
-        return []
-    at = methods.index(name)
-    h, R = worst_over_loads(data, "compliance")[:, at], by_load(data, "resistance")[:, at]
-    return [
-        Run(
-            curves.profile(data.isel(case=case)),
-            float(data["points"].values[case, at]),
-            float(data["seconds"].values[case, at]),
-            data["patch_count"].values[case, at],
-            float(h[case]),
-            R[case],
+def _samples(data: xr.Dataset, method: str) -> Iterator[Sample]:
+    """All runs of a method that is listed."""
+    errors = [by_load(data, quantity) for quantity in ("compliance", "resistance")]
+    run = np.isfinite(data["seconds"].values) & (data["solution_method"].values == method)
+    for case, variant in np.argwhere(run):
+        one = data.isel(case=case, variant=variant)
+        yield Sample(
+            curves.profile(one),
+            float(one["first_contact"]),
+            all_settings(method_named(method), json.loads(one["settings"].item())),
+            float(one["seconds"]),
+            float(one["points"]),
+            one["mean_pressure"].values,
+            one["patch_count"].values,
+            *(error[case, variant] for error in errors),
         )
-        for case in np.flatnonzero(np.isfinite(data["seconds"].values[:, at]))
-    ]
 
 
-def _missed(run: Run) -> float:
-    return laws.unresolved(run.profile) * (run.profile.wavenumber[-1] / run.points) ** 2
-
-
-def _resistance_missed(run: Run, loads: Array) -> float:
-    """Error of a resistance times points/waves, at the loads for which there is a law."""
-    seen = loads >= laws.bem_light_load(run.profile, int(run.points))
-    return float(run.resistance_error[seen].max(initial=0.0)) * run.points / run.profile.wavenumber[-1]
-
-
-def _shares(data: xr.Dataset, name: str) -> list[float]:
-    """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
-    error = data["compliance_error"].sel(solution_method=name).values
-    found = []
-    for case in np.flatnonzero(data["m"].values > 1):
-        D, amplitude = float(data["D"][case]), float(data["total_amplitude"][case]) - 1
-        light = error[case] / laws.unflattened(data["mean_pressure"].values, laws.CROWDED, D)
-        beyond = light[light > float(data["first_contact"][case])]
-        found.append(float(beyond.max(initial=0.0)) / amplitude)
-    return found
-
-
-def _grid_seconds(grids: Sequence[Run], data: xr.Dataset) -> list[Constant]:
-    """Sum of load + node points pairs over the loads, and three times the last; a start takes what is shipped."""
-    loads = data.sizes["mean_pressure"] + laws.START_LOADS
+def _fit_boundary_elements(samples: Sequence[Sample]) -> list[Constant]:
+    """Of grids solved to the default residual, with the resistance."""
+    usual = all_settings(method_named("bem"), {})
+    grids = [each for each in samples if each.settings | {"points": None} == usual]
     columns = []
-    for run in grids:
-        pairs = laws.fft_pairs(run.contacts)
-        columns.append([loads, run.points * (pairs.sum() + laws.START_LOADS * pairs[-1])])
-    load, node = _fitted(columns, [run.seconds - laws.SECONDS_START["bem"] for run in grids])
+    for each in grids:
+        pairs = laws.fft_pairs(each.contacts)  # a start takes as long as START_LOADS of the heaviest loads
+        columns.append(
+            [each.loads.size + laws.START_LOADS, each.points * (pairs.sum() + laws.START_LOADS * pairs[-1])]
+        )
     return [
-        Constant("SECONDS_LOAD bem", laws.SECONDS_LOAD["bem"], load, False),
-        Constant("SECONDS_NODE bem", laws.SECONDS_NODE["bem"], node, False),
+        _bound("BEM_COMPLIANCE", [each.compliance_error.max() / _unresolved(each) for each in grids]),
+        _bound("BEM_RESISTANCE", [_resistance_share(each) for each in grids]),
+        *_costs(
+            {"SECONDS_LOAD bem": laws.SECONDS_LOAD["bem"], "SECONDS_NODE bem": laws.SECONDS_NODE["bem"]},
+            columns,
+            [each.seconds - laws.SECONDS_START["bem"] for each in grids],
+        ),
     ]
 
 
-def _patches_seconds(exact: Sequence[Run], data: xr.Dataset) -> list[Constant]:
-    loads = data.sizes["mean_pressure"]
-    columns = [[loads, loads * run.profile.wavenumber[-1], np.sum(run.contacts**laws.CONTACT_POWER)] for run in exact]
-    load, wave, contact = _fitted(columns, [run.seconds - laws.SECONDS_START["patches"] for run in exact])
+def _unresolved(grid: Sample) -> float:
+    return laws.unresolved(grid.profile) * (grid.profile.wavenumber[-1] / grid.points) ** 2
+
+
+def _resistance_share(grid: Sample) -> float:
+    """Error of a resistance times points/waves, at the loads for which there is an error model."""
+    modelled = grid.loads >= laws.bem_light_load(grid.profile, int(grid.points))
+    return float(grid.resistance_error[modelled].max(initial=0.0)) * grid.points / grid.profile.wavenumber[-1]
+
+
+def _fit_contact_patches(samples: Sequence[Sample]) -> list[Constant]:
+    """At the tolerances that a plan may choose."""
+    planned = [each for each in samples if each.settings["tolerance"] in laws.PATCHES_TOLERANCES]
+    columns = [
+        [each.loads.size, each.loads.size * each.profile.wavenumber[-1], np.sum(each.contacts**laws.CONTACT_POWER)]
+        for each in planned
+    ]
+    shipped = {
+        "SECONDS_LOAD patches": laws.SECONDS_LOAD["patches"],
+        "SECONDS_WAVE": laws.SECONDS_WAVE,
+        "SECONDS_CONTACT": laws.SECONDS_CONTACT,
+    }
     return [
-        Constant("SECONDS_LOAD patches", laws.SECONDS_LOAD["patches"], load, False),
-        Constant("SECONDS_WAVE", laws.SECONDS_WAVE, wave, False),
-        Constant("SECONDS_CONTACT", laws.SECONDS_CONTACT, contact, False),
+        _bound("PATCHES_COMPLIANCE", [_in_tolerances(each.compliance_error, each) for each in planned]),
+        _bound("PATCHES_RESISTANCE", [_in_tolerances(each.resistance_error, each) for each in planned]),
+        *_costs(shipped, columns, [each.seconds - laws.SECONDS_START["patches"] for each in planned]),
     ]
 
 
-def _fitted(columns: Sequence[Sequence[float]], seconds: Sequence[float]) -> Array:
-    """Coefficients, none negative, that leave the least squares of the relative misfit."""
+def _in_tolerances(error: Array, each: Sample) -> float:
+    """The largest error beyond rounding, over the tolerance."""
+    return float((error.max() - laws.ROUNDING) / each.settings["tolerance"])
+
+
+def _fit_layer(samples: Sequence[Sample]) -> list[Constant]:
+    """At the default settings."""
+    usual = all_settings(method_named("layer"), {})
+    return [_bound("LAYER", [_share(each) for each in samples if each.settings == usual and each.profile.m > 1])]
+
+
+def _fit_demelio(samples: Sequence[Sample]) -> list[Constant]:
+    return [_bound("DEMELIO", [_share(each) for each in samples if each.profile.m > 1])]
+
+
+def _share(each: Sample) -> float:
+    """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
+    light = each.compliance_error / laws.unflattened(each.loads, laws.CROWDED, each.profile.D)
+    beyond = light[light > each.first_contact]
+    return float(beyond.max(initial=0.0)) / (each.profile.total_amplitude - 1)
+
+
+def _bound(name: str, values: Sequence[float]) -> Constant:
+    measured = float(max(0.0, *np.nan_to_num(values))) if values else np.nan
+    return Constant(name, getattr(laws, name), measured, True)
+
+
+def _costs(
+    shipped: Mapping[str, float], columns: Sequence[Sequence[float]], seconds: Sequence[float]
+) -> list[Constant]:
+    """Factors of these columns, none negative, that leave the least squares of the relative misfit."""
     known = np.array(seconds)
-    found, _ = nnls(np.array(columns) / known[:, None], np.ones(known.size))
-    return np.asarray(found)
+    factors = nnls(np.array(columns) / known[:, None], np.ones(known.size))[0] if columns else [np.nan] * len(shipped)
+    return [
+        Constant(name, value, float(factor), False)
+        for (name, value), factor in zip(shipped.items(), factors, strict=True)
+    ]
+
+
+# What the trade tells of a method's constants: their names, and how they follow from the runs of that method.
+FITS: dict[str, Callable[[Sequence[Sample]], list[Constant]]] = {
+    "bem": _fit_boundary_elements,
+    "patches": _fit_contact_patches,
+    "layer": _fit_layer,
+    "demelio": _fit_demelio,
+}
