@@ -9,7 +9,7 @@ from tests.reference import REFERENCES
 from weier import Profile
 from weier.accuracy import reference as module
 from weier.accuracy.reference import exact_contact, is_in_reach, reference
-from weier.accuracy.runner import attempt
+from weier.accuracy.runner import Outcome, attempt
 from weier.methods import registry, westergaard
 from weier.methods.method import Variant
 
@@ -71,11 +71,21 @@ def test_an_estimate_is_held_against_its_own_sum_and_a_solution_against_the_cont
 
 def test_nothing_is_known_of_what_takes_too_long():
     infinite = Profile(1.5, 5, math.inf)
-    assert reference_of("hybrid", infinite) is None
-    assert reference_of("layer", infinite) is None
+    for name in ("hybrid", "layer"):
+        found = reference_of(name, infinite)
+        assert found.source == ""
+        assert np.isnan(np.array(found.compliance, float)).all()
     assert reference_of("demelio", infinite).source == "mpmath"
     assert not is_in_reach(infinite, LOADS)
     assert not is_in_reach(Profile(1.5, 10, 5), LOADS)  # 10 000 waves
     assert not is_in_reach(Profile(1.5, 10, 9), LOADS)  # more than a computer holds
     assert is_in_reach(THREE, LOADS)
-    assert reference_of("demelio", THREE, LOADS[:0]) is None
+
+
+def test_where_nothing_was_made_nothing_is_looked_up():
+    """Of two loads the first was refused."""
+    profile, loads = Profile(1.5, 5, 1), np.array([1e-300, 0.1])
+    made = attempt(Variant("bem", "bem", {}), profile, loads)
+    made.outcome[0] = Outcome.clear_error
+    found = reference(registry.method_named("bem"), profile, loads, made)
+    assert np.isnan(np.array(found.compliance, float)).tolist() == [True, False]

@@ -14,7 +14,7 @@ from functools import cache
 import mpmath as mp
 import numpy as np
 
-from weier.accuracy.runner import Run, attempt
+from weier.accuracy.runner import Outcome, Run, attempt
 from weier.kernels.arrays import Array
 from weier.methods import multiprecision, patches
 from weier.methods.errors import ConvergenceError
@@ -32,14 +32,22 @@ SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
 MAX_SECONDS = 60.0  # that a reference by contact patches may take
 
 
-def reference(method: Method, profile: Profile, loads: Array, made: Run) -> Reference | None:
-    """What a method should give under these loads, or None where nothing is known in time.
+def reference(method: Method, profile: Profile, loads: Array, made: Run) -> Reference:
+    """What a method should have made of these loads; NaN where it made nothing, or where nothing is known in time.
 
     For one wave all methods are exact. Otherwise an estimate has its own reference; the exact contact is for
-    numerical methods, and for those that state the error of each number that they `made`.
+    numerical methods, and for those that state the error of each number.
     """
-    if loads.size == 0:
-        return None
+    h, R = [np.full(loads.size, mp.nan, object) for _ in range(2)]
+    solved = made.outcome == Outcome.finite
+    known = _known(method, profile, loads[solved], made) if solved.any() else None
+    if known is None:
+        return Reference(h, R, "")
+    h[solved], R[solved] = known.compliance, known.resistance
+    return Reference(h, R, known.source)
+
+
+def _known(method: Method, profile: Profile, loads: Array, made: Run) -> Reference | None:
     if profile.m != 1 and method.reference is not None:
         with suppress(ConvergenceError):
             return method.reference(profile, loads)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -69,66 +69,46 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     """The values of one run: its curve, what became of it, how far it is right, and the checks."""
     method, profile = method_named(variant.method), each.case.profile
     made = attempt(variant, profile, each.loads)
-    solved = made.outcome == Outcome.finite
-    known = reference(method, profile, each.loads[solved], made)
-    compared = {
-        name: _spread(values, solved) for name, values in _compared(made, solved, known, method.noise).items()
-    }
-    source = known.source if known and np.isfinite(compared["compliance_digits"]).any() else ""
-    curve = {"compliance": np.where(solved, made.compliance, np.nan)}
-    curve["resistance"] = np.where(solved, made.resistance, np.nan)
-    said = {"outcome": made.outcome, "message": made.message, "reference": source}
-    points = {"points": made.others.get("points", np.nan)}
-    return curve | compared | points | said | _checked(method.noise, profile, each.loads, made, compared)
-
-
-def _compared(made: Run, solved: np.ndarray, known: Reference | None, noise: Noise) -> Mapping[str, Array]:
-    """Errors and digits at the loads that were solved; none of a resistance that a method does not vouch for."""
-    if known is None:
-        unknown = np.full(int(solved.sum()), np.nan)
-        names = ("compliance_error", "resistance_error", "compliance_digits", "resistance_digits")
-        return dict.fromkeys(names, unknown)
-    h, R = made.compliance[solved], made.resistance[solved]
-    digits = metrics.digits(R, known.resistance)
+    solved, right = made.outcome == Outcome.finite, reference(method, profile, each.loads, made)
+    h, R = (np.where(solved, values, np.nan) for values in (made.compliance, made.resistance))
+    digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
     return {
-        "compliance_error": metrics.deviation(h, known.compliance),
-        "resistance_error": metrics.deviation(R, known.resistance),
-        "compliance_digits": metrics.digits(h, known.compliance),
-        "resistance_digits": digits if np.isfinite(noise.slope) else np.full(digits.size, np.nan),
+        "compliance": h,
+        "resistance": R,
+        "compliance_error": metrics.deviation(h, right.compliance),
+        "compliance_digits": digits[0],
+        "resistance_digits": digits[1] if np.isfinite(method.noise.slope) else np.full(R.size, np.nan),
+        "outcome": made.outcome,
+        "message": made.message,
+        "reference": right.source if np.isfinite(digits[0]).any() else "",
+        "points": made.others.get("points", np.nan),
+        "one_curve": Check(not made.message),
+        "without_warning": Check(not made.warned),
+        "within_stated_error": Check.of(_within_stated_errors(profile, made, right)),
+        **_checked_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], made.solution_error),
     }
 
 
-def _spread(values: Array, where: np.ndarray) -> Array:
-    """The values of the loads that were solved, over all loads."""
-    whole = np.full(where.size, np.nan)
-    whole[where] = values
-    return whole
+def _within_stated_errors(profile: Profile, made: Run, right: Reference) -> bool | None:
+    """Whether compliance and resistance are within the errors stated, None where none can be told."""
+    errors = (
+        metrics.deviation(made.compliance, right.compliance),
+        metrics.deviation(made.resistance, right.resistance),
+    )
+    stated = made.compliance_error, made.resistance_error
+    found = map(checks.within_stated_error, errors, stated, uncertainty(made, profile))
+    told = [each for each in found if each is not None]
+    return all(told) if told else None
 
 
-def _checked(
-    noise: Noise, profile: Profile, loads: Array, made: Run, compared: Mapping[str, Array]
+def _checked_curve(
+    noise: Noise, profile: Profile, p: Array, h: Array, R: Array, solution_error: float
 ) -> dict[str, Check]:
-    """The checks of a curve, those of its shape where there are two loads at least."""
-    found = {"one_curve": Check(not made.message), "without_warning": Check(not made.warned)}
-    solved = made.outcome == Outcome.finite
-    p, h, R = loads[solved], made.compliance[solved], made.resistance[solved]
-    if p.size == 0:
-        return found
-    total = profile.total_amplitude
-    found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, made.solution_error))
-    found["within_stated_error"] = Check.of(_within_stated_errors(profile, made, compared))
+    """The checks of a curve at the loads that were solved; those of its shape where there are two loads at least."""
+    found, total = {}, profile.total_amplitude
+    if p.size > 0:
+        found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, solution_error))
     if p.size > 1:
         found["monotone"] = Check(checks.monotone(h, noise.height * total))
         found["concave"] = Check(checks.concave(p, h, R, noise, total))
     return found
-
-
-def _within_stated_errors(profile: Profile, made: Run, compared: Mapping[str, Array]) -> bool | None:
-    """Whether compliance and resistance are within the errors stated, None where none can be told."""
-    h, R = uncertainty(made, profile)
-    found = [
-        checks.within_stated_error(compared["compliance_error"], made.compliance_error, h),
-        checks.within_stated_error(compared["resistance_error"], made.resistance_error, R),
-    ]
-    told = [each for each in found if each is not None]
-    return all(told) if told else None

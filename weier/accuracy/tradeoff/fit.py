@@ -33,17 +33,42 @@ class Constant(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """One method on one profile: its settings, the seconds for all loads, and contacts and errors at each load."""
+    """A method on one profile: its settings, the seconds for all loads, and contacts and errors at each load."""
 
     profile: Profile
+    settings: Mapping[str, Any]
     first_contact: float
-    settings: dict[str, Any]
     seconds: float
     points: float
     loads: Array
     contacts: Array
     compliance_error: Array
     resistance_error: Array
+
+    @property
+    def waves(self) -> int:
+        """Of the finest term, in one period."""
+        return self.profile.wavenumber[-1]
+
+
+class Term(NamedTuple):
+    """A constant, and what it stands before: in the largest error of a sample, or in its seconds.
+
+    For an error, `of` gives the error over what the constant is multiplied by; for seconds, that factor itself.
+    """
+
+    name: str
+    shipped: float
+    of: Callable[[Sample], float]
+
+
+class Fit(NamedTuple):
+    """The constants of a method, and which samples they are measured on; seconds count from those of a start."""
+
+    used: Callable[[Sample], bool]
+    errors: tuple[Term, ...]
+    seconds: tuple[Term, ...] = ()
+    start: float = 0.0
 
 
 def constants(data: xr.Dataset) -> list[Constant]:
@@ -54,120 +79,106 @@ def constants(data: xr.Dataset) -> list[Constant]:
     data : Dataset
         As `weier.accuracy.tradeoff.measure` returns it.
     """
-    return [constant for name, fit in FITS.items() for constant in fit(list(_samples(data, name)))]
+    found = []
+    for name, fit in FITS.items():
+        samples = [sample for sample in _samples(data, name) if fit.used(sample)]
+        found += [Constant(term.name, term.shipped, _largest(term, samples), True) for term in fit.errors]
+        fitted = zip(fit.seconds, _least_squares(fit, samples), strict=True)
+        found += [Constant(term.name, term.shipped, float(value), False) for term, value in fitted]
+    return found
 
 
 def _samples(data: xr.Dataset, method: str) -> Iterator[Sample]:
-    """All runs of a method that is listed."""
     errors = [by_load(data, quantity) for quantity in ("compliance", "resistance")]
     run = np.isfinite(data["seconds"].values) & (data["solution_method"].values == method)
     for case, variant in np.argwhere(run):
         one = data.isel(case=case, variant=variant)
-        yield Sample(
-            curves.profile(one),
-            float(one["first_contact"]),
-            all_settings(method_named(method), json.loads(one["settings"].item())),
-            float(one["seconds"]),
-            float(one["points"]),
-            one["mean_pressure"].values,
-            one["patch_count"].values,
-            *(error[case, variant] for error in errors),
-        )
+        settings = all_settings(method_named(method), json.loads(one["settings"].item()))
+        first_contact, seconds, points = (float(one[name]) for name in ("first_contact", "seconds", "points"))
+        arrays = one["mean_pressure"].values, one["patch_count"].values, *(error[case, variant] for error in errors)
+        yield Sample(curves.profile(one), settings, first_contact, seconds, points, *arrays)
 
 
-def _fit_boundary_elements(samples: Sequence[Sample]) -> list[Constant]:
-    """Of grids solved to the default residual, with the resistance."""
-    usual = all_settings(method_named("bem"), {})
-    grids = [each for each in samples if each.settings | {"points": None} == usual]
-    columns = []
-    for each in grids:
-        pairs = laws.fft_pairs(each.contacts)  # a start takes as long as START_LOADS of the heaviest loads
-        columns.append(
-            [each.loads.size + laws.START_LOADS, each.points * (pairs.sum() + laws.START_LOADS * pairs[-1])]
-        )
-    return [
-        _bound("BEM_COMPLIANCE", [each.compliance_error.max() / _unresolved(each) for each in grids]),
-        _bound("BEM_RESISTANCE", [_resistance_share(each) for each in grids]),
-        *_costs(
-            {"SECONDS_LOAD bem": laws.SECONDS_LOAD["bem"], "SECONDS_NODE bem": laws.SECONDS_NODE["bem"]},
-            columns,
-            [each.seconds - laws.SECONDS_START["bem"] for each in grids],
-        ),
-    ]
+def _largest(term: Term, samples: Sequence[Sample]) -> float:
+    return float(max(0.0, *np.nan_to_num([term.of(sample) for sample in samples]))) if samples else np.nan
 
 
-def _unresolved(grid: Sample) -> float:
-    return laws.unresolved(grid.profile) * (grid.profile.wavenumber[-1] / grid.points) ** 2
+def _least_squares(fit: Fit, samples: Sequence[Sample]) -> Array:
+    """The constants of seconds, none negative, that leave the least squares of the relative misfit."""
+    if not (samples and fit.seconds):
+        return np.full(len(fit.seconds), np.nan)
+    seconds = np.array([sample.seconds - fit.start for sample in samples])
+    factors = np.array([[term.of(sample) for term in fit.seconds] for sample in samples])
+    return np.asarray(nnls(factors / seconds[:, None], np.ones(seconds.size))[0])
 
 
-def _resistance_share(grid: Sample) -> float:
-    """Error of a resistance times points/waves, at the loads for which there is an error model."""
-    modelled = grid.loads >= laws.bem_light_load(grid.profile, int(grid.points))
-    return float(grid.resistance_error[modelled].max(initial=0.0)) * grid.points / grid.profile.wavenumber[-1]
+def _is_default(method: str, but: str = "") -> Callable[[Sample], bool]:
+    """Whether a sample of a method has its default settings, all or all but one."""
+
+    def used(sample: Sample) -> bool:
+        default = all_settings(method_named(method), {})
+        return all(name == but or sample.settings[name] == value for name, value in default.items())
+
+    return used
 
 
-def _fit_contact_patches(samples: Sequence[Sample]) -> list[Constant]:
-    """At the tolerances that a plan may choose."""
-    planned = [each for each in samples if each.settings["tolerance"] in laws.PATCHES_TOLERANCES]
-    columns = [
-        [each.loads.size, each.loads.size * each.profile.wavenumber[-1], np.sum(each.contacts**laws.CONTACT_POWER)]
-        for each in planned
-    ]
-    shipped = {
-        "SECONDS_LOAD patches": laws.SECONDS_LOAD["patches"],
-        "SECONDS_WAVE": laws.SECONDS_WAVE,
-        "SECONDS_CONTACT": laws.SECONDS_CONTACT,
-    }
-    return [
-        _bound("PATCHES_COMPLIANCE", [_in_tolerances(each.compliance_error, each) for each in planned]),
-        _bound("PATCHES_RESISTANCE", [_in_tolerances(each.resistance_error, each) for each in planned]),
-        *_costs(shipped, columns, [each.seconds - laws.SECONDS_START["patches"] for each in planned]),
-    ]
+def _grid_compliance(sample: Sample) -> float:
+    missed = laws.unresolved(sample.profile) * (sample.waves / sample.points) ** 2
+    return float(sample.compliance_error.max() / missed)
 
 
-def _in_tolerances(error: Array, each: Sample) -> float:
+def _grid_resistance(sample: Sample) -> float:
+    """At the loads for which there is an error model."""
+    modelled = sample.loads >= laws.bem_light_load(sample.profile, int(sample.points))
+    return float(sample.resistance_error[modelled].max(initial=0.0)) * sample.points / sample.waves
+
+
+def _grid_nodes(sample: Sample) -> float:
+    """Nodes times pairs of FFTs; a start takes as long as so many of the heaviest loads."""
+    pairs = laws.fft_pairs(sample.contacts)
+    return float(sample.points * (pairs.sum() + laws.START_LOADS * pairs[-1]))
+
+
+def _in_tolerances(error: Array, sample: Sample) -> float:
     """The largest error beyond rounding, over the tolerance."""
-    return float((error.max() - laws.ROUNDING) / each.settings["tolerance"])
+    return float((error.max() - laws.ROUNDING) / sample.settings["tolerance"])
 
 
-def _fit_layer(samples: Sequence[Sample]) -> list[Constant]:
-    """At the default settings."""
-    usual = all_settings(method_named("layer"), {})
-    return [_bound("LAYER", [_share(each) for each in samples if each.settings == usual and each.profile.m > 1])]
-
-
-def _fit_demelio(samples: Sequence[Sample]) -> list[Constant]:
-    return [_bound("DEMELIO", [_share(each) for each in samples if each.profile.m > 1])]
-
-
-def _share(each: Sample) -> float:
+def _estimate(sample: Sample) -> float:
     """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
-    light = each.compliance_error / laws.unflattened(each.loads, laws.CROWDED, each.profile.D)
-    beyond = light[light > each.first_contact]
-    return float(beyond.max(initial=0.0)) / (each.profile.total_amplitude - 1)
+    if sample.profile.m == 1:
+        return 0.0
+    light = sample.compliance_error / laws.unflattened(sample.loads, laws.CROWDED, sample.profile.D)
+    beyond = light[light > sample.first_contact]
+    return float(beyond.max(initial=0.0)) / (sample.profile.total_amplitude - 1)
 
 
-def _bound(name: str, values: Sequence[float]) -> Constant:
-    measured = float(max(0.0, *np.nan_to_num(values))) if values else np.nan
-    return Constant(name, getattr(laws, name), measured, True)
-
-
-def _costs(
-    shipped: Mapping[str, float], columns: Sequence[Sequence[float]], seconds: Sequence[float]
-) -> list[Constant]:
-    """Factors of these columns, none negative, that leave the least squares of the relative misfit."""
-    known = np.array(seconds)
-    factors = nnls(np.array(columns) / known[:, None], np.ones(known.size))[0] if columns else [np.nan] * len(shipped)
-    return [
-        Constant(name, value, float(factor), False)
-        for (name, value), factor in zip(shipped.items(), factors, strict=True)
-    ]
-
-
-# What the trade tells of a method's constants: their names, and how they follow from the runs of that method.
-FITS: dict[str, Callable[[Sequence[Sample]], list[Constant]]] = {
-    "bem": _fit_boundary_elements,
-    "patches": _fit_contact_patches,
-    "layer": _fit_layer,
-    "demelio": _fit_demelio,
+FITS = {
+    "bem": Fit(
+        _is_default("bem", but="points"),
+        (
+            Term("BEM_COMPLIANCE", laws.BEM_COMPLIANCE, _grid_compliance),
+            Term("BEM_RESISTANCE", laws.BEM_RESISTANCE, _grid_resistance),
+        ),
+        (
+            Term("SECONDS_LOAD bem", laws.SECONDS_LOAD["bem"], lambda sample: sample.loads.size + laws.START_LOADS),
+            Term("SECONDS_NODE bem", laws.SECONDS_NODE["bem"], _grid_nodes),
+        ),
+        laws.SECONDS_START["bem"],
+    ),
+    "patches": Fit(
+        lambda sample: sample.settings["tolerance"] in laws.PATCHES_TOLERANCES,
+        (
+            Term("PATCHES_COMPLIANCE", laws.PATCHES_COMPLIANCE, lambda s: _in_tolerances(s.compliance_error, s)),
+            Term("PATCHES_RESISTANCE", laws.PATCHES_RESISTANCE, lambda s: _in_tolerances(s.resistance_error, s)),
+        ),
+        (
+            Term("SECONDS_LOAD patches", laws.SECONDS_LOAD["patches"], lambda sample: sample.loads.size),
+            Term("SECONDS_WAVE", laws.SECONDS_WAVE, lambda sample: sample.loads.size * sample.waves),
+            Term("SECONDS_CONTACT", laws.SECONDS_CONTACT, lambda s: float(np.sum(s.contacts**laws.CONTACT_POWER))),
+        ),
+        laws.SECONDS_START["patches"],
+    ),
+    "layer": Fit(_is_default("layer"), (Term("LAYER", laws.LAYER, _estimate),)),
+    "demelio": Fit(_is_default("demelio"), (Term("DEMELIO", laws.DEMELIO, _estimate),)),
 }
