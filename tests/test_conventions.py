@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.trade import measured_trade
+from tests.trade import small_trade
 from weier import scene
 from weier.accuracy.convergence import convergence
 from weier.data import dataset, provenance, variables
@@ -69,7 +69,7 @@ def folder(tmp_path_factory):
     profiles = [case.profile for case in loaded.studies["waves"]]
     infinite = convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
     dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
-    dataset.write(measured_trade(folder, TRADE, 100), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
+    dataset.write(small_trade(folder, TRADE, 100), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder
 
 

@@ -19,7 +19,7 @@ studies:
 """
 
 
-def measured_trade(folder, text=SCENE, max_points=600):
+def small_trade(folder, text=SCENE, max_points=600):
     """The trade of a scene, on grids of no more points than this."""
     (folder / "small.yaml").write_text(text, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:

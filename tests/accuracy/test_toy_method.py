@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.toy import FIRST_WAVE
-from tests.trade import measured_trade
+from tests.trade import small_trade
 from weier import Profile, figures
 from weier.accuracy import extremes, tradeoff
 from weier.accuracy.comparison import Comparison
@@ -25,7 +25,7 @@ def listed(monkeypatch):
 
 
 def test_the_trade_measures_all_its_variants(tmp_path):
-    data = measured_trade(tmp_path, max_points=100)
+    data = small_trade(tmp_path, max_points=100)
     mine = data.isel(variant=data["solution_method"].values == FIRST_WAVE.name)
     assert mine["variant"].values.tolist() == ["first wave 0.5", "first wave 0.9"]
     one = mine.isel(case=0).sel(variant="first wave 0.9")

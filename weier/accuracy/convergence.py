@@ -57,7 +57,7 @@ def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, max_terms
             data[name].values[case] = value
         data["phase"].values[case] = profile.truncated(max_terms).phase
         for terms in range(1, max_terms + 1):
-            for name, value in _resolved(profile, loads, terms).items():
+            for name, value in _solve(profile, loads, terms).items():
                 data[name].values[case, terms - 1] = value
     return data
 
@@ -70,7 +70,7 @@ def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
     return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))
 
 
-def _resolved(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
+def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     """The estimate with its bounds, or the bounds alone where there are too many points for it."""
     points = POINTS_PER_WAVE * profile.truncated(terms).wavenumber[-1]
     try:

@@ -40,14 +40,14 @@ def reference(method: Method, profile: Profile, loads: Array, made: Run) -> Refe
     """
     h, R = [np.full(loads.size, mp.nan, object) for _ in range(2)]
     solved = made.outcome == Outcome.finite
-    known = _known(method, profile, loads[solved], made) if solved.any() else None
+    known = _look_up(method, profile, loads[solved], made) if solved.any() else None
     if known is None:
         return Reference(h, R, "")
     h[solved], R[solved] = known.compliance, known.resistance
     return Reference(h, R, known.source)
 
 
-def _known(method: Method, profile: Profile, loads: Array, made: Run) -> Reference | None:
+def _look_up(method: Method, profile: Profile, loads: Array, made: Run) -> Reference | None:
     if profile.m != 1 and method.reference is not None:
         with suppress(ConvergenceError):
             return method.reference(profile, loads)
@@ -68,7 +68,7 @@ def exact_contact(profile: Profile, loads: tuple[float, ...]) -> Reference:
     """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
     if profile.m == 1:
         return multiprecision.reference(map(multiprecision.westergaard, loads))
-    found = attempt(TIGHTEST, _shifted(profile), np.array(loads))
+    found = attempt(TIGHTEST, _shift(profile), np.array(loads))
     pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]
     full_contact, touch = _full_contact_load(profile) * AT_FULL_CONTACT, _single_crest(profile)
     for i, load in enumerate(loads):
@@ -129,7 +129,7 @@ def _total(profile: Profile) -> mp.mpf:
         return mp.fsum(falls**n for n in range(profile.terms))
 
 
-def _shifted(profile: Profile) -> Profile:
+def _shift(profile: Profile) -> Profile:
     """The same profile, begun at another place: the same curves by other numbers."""
     cycles = SHIFT * np.array(profile.wavenumber, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

@@ -91,7 +91,7 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
         together = _attempt(variant, profile, loads)
         if together.message and loads.size > 1:
             parts = [_attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
-            together = _joined(parts)._replace(message=together.message)
+            together = _join(parts)._replace(message=together.message)
     return together._replace(warned=tuple(dict.fromkeys(str(warning.message) for warning in caught)))
 
 
@@ -105,7 +105,7 @@ def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
         return Run(none, none, none, none, 0.0, outcomes, message=_description(error))
 
 
-def _joined(parts: list[Run]) -> Run:
+def _join(parts: list[Run]) -> Run:
     """Runs of single loads as one, without what else they returned."""
     h, R, h_error, R_error, known, outcome, *_ = zip(*parts, strict=True)
     h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))

@@ -21,7 +21,7 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 
     On the profiles of a scene.
     """
-    from weier.accuracy import tradeoff as trade  # scipy.optimize, which only this command needs
+    from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
 
     loaded = scene.load(scene_file)
     data = trade.measure(loaded)
@@ -53,7 +53,7 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 @output("table")
 def extremes(path: Path, table: Path) -> None:
     """Examine every method where digits are lost."""
-    from weier.accuracy import extremes as report  # mpmath, which only this command needs
+    from weier.accuracy import extremes as report  # as in tradeoff
 
     title = "Stability at the extremes"
     data = report.measure()

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from weier.figures import style
 from weier.pipeline import curves
@@ -24,7 +25,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         If fewer than two numbers of terms were resolved.
 
     """
-    cases = [case for case in curves.cases(studies) if _estimated(case).size > 1]
+    cases = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
     if not cases:
         raise ValueError("there are no estimates to compare in these data: resolve more terms")
     figure, axes = style.column(2 * len(cases))
@@ -37,7 +38,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def _estimated(case: xr.Dataset) -> np.ndarray:
+def _rows_of_estimates(case: xr.Dataset) -> np.ndarray:
     """Rows that have an estimate."""
     return np.flatnonzero(np.isfinite(case["compliance"].values).all(axis=1))
 
@@ -46,7 +47,7 @@ def _curves(axes: Axes, case: xr.Dataset) -> None:
     loads, h, terms = (case[name].values for name in ("mean_pressure", "compliance", "resolved_terms"))
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     axes.fill_between(loads, np.fmax.reduce(low), np.fmin.reduce(high), label="bounds", **style.BOUND)
-    last = _estimated(case)[-1]
+    last = _rows_of_estimates(case)[-1]
     rows = [*(row for row in range(last) if terms[row] in COUNTS), last]
     for look, row in zip(style.family(len(rows)), rows, strict=True):
         axes.plot(loads, h[row], label=f"{terms[row]} resolved", **look)
@@ -56,7 +57,7 @@ def _curves(axes: Axes, case: xr.Dataset) -> None:
 
 def _convergence(axes: Axes, case: xr.Dataset) -> None:
     """Half the width of the bounds, and how far the estimates are from the last, or from bounds that go further."""
-    h, terms, estimated = case["compliance"].values, case["resolved_terms"].values, _estimated(case)
+    h, terms, estimated = case["compliance"].values, case["resolved_terms"].values, _rows_of_estimates(case)
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
     width = (high - low)[bounded].max(axis=1) / 2
@@ -69,5 +70,6 @@ def _convergence(axes: Axes, case: xr.Dataset) -> None:
     label = f"estimate: distance from {name}"
     axes.plot(terms[compared], deviation, label=label, color=style.GREEN, marker="o", linestyle=style.DASHES[1])
     floor = min(deviation.min(), width.min()) / 10  # leaves space for the legend
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set(yscale="log", ylim=(floor, None), xlabel="resolved terms $k$", ylabel=r"error of $h/g_0$")
     axes.legend(loc="lower left")

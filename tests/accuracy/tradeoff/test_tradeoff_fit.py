@@ -2,14 +2,14 @@
 
 import pytest
 
-from tests.trade import measured_trade
+from tests.trade import small_trade
 from weier.accuracy.tradeoff.fit import constants
 from weier.methods import laws
 
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
-    return measured_trade(tmp_path_factory.mktemp("scene"))
+    return small_trade(tmp_path_factory.mktemp("scene"))
 
 
 def test_shipped_constants_bound_what_is_measured(measured):

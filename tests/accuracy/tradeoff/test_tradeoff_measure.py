@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.trade import measured_trade
+from tests.trade import small_trade
 from weier import Profile, figures
 from weier.accuracy import runner, tradeoff
 from weier.accuracy.metrics import seconds_per_load, worst_over_loads
@@ -17,7 +17,7 @@ PATCHES = [f"patches {tolerance:.0e}" for tolerance in (1e-6, 1e-8, 1e-10, 1e-12
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
-    return measured_trade(tmp_path_factory.mktemp("scene"))
+    return small_trade(tmp_path_factory.mktemp("scene"))
 
 
 def error(measured, name, case=1, quantity="compliance"):
@@ -83,7 +83,7 @@ def test_a_solver_that_misses_its_tolerance_has_a_status(monkeypatch, tmp_path):
 
     answer = runner.answer
     monkeypatch.setattr(runner, "answer", stop)
-    data = measured_trade(tmp_path, max_points=50)
+    data = small_trade(tmp_path, max_points=50)
     stopped = (data["solution_method"] == "bem").values
     assert np.isin(
         data["status"].values[:, stopped], [dataset.Status.not_converged, dataset.Status.not_requested]

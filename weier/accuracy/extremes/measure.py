@@ -85,7 +85,7 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
         "one_curve": Check(not made.message),
         "without_warning": Check(not made.warned),
         "within_stated_error": Check.of(_within_stated_errors(profile, made, right)),
-        **_checked_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], made.solution_error),
+        **_check_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], made.solution_error),
     }
 
 
@@ -101,7 +101,7 @@ def _within_stated_errors(profile: Profile, made: Run, right: Reference) -> bool
     return all(told) if told else None
 
 
-def _checked_curve(
+def _check_curve(
     noise: Noise, profile: Profile, p: Array, h: Array, R: Array, solution_error: float
 ) -> dict[str, Check]:
     """The checks of a curve at the loads that were solved; those of its shape where there are two loads at least."""
