@@ -1,6 +1,6 @@
 """What a plan by load saves over the best single way for all loads: `python -m benchmarks.by_load`.
 
-Both in the same run, by processor time; "one way" is the cheapest plan of a single part below full contact.
+Both in the same run, by processor time; "one method" is the cheapest plan of a single segment below full contact.
 """
 
 from __future__ import annotations
@@ -10,12 +10,13 @@ from time import process_time
 
 import numpy as np
 
-from weier import Profile, random_phases
+from weier import Profile, plan, random_phases
 from weier.methods.errors import OutOfReachError
-from weier.methods.planned import curve as planned
-from weier.methods.planned.candidates import ways
-from weier.methods.planned.plan import cheapest, plan
-from weier.methods.planned.segment import Part
+from weier.methods.planned import solver
+from weier.methods.planned.candidates import FULL_CONTACT, candidates
+from weier.methods.planned.plan import cheapest
+from weier.methods.registry import METHODS
+from weier.methods.segment import Segment
 
 LOADS = np.geomspace(1e-3, 10, 40)
 CASES = (
@@ -34,17 +35,17 @@ CASES = (
 
 def main() -> None:
     """Print both times of each case, and their ratio."""
-    print("| profile | quantity | tolerance | by load | seconds | one way | seconds | ratio |")
+    print("| profile | quantity | tolerance | by load | seconds | one method | seconds | ratio |")
     print("|---|---|---|---|---|---|---|---|")
     for profile, quantity, tolerance in CASES:
-        by_load, alone = plan(profile, LOADS, tolerance, quantity).parts, one_way(profile, quantity, tolerance)
+        by_load, alone = plan(profile, LOADS, tolerance, quantity).segments, one_method(profile, quantity, tolerance)
         took, single = seconds(profile, by_load), seconds(profile, alone)
         what = f"{profile.describe()} | {quantity} | {tolerance:g}"
         print(f"| {what} | {names(by_load)} | {took:.3g} | {names(alone)} | {single:.3g} | {single / took:.2g} |")
 
 
-def one_way(profile: Profile, quantity: str, tolerance: float) -> tuple[Part, ...]:
-    """The cheapest of the ways that do for all loads alone, but for full contact.
+def one_method(profile: Profile, quantity: str, tolerance: float) -> tuple[Segment, ...]:
+    """The cheapest of the offers that do for all loads alone, but for full contact.
 
     Raises
     ------
@@ -52,31 +53,31 @@ def one_way(profile: Profile, quantity: str, tolerance: float) -> tuple[Part, ..
         If none does.
     """
     flat, others = [], []
-    for way in ways(profile, LOADS, tolerance, quantity):
-        (flat if way.method == "full contact" and way.terms == profile.m else others).append(way)
+    for offer in candidates(profile, LOADS, tolerance, quantity, METHODS):
+        (flat if offer.method == FULL_CONTACT and offer.terms == profile.m else others).append(offer)
     plans = []
-    for way in others:
-        pair = [way, *flat]
+    for offer in others:
+        pair = [offer, *flat]
         if np.all(np.any([each.error <= tolerance for each in pair], axis=0)):
             plans.append(cheapest(pair, tolerance))
     if not plans:
-        raise OutOfReachError(f"no single way reaches {tolerance:g} for {profile.describe()}")
-    return min(plans, key=lambda parts: sum(part.seconds for part in parts))
+        raise OutOfReachError(f"no single method reaches {tolerance:g} for {profile.describe()}")
+    return min(plans, key=lambda segments: sum(segment.seconds for segment in segments))
 
 
-def seconds(profile: Profile, parts: tuple[Part, ...]) -> float:
+def seconds(profile: Profile, segments: tuple[Segment, ...]) -> float:
     """The least of two runs."""
     least = math.inf
     for _ in range(2):
         start = process_time()
-        planned.run(profile, parts)
+        solver.run(profile, segments)
         least = min(least, process_time() - start)
     return least
 
 
-def names(parts: tuple[Part, ...]) -> str:
-    """Loads and methods of parts."""
-    return ", ".join(f"{part.mean_pressure.size} {part.method}" for part in parts)
+def names(segments: tuple[Segment, ...]) -> str:
+    """Loads and methods of segments."""
+    return ", ".join(f"{segment.mean_pressure.size} {segment.method}" for segment in segments)
 
 
 if __name__ == "__main__":

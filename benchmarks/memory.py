@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from weier import Profile, random_phases
-from weier.methods import bem, laws, patches
+from weier.methods import bem, patches
 from weier.methods import hybrid as endless
 
 UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
@@ -27,17 +27,18 @@ def main() -> None:
     """Print bytes a node, and dense matrices in copies."""
     for points in NODES:
         used, _ = _measured(_grid, points)
-        print(f"bem, {points} nodes: {used / points:.0f} bytes a node; the law has {laws.BYTES_NODE['bem']}")
+        print(f"bem, {points} nodes: {used / points:.0f} bytes a node; the model has {bem.error_model.BYTES_NODE}")
     for terms in RESOLVED:
         used, points = _measured(_on_layer, terms)
         print(
-            f"endless, {points:g} nodes: {used / points:.0f} bytes a node; the law has {laws.BYTES_NODE['endless']}"
+            f"hybrid, {points:g} nodes: {used / points:.0f} bytes a node; the model has "
+            f"{endless.error_model.BYTES_NODE}"
         )
     for terms in TERMS:
         used, contacts = _measured(_exact, terms)
         print(
             f"patches, {2 ** (terms - 1)} waves, {contacts:g} contacts: {used / 1e6:.2g} MB; "
-            f"the law has {laws.patches_bytes(2 ** (terms - 1), contacts) / 1e6:.2g} MB"
+            f"the model has {patches.error_model.memory(2 ** (terms - 1), contacts) / 1e6:.2g} MB"
         )
 
 

@@ -10,13 +10,13 @@ import sys
 
 import numpy as np
 
-from benchmarks.verify import Verified, verify, verify_endless
+from tests.verification import Verified, verify, verify_infinite
 
 
 def main() -> None:
     """Print each curve that misses what it expects, and how much too wide the others are."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    for what, found in (("finite", list(verify(count))), ("endless", list(verify_endless(count // 5)))):
+    for what, found in (("finite", list(verify(count))), ("endless", list(verify_infinite(count // 5)))):
         for each in found:
             if not each.inside or not each.kept:
                 print("missed:", each)

@@ -2,13 +2,18 @@
 from functools import cache
 from pathlib import Path
 
-from weier.data import dataset
 from weier import scene as scenes
+from weier.data import dataset
+from weier.figures import check_kinds
+from weier.pipeline.claims import check_names
 
 
 @cache
 def scene(name):
-    return scenes.named(name)
+    loaded = scenes.named(name)
+    check_kinds(loaded)
+    check_names(loaded)
+    return loaded
 
 
 def studies(wanted):

@@ -93,7 +93,7 @@ def test_figures_and_captions_of_the_scene_are_there(site):
 
 
 def test_pictures_have_words_and_numbers_stay_whole(site):
-    assert 'alt="Figure 1: The profiles over two of their longest waves"' in page(site, "gallery")
+    assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in page(site, "gallery")
     assert re.search(r'<td class="number"><p>6\.7e-04</p></td>', page(site, "benchmark"))
     assert re.search(r"<td><p>tamaas</p></td>", page(site, "benchmark"))
 

@@ -7,7 +7,7 @@ import pytest
 
 from weier import Profile, figures, random_phases
 from weier.accuracy import convergence as study
-from weier.methods import bem, laws
+from weier.methods import bem
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, np.inf, random_phases(2))
@@ -21,7 +21,7 @@ def convergence():
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
     h = convergence["compliance"].values
     low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
-    mesh = laws.BEM_COMPLIANCE / 32**2  # of the estimate's grid, in g_0
+    mesh = bem.error_model.COMPLIANCE / 32**2  # of the estimate's grid, in g_0
     assert np.all((low - mesh <= h) & (h <= high + mesh))
     # The last estimate lies within the bounds of every shorter series: they are about the same infinite one.
     assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
@@ -42,8 +42,8 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
 
 def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
-    monkeypatch.setattr(study, "MOST_POINTS", 300)
-    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MOST_BOUND_POINTS", 2000)
+    monkeypatch.setattr(study, "MAX_POINTS", 300)
+    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
     data = study.convergence([Profile(1.25, 5, np.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]

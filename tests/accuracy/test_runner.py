@@ -5,13 +5,28 @@ import warnings
 import numpy as np
 import pytest
 
-from tests.toy import FIRST_WAVE, raising, solve_first_wave
 from weier import Profile
 from weier.accuracy.runner import MAX_REPEATED, REPEAT, Outcome, attempt, fastest_run, run
 from weier.methods import registry, westergaard
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Estimate, Method, Variant
 
+
+def solve_first_wave(profile, loads, factor: float = 1.0):
+    """The compliance of the first wave alone, times a factor."""
+    return Estimate(factor * westergaard.compliance(loads), factor * westergaard.resistance(loads))
+
+
+def raising(error):
+    """A method that raises an error."""
+
+    def solve(profile, loads):
+        raise error
+
+    return Method("raising", "raising", "raises an error", solve)
+
+
+FIRST_WAVE = Method("first wave", "first wave", "the first wave alone", solve_first_wave)
 ONE, LOADS = Profile(1.25, 5, 1), np.array([1e-3, 0.1, 1.0])
 
 

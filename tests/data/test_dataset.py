@@ -10,7 +10,7 @@ import xarray as xr
 from weier import Profile, scene
 from weier.data import dataset
 from weier.data.dataset import Status
-from weier.methods import laws, patches
+from weier.methods import patches
 from weier.pipeline import batch
 from weier.pipeline import gather as study
 
@@ -117,7 +117,7 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
 def test_bounds_stand_around_the_exact_methods_only(waves):
     bem = waves.sel(solution_method="bem").isel(case=[0, 1])
     # At most: 64 nodes a wave miss 5 g_n (waves_n/points)^2 of each, and the residual is 1e-10.
-    mesh = laws.BEM_COMPLIANCE * bem.total_amplitude / 64**2 + 1e-9
+    mesh = bem.error_model.COMPLIANCE * bem.total_amplitude / 64**2 + 1e-9
     assert np.all((bem.compliance_lower <= bem.compliance) & (bem.compliance - mesh <= bem.compliance_lower))
     full = bem.total_amplitude + bem.tail_amplitude
     widest = np.minimum(bem.compliance + 2 * bem.tail_amplitude + mesh, full)

@@ -1,10 +1,15 @@
-"""Figures: the same bytes for the same data, from whatever a scene's studies hold or lack."""
+"""Figures: the same data give the same bytes, and studies that lack some curves can be drawn, too."""
 
 from __future__ import annotations
 
-import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import matplotlib
 import numpy as np
@@ -16,9 +21,12 @@ from weier import figures, scene
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.figures import style, truncated_compliance
-from weier.figures.captions import CAPTIONS, caption
+from weier.figures.captions import caption
+from weier.methods import registry
+from weier.methods.method import Style
 from weier.pipeline import batch, curves
 from weier.pipeline import gather as study
+from weier.scene import Scene, SceneError
 
 SCENE = """
 title: Small
@@ -33,6 +41,7 @@ studies:
     product: {D: 1.5, gamma: "5/2", m: 2, phase: 1.0}
 """
 FORMATS = ("pdf", "svg", "png")
+OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
 
 
 @pytest.fixture(scope="module")
@@ -43,16 +52,16 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     parts = {folder / f"{name}.nc": batch.solve_batch(loaded, cases)[0] for name, cases in loaded.batches.items()}
     for path, data in parts.items():
         dataset.write(data, path, "small")
-    found = {}
+    gathered = {}
     for name, cases in loaded.studies.items():
         keys = [case.key for case in cases]
         study.gather(list(parts), keys, folder / "study.nc", name, change=study.add_bounds)
-        found[name] = dataset.read(folder / "study.nc")
-    return found
+        gathered[name] = dataset.read(folder / "study.nc")
+    return gathered
 
 
-def endless_many(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.Dataset:
-    """Smooth curves of more cases than have panels: m up to 8 and infinite, a method unsolved, one unknown."""
+def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.Dataset:
+    """Smooth curves of more cases than have panels: m up to 8 and infinite, the first of them without archard."""
     loads = np.geomspace(0.01, 10, 7)
     data = dataset.blank(9, methods, loads, 8, edges=4)
     data["contact_edge"].values[3, :-1, :2] = 0.1, 1.2  # over the end of the period; the last load is full contact
@@ -68,22 +77,22 @@ def endless_many(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr
     return data
 
 
-def drawn(kind: str, given: list[xr.Dataset], folder: Path) -> list[bytes]:
+def file_bytes(kind: str, given: list[xr.Dataset], folder: Path) -> list[bytes]:
     figures.draw(kind, given, "A title", folder / "figure.pdf")
     return [(folder / f"figure.{suffix}").read_bytes() for suffix in FORMATS]
 
 
 def sketch(kind: str, given: list[xr.Dataset]) -> Figure:
-    """A figure laid out but not saved; whatever goes wrong in drawing goes wrong here."""
+    """A figure that is laid out but not saved."""
     figure: Figure = import_module(f"weier.figures.{kind}").draw(given, "")
     figure.draw_without_rendering()
     return figure
 
 
-@pytest.mark.parametrize("kind", figures.KINDS)
+@pytest.mark.parametrize("kind", OF_STUDIES)
 def test_same_data_same_bytes(kind: str, studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
-    first = drawn(kind, [studies["one"]], tmp_path)
-    assert first == drawn(kind, [studies["one"]], tmp_path)
+    first = file_bytes(kind, [studies["one"]], tmp_path)
+    assert first == file_bytes(kind, [studies["one"]], tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["figure.pdf", "figure.png", "figure.svg"]
     assert first[0].startswith(b"%PDF")
     assert b"<svg" in first[1]
@@ -92,17 +101,17 @@ def test_same_data_same_bytes(kind: str, studies: dict[str, xr.Dataset], tmp_pat
     assert b"dc:date" not in first[1]
 
 
-@pytest.mark.parametrize("kind", figures.KINDS)
+@pytest.mark.parametrize("kind", OF_STUDIES)
 def test_several_studies(kind: str, studies: dict[str, xr.Dataset]) -> None:
     assert sketch(kind, list(studies.values())).axes
 
 
-@pytest.mark.parametrize("kind", figures.KINDS)
+@pytest.mark.parametrize("kind", OF_STUDIES)
 def test_many_cases_with_holes(kind: str) -> None:
-    sketch(kind, [endless_many()])
+    sketch(kind, [many_cases()])
 
 
-@pytest.mark.parametrize("kind", [kind for kind in figures.KINDS if kind not in ("borodich_galanov", "profiles")])
+@pytest.mark.parametrize("kind", [kind for kind in OF_STUDIES if kind not in ("borodich_galanov", "profiles")])
 def test_nothing_to_draw(kind: str, tmp_path: Path) -> None:
     empty = dataset.blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
     with pytest.raises(ValueError, match="there are no "):
@@ -110,9 +119,9 @@ def test_nothing_to_draw(kind: str, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_endless_series_has_no_profile(tmp_path: Path) -> None:
+def test_the_infinite_series_has_no_profile(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no profiles"):
-        figures.draw("profiles", [endless_many().isel(case=[8])], "", tmp_path / "figure.pdf")
+        figures.draw("profiles", [many_cases().isel(case=[8])], "", tmp_path / "figure.pdf")
 
 
 @pytest.mark.parametrize(
@@ -127,13 +136,89 @@ def test_unknown_kind(tmp_path: Path) -> None:
         figures.draw("style", [], "", tmp_path / "figure.pdf")
 
 
-def test_kinds_are_the_modules() -> None:
-    modules = {path.stem for path in Path(figures.__file__).parent.glob("*.py")}
-    assert modules - {*figures.KINDS, *figures.MEASURES} == {"__init__", "captions", "methods", "style", "truncation"}
+def test_every_module_that_draws_is_a_kind() -> None:
+    modules = [path.stem for path in Path(figures.__file__).parent.glob("*.py") if path.stem != "__init__"]
+    draws = {name for name in modules if hasattr(import_module(f"weier.figures.{name}"), "draw")}
+    assert set(figures.kinds()) == draws > set(OF_STUDIES) > {"compliance", "profiles"}
 
 
-def test_every_kind_has_a_caption() -> None:
-    assert set(CAPTIONS) == {*figures.KINDS, *figures.MEASURES}
+def test_listing_the_kinds_imports_no_matplotlib() -> None:
+    code = "import sys, weier.figures; print(len(weier.figures.kinds()), 'matplotlib' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(len(figures.kinds())), "False"]
+
+
+def scene_that_draws(kind: str) -> Scene:
+    figure = scene.Figure(kind, (), "")
+    return cast(Scene, SimpleNamespace(name="test", figures={"one": scene.Figure("profiles", (), ""), "two": figure}))
+
+
+@pytest.mark.parametrize("kind", ["complience", "style", "", *set(figures.kinds()).difference(OF_STUDIES)])
+def test_a_scene_draws_only_figures_of_studies(kind: str) -> None:
+    with pytest.raises(
+        SceneError, match=rf"scene test: figures\.two\.draw: .*{kind!r}.*: choose from .*phases, profiles"
+    ):
+        figures.check_kinds(scene_that_draws(kind))
+
+
+def test_a_scene_may_draw_all_figures_of_studies() -> None:
+    for kind in OF_STUDIES:
+        figures.check_kinds(scene_that_draws(kind))
+
+
+TOY = """
+from weier.figures import style
+from weier.pipeline import curves
+
+CAPTION = "The load of full contact. It grows with roughness."
+
+
+def draw(studies, title):
+    figure, (axes,) = style.column(1)
+    axes.plot([curves.full_contact_load([case]) for case in curves.cases(studies)], marker="o")
+    style.set_title(figure, title)
+    return figure
+"""
+
+
+@pytest.fixture
+def toy_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A kind of figure whose module is the only thing that is added."""
+    name = "full_contact_load"
+    (tmp_path / "more").mkdir()
+    (tmp_path / "more" / f"{name}.py").write_text(TOY)
+    monkeypatch.setattr(figures, "__path__", [*figures.__path__, str(tmp_path / "more")])
+    yield name
+    sys.modules.pop(f"weier.figures.{name}", None)
+    vars(figures).pop(name, None)
+
+
+def test_a_new_figure_is_one_module(toy_figure: str, studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
+    (tmp_path / "toy.yaml").write_text(SCENE)
+    loaded = replace(scene.load(tmp_path / "toy.yaml"), figures={"fig": scene.Figure(toy_figure, ("one",), "Loads")})
+    figures.check_kinds(loaded)
+    figures.draw(toy_figure, [studies["one"]], "Loads", tmp_path / "figure.pdf")
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+    assert caption(loaded, "fig") == (
+        "Fig", "Loads. The load of full contact. It grows with roughness.", "Fig: The load of full contact"
+    )  # fmt: skip
+
+
+def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing but the list of methods is changed; a second numerical method more accurate than all is the line."""
+    toy = replace(registry.METHODS[1], name="new", label="new estimate", style=Style("#123456", (7, 3), "p"))
+    monkeypatch.setattr(registry, "METHODS", (toy, *registry.METHODS))
+    (axes,) = sketch("compliance", [many_cases().isel(case=[3])]).axes
+    line = axes.get_lines()[0]
+    assert (line.get_label(), line.get_color()) == ("new estimate", "#123456")
+    assert style.line("new")["linestyle"] == (0, (7, 3))
+    assert [each.get_label() for each in axes.get_lines()] == ["new estimate", "Archard", "contact patches"]
+
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[1:], replace(toy, numerical=True)))
+    (axes,) = sketch("compliance", [many_cases().isel(case=[3])]).axes
+    looks = {line.get_label(): (line.get_linestyle(), line.get_marker()) for line in axes.get_lines()}
+    patches = registry.method_named("patches").style.marker
+    assert looks == {"Archard": ("--", "None"), "new estimate": ("--", "None"), "contact patches": ("None", patches)}
 
 
 CAPTIONED = """
@@ -144,31 +229,39 @@ studies:
   bare: {product: {D: 1.5, gamma: 5, m: 2}}
   elements: {product: {D: 1.5, gamma: 5, m: 2}, methods: [layer, bem]}
   both: {product: {D: 1.5, gamma: 5, m: 2}, methods: [bem, patches]}
+  all: {product: {D: 1.5, gamma: 5, m: 2}, methods: [layer, bem, patches]}
   many: {product: {D: 1.5, gamma: 5, m: [1, 2, 3, 4, 5]}, methods: [bem, patches]}
 figures:
   figure_1: {draw: profiles, studies: [bare], title: Rough <and> smooth}
   bare: {draw: compliance, studies: [bare]}
   elements: {draw: compliance, studies: [elements]}
   both: {draw: resistance, studies: [both]}
+  all: {draw: resistance, studies: [all]}
   many: {draw: resistance, studies: [many]}
 """
+SENTENCES = {
+    "bare": "Colours show the estimates.",
+    "elements": "Colours show the estimates and a solid line shows boundary elements.",
+    "both": "A solid line shows contact patches and markers show boundary elements.",
+    "all": "Colours show the estimates, a solid line shows contact patches, and markers show boundary elements.",
+    "many": "Thin lines are single profiles; thick lines and markers are the median of each method.",
+}
 
 
 def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
     (tmp_path / "captioned.yaml").write_text(CAPTIONED)
     loaded = scene.load(tmp_path / "captioned.yaml")
-    name, text, seen = caption(loaded, "figure_1")
-    assert (name, text) == ("Figure 1", f"Rough <and> smooth. {CAPTIONS['profiles']}")
-    assert seen == "Figure 1: The profiles over two of their longest waves"
-    drawn = {
-        name: re.split(r": |\. ", caption(loaded, name).text)[1] for name in ("bare", "elements", "both", "many")
-    }
-    assert drawn == {
-        "bare": "the estimates in colours",
-        "elements": "the estimates in colours, boundary elements as a solid black line",
-        "both": "contact patches as a solid black line, boundary elements as circles",
-        "many": "a thin line for each profile, and a thick one for the median of each method",
-    }
+    name, text, alternative = caption(loaded, "figure_1")
+    assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.kinds()['profiles'].caption}")
+    assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
+    for name, sentence in SENTENCES.items():
+        assert f" over mean pressure. {sentence} " in caption(loaded, name).text
+
+
+def test_studies_of_different_methods_stand_in_one_figure(studies: dict[str, xr.Dataset]) -> None:
+    less = studies["terms"].sel(solution_method=["bem"])
+    assert len(sketch("resistance", [studies["one"], less]).axes) == 3
+    assert len(sketch("resistance", [many_cases(), many_cases().sel(solution_method=["patches"])]).axes) == 1
 
 
 def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, xr.Dataset]) -> None:
@@ -178,10 +271,10 @@ def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, x
     assert (tmp_path / "figure.pdf").read_text() == "old"
 
 
-def test_look_of_the_user_is_left_out(tmp_path: Path) -> None:
-    before = drawn("borodich_galanov", [], tmp_path)
+def test_the_style_of_the_user_is_left_out(tmp_path: Path) -> None:
+    before = file_bytes("borodich_galanov", [], tmp_path)
     with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "red"}):
-        assert drawn("borodich_galanov", [], tmp_path) == before
+        assert file_bytes("borodich_galanov", [], tmp_path) == before
         assert matplotlib.rcParams["font.size"] == 20
 
 
@@ -214,7 +307,7 @@ def test_truncated_series_meet_in_the_mean_plane(studies: dict[str, xr.Dataset])
         gap = -truncated_compliance.from_mean_plane(h, float(case["total_amplitude"]))
         assert np.all(np.diff(gap) < 0)
         assert np.all(gap > -1e-9)  # the surfaces do not overlap
-        assert gap[0] < case["total_amplitude"]  # nor do they touch before the highest crest does
+        assert gap[0] < case["total_amplitude"]  # they touch no earlier than the highest crest does
 
 
 def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -> None:
@@ -228,15 +321,17 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
 
 
 def test_methods_differ_without_colour() -> None:
-    estimates = [style.line(method) for method in (*curves.ESTIMATES, "westergaard")]
-    assert len({line["color"] for line in estimates}) == len({str(line["linestyle"]) for line in estimates}) == 4
+    estimates = [style.line(name) for name in registry.names() if name not in registry.numerical_names()]
+    paper = [line for line in estimates if line["label"] in ("Archard", "Demelio", "non-linear layer", "Westergaard")]
+    assert len({line["color"] for line in paper}) == len(paper) == 4
+    assert len({str(line["linestyle"]) for line in estimates}) == len(estimates)
     grey = [np.dot(look["color"][:3], [0.299, 0.587, 0.114]) for look in style.family(8)]
     assert np.all(np.diff(grey) < -0.03)
 
 
 def test_legend_of_the_contact_tree_stands_between_its_panels(studies: dict[str, xr.Dataset]) -> None:
     figure = sketch("contact_tree", [studies["one"]])
-    (legend,) = (found for axes in figure.axes if (found := axes.get_legend()))
+    (legend,) = (legend for axes in figure.axes if (legend := axes.get_legend()))
     assert [text.get_text() for text in legend.get_texts()] == ["contact"]
     top, tree = (axes.get_window_extent() for axes in figure.axes)
     assert tree.y1 <= legend.get_window_extent().y0 + 1e-6

@@ -1,4 +1,4 @@
-"""The page of a scene: whole in itself, and alive in a browser without a network."""
+"""The page of a scene: it stands in one file, and works in a browser without a network."""
 
 import json
 import re
@@ -13,9 +13,8 @@ from bokeh.models import Line, Scatter
 from weier import plan, scene
 from weier.data import dataset, provenance
 from weier.data.dataset import Status
-from weier.figures import page, style
-from weier.figures.captions import CAPTIONS
-from weier.figures.page import curves, plans
+from weier.figures import kinds, page, style
+from weier.figures.page import explorer, plans
 from weier.methods import registry
 
 LOADS = np.geomspace(1e-2, 1, 5)
@@ -77,7 +76,7 @@ def write(folder, name):
     return (folder / name).read_text(encoding="utf-8")
 
 
-def test_nothing_is_asked_of_a_network(folder):
+def test_the_page_needs_no_network(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
@@ -93,7 +92,7 @@ def test_text_of_a_scene_stays_text(folder):
 
 
 def test_same_data_same_page(folder):
-    """The numbers of bokeh's parts count on in one process; all else is the same."""
+    """Only the numbers of bokeh's models differ, which it counts through one process."""
     first, second = (re.sub(r"p\d{4,}", "p", write(folder, name)) for name in ("a.html", "b.html"))
     assert first == second
 
@@ -117,7 +116,7 @@ def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
     data = dataset.blank(2, METHODS, LOADS, 3)
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
-    data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # nobody knows the one: nor the largest
+    data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
     assert "<td>bem</td><td>0</td><td>2</td><td>0</td><td>0</td><td>3.0e-11</td><td>7.0e-05</td><td>inf</td>" in (
         page._errors(data)
     )
@@ -133,18 +132,18 @@ def test_a_method_looks_as_in_the_figures():
     """Contact patches are a black line, and boundary elements circles beside them, a black line without them."""
     loads = np.geomspace(1e-3, 10, 100)
 
-    def drawn(methods):
+    def glyphs(methods):
         data = dataset.blank(1, methods, loads, 3)
         data["compliance"].values[:] = data["resistance"].values[:] = 1.0
         data["key"].values[:] = "case"
-        made = curves.explorer(data)
+        made = explorer.curve_explorer(data)
         json_item(made)  # what is drawn can be written, too
         plot = made.select_one({"name": "compliance"})
         return {
             item.label.value: (line.glyph, line) for item, line in zip(plot.legend.items, plot.renderers, strict=True)
         }
 
-    both, alone = drawn(["demelio", "bem", "patches"]), drawn(["demelio", "bem"])
+    both, alone = glyphs(["demelio", "bem", "patches"]), glyphs(["demelio", "bem"])
     for method in ("demelio", "patches"):
         look, glyph = style.line(method), both[style.line(method)["label"]][0]
         assert isinstance(glyph, Line)
@@ -164,9 +163,9 @@ def test_a_method_looks_as_in_the_figures():
 
 def test_figures_have_captions(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
-    caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {CAPTIONS['profiles']}"
+    caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {kinds()['profiles'].caption}"
     assert f"<figcaption>{caption}</figcaption>" in text
-    assert 'alt="Figure 1: The profiles over two of their longest waves"' in text
+    assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in text
 
 
 def test_the_page_says_what_its_date_is(folder):
@@ -192,13 +191,13 @@ def planned(tmp_path):
     return loaded, data, cost
 
 
-def test_a_plan_stands_against_what_it_took_and_missed(planned):
+def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
     loaded, data, cost = planned
     made = [plan(case.profile, loaded.loads, 1e-4) for case in loaded.studies["one"]]
-    ways = [" and ".join(dict.fromkeys(part.method for part in each.parts)) for each in made]
-    assert len(set(ways)) == 2
+    methods = [" and ".join(dict.fromkeys(segment.method for segment in each.segments)) for each in made]
+    assert len(set(methods)) == 2
     table = plans.rows(loaded, data, [cost])
-    assert [row[0] for row in table] == [*ways, "out of reach", "all"]
+    assert [row[0] for row in table] == [*methods, "out of reach", "all"]
     assert [row[1] for row in table] == [1, 1, 1, 3]
     assert [row[3] for row in table] == ["0.5", "1.5", "0", "2"]
     assert [row[7] for row in table] == ["3.0e-05", "7.0e-05", "unknown", "7.0e-05"]
@@ -219,36 +218,37 @@ def test_a_scene_without_a_tolerance_has_no_plans(planned, tmp_path):
     assert plans.rows(load(tmp_path, SCENE), data, [cost]) == []
 
 
-# As a user does: the drop-down is set and says so. It stands in the shadow of its widget.
+# The page is driven as a user drives it: a drop-down list is set and tells the page so. The lists stand in the shadow
+# roots of their widgets.
 DRIVE = """<script>
-const found = (root, kind) => [...root.querySelectorAll("*")].flatMap(
-  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? found(each.shadowRoot, kind) : [])])
-const seen = () => {
+const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
+const state = () => {
   const model = (name) => Bokeh.documents[0].get_model_by_name(name)
   return {
     compliance: Array.from(model("curve bem").data.compliance),
     resistance: Array.from(model("curve bem").data.resistance),
     visible: model("compliance").renderers.map((line) => line.visible),
-    named: model("names of resistance").items.map((item) => item.visible),
+    named: model("legend of resistance").items.map((item) => item.visible),
     chosen: ["D", "gamma", "m", "phase", "key"].map((name) => model(name).value),
     keyed: model("key").visible,
   }
 }
 const pause = () => new Promise((done) => setTimeout(done, 200))
 const choose = async (number, value) => {
-  const select = found(document, "select")[number]
+  const select = find(document, "select")[number]
   select.value = value; select.dispatchEvent(new Event("change")); await pause()
 }
 const drive = async () => {
-  while (!found(document, "select").length) await pause()
-  const steps = [seen()]
-  await choose(0, "1.5"); steps.push(seen())
-  await choose(1, "3"); steps.push(seen())
-  await choose(2, "3"); steps.push(seen())
+  while (!find(document, "select").length) await pause()
+  const steps = [state()]
+  await choose(0, "1.5"); steps.push(state())
+  await choose(1, "3"); steps.push(state())
+  await choose(2, "3"); steps.push(state())
   await choose(2, "2")
-  found(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(seen())
-  const answer = document.createElement("pre"); answer.id = "answer"
-  answer.textContent = JSON.stringify(steps); document.body.append(answer)
+  find(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(state())
+  const result = document.createElement("pre"); result.id = "result"
+  result.textContent = JSON.stringify(steps); document.body.append(result)
 }
 drive()
 </script>"""
@@ -266,7 +266,7 @@ def browse(folder, *arguments):
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert re.findall(r"CONSOLE.*(?:[Ee]rror|Uncaught|fail).*", done.stderr) == []
-    assert "CONSOLE" in done.stderr  # bokeh greets there: silence would mean that nothing ran
+    assert "CONSOLE" in done.stderr  # bokeh greets there: without it nothing ran
     return done.stdout
 
 
@@ -275,8 +275,8 @@ def test_choosing_a_case_changes_the_curve(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     head, _, _ = text.rpartition("</body>")
     driven.write_text(f"{head}{DRIVE}</body></html>", encoding="utf-8")
-    answer = re.search(r'<pre id="answer">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
-    start, rough, finer, longer, hidden = json.loads(answer.group(1))
+    result = re.search(r'<pre id="result">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
+    start, rough, finer, longer, hidden = json.loads(result.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
     assert start["chosen"] == ["1.25", "5", "2", "1", "case0"]
     assert not start["keyed"]  # the other labels tell all cases apart
@@ -290,28 +290,28 @@ def test_choosing_a_case_changes_the_curve(folder):
     assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
 
 
-# How wide the page becomes, and where what is on it ends; told to the page that frames it.
+# Sends the page that frames it how wide the page has become, and where the parts of it end.
 MEASURE = """<script>
-const found = (root, kind) => [...root.querySelectorAll("*")].flatMap(
-  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? found(each.shadowRoot, kind) : [])])
+const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
 const measure = () => {
-  if (found(document, "canvas").length < 2) return setTimeout(measure, 200)
-  const ends = found(document, "select, canvas, input, img").map((each) => each.getBoundingClientRect().right)
+  if (find(document, "canvas").length < 2) return setTimeout(measure, 200)
+  const ends = find(document, "select, canvas, input, img").map((each) => each.getBoundingClientRect().right)
   const { clientWidth, scrollWidth } = document.documentElement
   parent.postMessage({ window: clientWidth, page: scrollWidth, ends }, "*")
 }
 setTimeout(measure, 1000)
 </script>"""
 
-# A browser's own window has a least width.
+# The window of a browser cannot be as narrow as this frame.
 FRAME = """<iframe src="measured.html" width="420" height="1400" style="border: 0"></iframe>
-<pre id="answer"></pre><script>
-onmessage = (event) => { document.getElementById("answer").textContent = JSON.stringify(event.data) }
+<pre id="result"></pre><script>
+onmessage = (event) => { document.getElementById("result").textContent = JSON.stringify(event.data) }
 </script>"""
 
 
 def test_a_narrow_window_is_wide_enough(folder, tmp_path):
-    """With all methods, random phases, and cases that only their keys tell apart."""
+    """With all methods, random phases, and cases that differ in nothing but their keys."""
     data = dataset.blank(2, registry.names(), LOADS, 6)
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phase"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
@@ -321,15 +321,15 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
     (tmp_path / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
     (tmp_path / "frame.html").write_text(FRAME)
-    answer = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
-    found = json.loads(re.search(r'<pre id="answer">(.*?)</pre>', answer).group(1))
-    assert found["page"] == found["window"] <= 420  # the frame, less a bar to scroll up and down
-    assert len(found["ends"]) > 5 + len(registry.names()) + 2  # drop-downs, boxes, plots
-    assert max(found["ends"]) <= found["window"]
+    text = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
+    widths = json.loads(re.search(r'<pre id="result">(.*?)</pre>', text).group(1))
+    assert widths["page"] == widths["window"] <= 420  # the frame, less a bar to scroll up and down
+    assert len(widths["ends"]) > 5 + len(registry.names()) + 2  # drop-downs, boxes, plots
+    assert max(widths["ends"]) <= widths["window"]
 
 
-def test_the_browser_would_tell_of_an_error(folder):
-    """The test above is worth something."""
+def test_an_error_in_the_browser_fails_a_test(folder):
+    """So the tests above can fail."""
     (folder / "broken.html").write_text("<script>undefined.curve</script>")
     with pytest.raises(AssertionError, match="Uncaught"):
         browse(folder, "--dump-dom", (folder / "broken.html").as_uri())

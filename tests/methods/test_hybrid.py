@@ -1,4 +1,4 @@
-"""The endless series: the layer model where one term is resolved, and closing in on the truth as more are."""
+"""The infinite series: the layer model where one term is resolved, and closing in on the truth as more are."""
 
 import math
 from itertools import pairwise
@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from weier import Profile, random_phases
-from weier.methods import hybrid as endless
-from weier.methods import laws, layer, patches
+from weier.methods import bem, hybrid, layer, patches
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.solver import LOADS as CARRIED
 from weier.methods.hybrid.truncation_bounds import BOUND_SHARE
@@ -23,7 +22,7 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
     exact = layer.curve(LOADS, 1.5, 5, math.inf)
     errors = []
     for points in (32, 64, 128):
-        found = endless.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
+        found = hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
         errors.append(np.abs(found.compliance - exact.compliance).max())
         assert np.all(found.residual <= newton.TOLERANCE)
     orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
@@ -42,10 +41,10 @@ class OnePlace(RandomPhases):
 
 
 def test_bounds_hold_for_crests_between_two_nodes():
-    """The endless series with all its crests at that place touches at h = 0, and no bound lies below."""
+    """The infinite series with all its crests at that place touches at h = 0, and no bound lies below."""
     kept = Profile(1.25, 5, 2)
-    points = laws.bem_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
-    lower, upper = endless.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
+    points = bem.error_model.fewest_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
+    lower, upper = hybrid.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
     truth = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
     assert np.all(lower <= truth)
     assert lower[0] == 0
@@ -56,31 +55,31 @@ def test_resistance_is_the_slope_of_the_estimate():
     """To the step, since nodes come into contact on the way."""
     step = 1e-4
     loads = np.array([0.1 * (1 - step), 0.1, 0.1 * (1 + step)])
-    found = endless.curve(PROFILE, loads, 2)
+    found = hybrid.curve(PROFILE, loads, 2)
     slope = (found.compliance[2] - found.compliance[0]) / (loads[2] - loads[0])
     assert found.resistance[1] == pytest.approx(slope, rel=step)
     assert np.all(np.diff(found.resistance) < 0)
 
 
-def test_what_is_not_endless_or_too_long_is_refused():
+def test_what_is_not_infinite_or_too_long_is_refused():
     with pytest.raises(ValueError, match="m must be inf, got 3"):
-        endless.curve(Profile(1.5, 5, 3), LOADS, 1)
+        hybrid.curve(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="m must be inf, got 3"):
-        endless.bounds(Profile(1.5, 5, 3), LOADS, 1)
+        hybrid.bounds(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="terms must be fewer, got 7"):
-        endless.curve(Profile(1.5, 5, math.inf), LOADS, 7)
+        hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 7)
 
 
 @pytest.mark.parametrize("load", [1e-300, 0.9e-6, 1.1e3, 1e300])
 def test_loads_that_the_equations_do_not_carry_are_refused(load):
     with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\] p_0\*.*got .*: take method layer"):
-        endless.curve(PROFILE, [load], 1)
+        hybrid.curve(PROFILE, [load], 1)
 
 
 def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     """Within the error of the mesh, 9e-4 of a wave, twice as much where a node is all of the contact."""
     profile = Profile(1.25, 5, math.inf)
-    found, exact = endless.curve(profile, list(CARRIED), 1), layer.curve(CARRIED, 1.25, 5, math.inf)
+    found, exact = hybrid.curve(profile, list(CARRIED), 1), layer.curve(CARRIED, 1.25, 5, math.inf)
     assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
     assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
     assert np.all(found.resistance >= 0)

@@ -1,4 +1,4 @@
-"""Claims on hand-made curves whose truth is known: each can come out true, false, and not measured."""
+"""Claims on hand-made curves of which it is known whether they hold: each can hold, not hold, and not be measured."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ import xarray as xr
 from weier.data import dataset
 from weier.methods import westergaard
 from weier.pipeline import claims
-from weier.scene import Scene
+from weier.pipeline.claims import claim, readings
+from weier.scene import Scene, SceneError
 
 LOADS = np.geomspace(1e-3, 4, 40)
 TOTAL = 1.4
@@ -22,7 +23,7 @@ TOTAL = 1.4
 NUMERICAL = TOTAL * (1 - np.maximum(1 - LOADS / 2, 0) ** 3)
 RESISTANCE = TOTAL * 1.5 * np.maximum(1 - LOADS / 2, 0) ** 2
 FRACTION = np.minimum(LOADS / 2, 1)
-PART = NUMERICAL / TOTAL
+RELATIVE = NUMERICAL / TOTAL
 
 
 def case(D: float = 1.25, gamma: float = 5, m: float = 3, phase: float = 1.0, **methods: Any) -> xr.Dataset:
@@ -62,9 +63,9 @@ def elements(error_of_more: float) -> xr.Dataset:
 def test_twelve_elements() -> None:
     assert holds("twelve_elements", elements(0.03))
     assert holds("twelve_elements", elements(-0.3)) is False
-    found = claims.evaluate("twelve_elements", [elements(0.03)])
-    assert found.value == pytest.approx(0.03)
-    assert "-50.0% with one (up to 0.02 p_0*)" in found.text
+    measured = claims.evaluate("twelve_elements", [elements(0.03)])
+    assert measured.value == pytest.approx(0.03)
+    assert "-50.0% where only one is (up to 0.02 p_0*)" in measured.text
 
 
 def phases(gamma: float, spread: float, between: float = 0.0) -> xr.Dataset:
@@ -82,16 +83,23 @@ def test_phase_spread() -> None:
     assert holds("phase_spread", phases(5, 0.01), phases(2, 0.3))
     assert holds("phase_spread", phases(2, 0.3), phases(5, 0.1)) is False
     assert holds("phase_spread", phases(2, 0.3, between=0.2), phases(5, 0.01)) is False
-    found = claims.evaluate("phase_spread", [phases(2, 0.3), phases(5, 0.1)])
-    assert found.value == pytest.approx(0.1, rel=0.01)
+    measured = claims.evaluate("phase_spread", [phases(2, 0.3), phases(5, 0.1)])
+    assert measured.value == pytest.approx(0.1, rel=0.01)
     first = LOADS[LOADS >= 0.1][0]
-    assert f"({0.3 * (1 - first) * TOTAL:.2g} g_0 from 0.1 p_0* on)" in found.text
+    assert f"({0.3 * (1 - first) * TOTAL:.2g} g_0 from 0.1 p_0* on)" in measured.text
 
 
 def test_archard_above() -> None:
     assert holds("archard_above", estimate(0.1))
     assert holds("archard_above", estimate(0.1), estimate(np.where(LOADS > 1, -0.01, 0.1))) is False
     assert claims.evaluate("archard_above", [estimate(0.1), estimate(0.07)]).value == pytest.approx(0.07)
+
+
+def test_a_claim_that_does_not_hold_says_why() -> None:
+    reason = "The statement does not hold here: Archard's compliance is too low by up to 0.01 g_0."
+    too_low = claims.evaluate("archard_above", [estimate(np.where(LOADS > 1, -0.01, 0.1))])
+    assert too_low.text.endswith(reason)
+    assert "does not hold" not in claims.evaluate("archard_above", [estimate(0.1)]).text
 
 
 def test_archard_may_meet_the_numerical_curve_at_full_contact() -> None:
@@ -107,7 +115,7 @@ def test_demelio_below() -> None:
 
 
 def test_layer_close() -> None:
-    low = PART <= 0.5
+    low = RELATIVE <= 0.5
     assert holds("layer_close", estimate(np.where(low, 0.03, -0.01)))
     assert holds("layer_close", estimate(np.where(low, 0.1, -0.01))) is False
     assert holds("layer_close", estimate(np.where(low, 0.03, 0.01))) is False
@@ -138,17 +146,17 @@ def ratios(archard: float, demelio: float, layer: float) -> xr.Dataset:
     ],
 )
 def test_resistance_errors(archard: float, demelio: float, layer: float, expected: bool) -> None:
-    found = claims.evaluate("resistance_errors", [ratios(archard, demelio, layer)])
-    assert found.holds is expected
-    assert found.value == pytest.approx(layer - 1)
-    assert f"demelio {demelio - 1:+.0%} to {demelio - 1:+.0%}" in found.text
+    measured = claims.evaluate("resistance_errors", [ratios(archard, demelio, layer)])
+    assert measured.holds is expected
+    assert measured.value == pytest.approx(layer - 1)
+    assert f"{demelio - 1:+.0%} to {demelio - 1:+.0%} with a mean of {demelio - 1:+.0%} (Demelio)" in measured.text
 
 
 def terms(changes: list[float]) -> list[xr.Dataset]:
     """Series of m = 1, 2, ... whose mean gap at light loads grows by the given changes."""
-    gap = [1 - PART]
+    gap = [1 - RELATIVE]
     for change in changes:
-        gap.append(gap[-1] + change * (1 - PART))
+        gap.append(gap[-1] + change * (1 - RELATIVE))
     studies = [case(m=m + 1, bem=np.zeros_like(LOADS)) for m in range(len(gap))]
     for data, d in zip(studies, gap, strict=True):
         data["compliance"].values[0, 0] = float(data["total_amplitude"][0]) - d
@@ -186,19 +194,47 @@ def test_one_wave_bounds() -> None:
 
 @pytest.mark.parametrize("name", list(claims.CLAIMS))
 def test_without_the_curves_a_claim_is_not_measured(name: str) -> None:
-    found = claims.evaluate(name, [case(archard=np.nan, bem=np.nan)])
-    assert found.holds is None
-    assert np.isnan(found.value)
-    assert found.text.startswith("Not measured: ")
+    measured = claims.evaluate(name, [case(archard=np.nan, bem=np.nan)])
+    assert measured.holds is None
+    assert np.isnan(measured.value)
+    assert measured.text.startswith("Not measured: ")
 
 
 def test_unknown_claim() -> None:
     with pytest.raises(ValueError, match=r"no claim 'everything'.*twelve_elements, phase_spread"):
         claims.evaluate("everything", [])
+    with pytest.raises(SceneError, match=r"scene test: claims: there is no claim 'everything'.*twelve_elements"):
+        claims.check_names(scene_of(archard_above=("a",), everything=("a",)))
+    claims.check_names(scene_of(**dict.fromkeys(claims.CLAIMS, ("a",))))
 
 
-def scene_of(**wanted: tuple[str, ...]) -> Scene:
-    return cast(Scene, SimpleNamespace(title="A scene", text="title: A scene", claims=wanted))
+def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing but the function is added, and the claim is checked, measured and written."""
+    monkeypatch.setitem(claim.CLAIMS, "layer_exact", None)  # for its removal after the test
+
+    @claim.claim("The layer is exact.", "largest error of the compliance, in g_0", paper_value=0.0)
+    def layer_exact(cases: claim.Cases) -> claim.Measured:
+        error = max(float(np.abs(readings.curve(each, "layer") - readings.numerical(each)).max()) for each in cases)
+        return claim.judge(f"The largest error is {error:.2g} g_0.", error, [(error < 1e-6, "that is not exact")])
+
+    scene = scene_of(layer_exact=("smooth",))
+    claims.check_names(scene)
+    claims.write(scene, files_of(tmp_path, smooth=estimate(0.1)), tmp_path / "contact.nc", tmp_path / "claims.md")
+    with netCDF4.Dataset(tmp_path / "contact.nc") as data:
+        assert data["claim_statement"][:].tolist() == ["The layer is exact."]
+        assert data["claim_measured"][0] == (
+            "The largest error is 0.1 g_0. The statement does not hold here: that is not exact."
+        )
+        assert data["claim_quantity"][0] == "largest error of the compliance, in g_0"
+        assert data["claim_paper_value"][0] == 0
+        assert data["claim_measured_value"][0] == pytest.approx(0.1)
+        assert data["claim_holds"][:].tolist() == [0]
+    assert "| layer\\_exact | The layer is exact." in (tmp_path / "claims.md").read_text()
+    assert claims.evaluate("layer_exact", [estimate(0.0)]).holds
+
+
+def scene_of(**names: tuple[str, ...]) -> Scene:
+    return cast(Scene, SimpleNamespace(name="test", title="A scene", text="title: A scene", claims=names))
 
 
 def files_of(folder: Path, **studies: xr.Dataset) -> dict[str, Path]:
@@ -209,11 +245,11 @@ def files_of(folder: Path, **studies: xr.Dataset) -> dict[str, Path]:
 
 def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
     studies = files_of(tmp_path, smooth=estimate(0.1), rough=estimate(-0.1, D=1.5), again=estimate(0.1))
-    wanted = {"archard_above": ("smooth", "rough"), "demelio_below": ("again",), "phase_spread": ("again",)}
-    claims.write(scene_of(**wanted), studies, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
+    names = {"archard_above": ("smooth", "rough"), "demelio_below": ("again",), "phase_spread": ("again",)}
+    claims.write(scene_of(**names), studies, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["D"][:].tolist() == [1.25, 1.5]  # each case once
-        assert list(data["claim"][:]) == list(wanted)
+        assert list(data["claim"][:]) == list(names)
         assert data["claim_holds"][:].tolist() == [0, 0, 2]
         assert data["claim_holds"].flag_meanings == "no yes not_measured"
         assert data["claim_measured_value"][0] == pytest.approx(-0.1)

@@ -93,3 +93,17 @@ def test_perfect_conductor_leaves_the_other():
 def test_interface_refuses_what_cannot_be(changed, message):
     with pytest.raises(ValueError, match=message):
         interface(**changed)
+
+
+def test_scalars_of_numpy_neither_overflow_nor_round():
+    """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
+    byte, half = np.uint8, np.float16
+    assert specific_resistance(half(3), half(1000), byte(200), byte(100)) == 3 * 1000 * 300
+    assert holm([byte(200), byte(100)], byte(200), byte(100)) == 300 / (4 * 300)
+    assert greenwood([byte(200), byte(100)], byte(100), byte(200), byte(100)) == 300 / (4 * 300) + 300 / 400
+    assert composite_modulus(byte(3), half(0.25), byte(7), 0.5) == composite_modulus(3, 0.25, 7, 0.5)
+    rough = interface(mu_1=half(3), mu_2=byte(7), rho_1=byte(200), rho_2=byte(100), lambda_0=half(3), g_0=byte(7))
+    same = interface(mu_1=3, mu_2=7, rho_1=200, rho_2=100, lambda_0=3, g_0=7)
+    assert rough == same
+    assert rough.full_contact_pressure == same.full_contact_pressure
+    assert rough.resistance(1.0) == same.resistance(1.0)

@@ -120,6 +120,39 @@ def test_ratio_may_be_written_in_many_ways():
     assert Profile(1.5, 1.1, 2).gamma == Fraction(11, 10)
 
 
+NUMPY_INTEGERS = [np.dtype(code).type for code in np.typecodes["AllInteger"]]
+NUMPY_FLOATS = [np.dtype(code).type for code in np.typecodes["Float"]]
+
+
+@pytest.mark.parametrize("of", NUMPY_INTEGERS + NUMPY_FLOATS, ids=lambda each: each.__name__)
+def test_numbers_of_numpy_become_pythons_own(of):
+    """Those of NumPy overflow in the powers of a series, or round them to three digits."""
+    number = of if of in NUMPY_FLOATS else float
+    profile = Profile(number(1.25), of(10), of(30), number(0.5))
+    assert profile == Profile(1.25, 10, 30, 0.5)
+    assert profile.wavenumber == [10**n for n in range(30)]
+    kinds = [type(value) for value in (profile.D, profile.gamma.numerator, profile.gamma.denominator, profile.m)]
+    assert kinds == [float, int, int, int]
+    # Every phase of its own, and a phase or a seed of a whole number.
+    assert Profile(1.25, 5, 3, [of(0), of(1), of(2)]) == Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+    assert Profile(1.25, 5, 3, of(2)) == Profile(1.25, 5, 3, 2.0)
+    for function in (leading_amplitude, tail_amplitude):
+        assert function(of(3), 1.25, of(5)) == function(3, 1.25, 5)
+
+
+@pytest.mark.parametrize("of", NUMPY_FLOATS, ids=lambda each: each.__name__)
+def test_floats_of_numpy_are_ratios_and_endless(of):
+    assert Profile(1.25, of(2.5), of(np.inf)) == Profile(1.25, "5/2", math.inf)
+    assert type(Profile(1.25, 5, of(np.inf)).m) is float
+
+
+@pytest.mark.parametrize("of", NUMPY_INTEGERS, ids=lambda each: each.__name__)
+def test_integers_of_numpy_are_parts_of_fractions_and_seeds(of):
+    profile = Profile(1.25, Fraction(of(5), of(3)), 12)
+    assert (profile.wavenumber[-1], profile.period) == (5**11, 3**11)
+    assert Profile(1.25, 5, 3, random_phases(of(7))) == Profile(1.25, 5, 3, random_phases(7))
+
+
 def test_one_phase_shifts_every_term_but_the_first():
     np.testing.assert_array_equal(Profile(1.5, 5, 3, 0.7).phase, [0, 0.7, 0.7])
     np.testing.assert_array_equal(Profile(1.5, 5, 2, [0.7, 0.1]).phase, [0.7, 0.1])
@@ -141,6 +174,7 @@ def test_one_phase_shifts_every_term_but_the_first():
         ((1.5, 5, 0), "m must be a whole number of terms, .* got 0"),
         ((1.5, 5, 2.5), "m must be a whole number of terms, .* got 2.5"),
         ((1.5, 5, True), "m must be a whole number of terms, .* got True"),
+        ((1.5, 5, np.True_), "m must be a whole number of terms, .* got True"),
         ((1.5, 5, np.nan), "m must be a whole number of terms, .* got nan"),
         ((1.5, 5, 3, (0.0, 1.0)), "one for each of the m = 3 terms, got 2"),
         ((1.5, 5, 2, (0.0, np.nan)), "phases must be finite numbers in radians"),

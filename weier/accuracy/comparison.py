@@ -45,6 +45,12 @@ def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping
     It is that of a scene, over variants instead of methods: the method of each is the coordinate solution_method.
     `kept` names variables of the common table; `own` are further ones, whose dimension of variants is called
     solution_method as in that table.
+
+    Raises
+    ------
+    ValueError
+        If two variants of one comparison have the same name.
+
     """
     variants = _by_name(comparisons)
     methods = [variant.method for variant in variants.values()]
@@ -81,5 +87,9 @@ def fill(data: xr.Dataset, comparisons: Sequence[Comparison], measure: Measure) 
 
 def _by_name(comparisons: Sequence[Comparison]) -> dict[str, Variant]:
     """All variants, each once, in the order of the comparison that has the most of them."""
+    for each in comparisons:
+        names = [variant.name for variant in each.variants]
+        if len(set(names)) < len(names):
+            raise ValueError(f"the variants on {each.name} must have names of their own, got {', '.join(names)}")
     lists = sorted((each.variants for each in comparisons), key=len, reverse=True)
     return {variant.name: variant for variants in lists for variant in variants}

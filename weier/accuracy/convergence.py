@@ -15,7 +15,7 @@ from weier.data.dataset import Status
 from weier.data.variables import LABEL, Variable
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.solver import MOST_POINTS, POINTS_PER_WAVE, curve
+from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
 from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -74,7 +74,7 @@ def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     """The estimate with its bounds, or the bounds alone where there are too many points for it."""
     points = POINTS_PER_WAVE * profile.truncated(terms).wavenumber[-1]
     try:
-        if points <= MOST_POINTS:
+        if points <= MAX_POINTS:
             return {**curve(profile, loads, terms)._asdict(), "points": points, "status": Status.solved}
         low, high = bounds(profile, loads, terms)
     except ConvergenceError as error:

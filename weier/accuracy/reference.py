@@ -26,8 +26,8 @@ from weier.theory.profile import Profile
 MIN_TOUCH = 1e-20  # p_0*: below it the relative error of a contact as a Hertzian one, p times a few, is no digit
 TOUCH_HEIGHT = 1e-12  # g_0: no other crest as close to the highest one is touched there
 AT_FULL_CONTACT = 1 + 1e-12  # times the load of full contact, which is known to rounding
-TIGHTEST = Variant("patches tightest", patches.METHOD.name, {"tolerance": 1e-12})
-UNCERTAINTY = 2e-12  # of total amplitude, and of the larger of R and 1: that tolerance, and as much for rounding
+TOLERANCE = 1e-12
+TIGHTEST = Variant("patches", patches.METHOD.name, {"tolerance": TOLERANCE})
 SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
 MAX_SECONDS = 60.0  # that a reference by contact patches may take
 
@@ -67,7 +67,7 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
 def exact_contact(profile: Profile, loads: tuple[float, ...]) -> Reference:
     """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
     if profile.m == 1:
-        return multiprecision.reference(map(multiprecision.westergaard, loads))
+        return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
     found = attempt(TIGHTEST, _shift(profile), np.array(loads))
     pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]
     full_contact, touch = _full_contact_load(profile) * AT_FULL_CONTACT, _single_crest(profile)
@@ -76,13 +76,14 @@ def exact_contact(profile: Profile, loads: tuple[float, ...]) -> Reference:
             pairs[i] = _total(profile), mp.mpf(0)
         elif load <= MIN_TOUCH and touch:
             pairs[i] = _first_touch(profile, load)
-    return multiprecision.reference(pairs)._replace(source="closed forms, patches 1e-12")
+    return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12")
 
 
 def uncertainty(made: Run, profile: Profile) -> tuple[Array, Array]:
     """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,)."""
     total = np.full(made.compliance.size, profile.total_amplitude)
-    return UNCERTAINTY * total, UNCERTAINTY * np.maximum(made.resistance, 1)
+    h, R = (patches.error_model.error(TOLERANCE, quantity) for quantity in ("compliance", "resistance"))
+    return h * total, R * np.maximum(made.resistance, 1)
 
 
 def _full_contact_load(profile: Profile) -> float:

@@ -13,7 +13,7 @@ from weier.data import yaml as plain_yaml
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.registry import infinite_names, names
-from weier.theory.loads import MOST_LOADS, checked_loads
+from weier.theory.loads import MAX_LOADS, checked_loads
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
@@ -39,8 +39,8 @@ def parsed_loads(text: str) -> Array:
         if "mean_pressure" in str(error):
             raise
         raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r:.80}') from None
-    if not 2 <= number <= MOST_LOADS:
-        raise ValueError(f"the count of loads must lie in [2, {MOST_LOADS}], got {number}")
+    if not 2 <= number <= MAX_LOADS:
+        raise ValueError(f"the count of loads must lie in [2, {MAX_LOADS}], got {number}")
     checked_loads(ends)
     return checked_loads(np.geomspace(*ends, number))
 

@@ -10,7 +10,8 @@ import click
 from weier import scene
 from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parsed_loads
 from weier.kernels.arrays import Array
-from weier.methods.planned.plan import QUANTITIES, Plan
+from weier.methods.planned.plan import Plan
+from weier.methods.segment import QUANTITIES
 from weier.pipeline import single
 from weier.pipeline.plan import ScenePlan
 from weier.pipeline.plan import plan as plan_scene

@@ -11,7 +11,7 @@ import xarray as xr
 
 from weier.cli.options import INTO, of_one_profile, output, parameters
 from weier.kernels.arrays import Array
-from weier.methods.planned.plan import QUANTITIES
+from weier.methods.segment import QUANTITIES
 from weier.pipeline import single
 
 PLOTTED = ("archard", "demelio", "layer", "bem")

@@ -10,6 +10,7 @@ import click
 from weier import scene
 from weier.cli.options import FILE, FILES, SCENE, output
 from weier.data import dataset
+from weier.figures import check_kinds, draw
 from weier.pipeline import batch as batches
 from weier.pipeline import claims as claim
 from weier.pipeline import gather as study
@@ -31,7 +32,7 @@ def compile() -> None:
 @click.option("--threads", type=click.IntRange(1), default=1, show_default=True, help="Cases at a time.")
 def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> None:
     """Solve one batch of a scene."""
-    loaded = scene.load(scene_file)
+    loaded = _load(scene_file)
     curves, seconds = batches.solve_batch(loaded, loaded.batch_named(name), threads)
     dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
     dataset.write(curves, data, loaded.title, "solved", loaded.text)
@@ -44,7 +45,7 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> 
 @click.argument("folder", type=FILE)
 def gather(scene_file: Path, name: str, path: Path, folder: Path) -> None:
     """Put the cases of a study into one file, from batches in FOLDER."""
-    loaded = scene.load(scene_file)
+    loaded = _load(scene_file)
     keys = [case.key for case in loaded.study_named(name)]
     files = [folder / f"{batch}.nc" for batch in loaded.batches_of(name)]
     study.gather(files, keys, path, f"{loaded.title}: {name}", scene=loaded.text)
@@ -75,9 +76,7 @@ def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> No
 
     As PDF, SVG and PNG beside PATH.
     """
-    from weier.figures import draw  # matplotlib, as in weier.cli.profile
-
-    loaded = scene.load(scene_file)
+    loaded = _load(scene_file)
     wanted = loaded.figure_named(name)
     draw(wanted.draw, [dataset.read(file) for file in files], wanted.title, path)
 
@@ -89,7 +88,7 @@ def figure(scene_file: Path, name: str, path: Path, files: Sequence[Path]) -> No
 @FILES
 def claims(scene_file: Path, path: Path, table: Path, files: Sequence[Path]) -> None:
     """Check the claims of a scene, and write its whole dataset."""
-    loaded = scene.load(scene_file)
+    loaded = _load(scene_file)
     if len(files) != len(loaded.studies):
         raise click.UsageError(f"there must be a file for each of {len(loaded.studies)} studies, got {len(files)}")
     claim.write(loaded, dict(zip(loaded.studies, files, strict=True)), path, table)
@@ -109,7 +108,15 @@ def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> 
 
     figures = [file for file in files if file.suffix == ".png"]
     costs = [file for file in files if file.suffix == ".nc"]
-    pages.write(scene.load(scene_file), contact, figures, costs, path)
+    pages.write(_load(scene_file), contact, figures, costs, path)
+
+
+def _load(scene_file: Path) -> scene.Scene:
+    """A scene whose figures can be drawn and whose claims exist."""
+    loaded = scene.load(scene_file)
+    check_kinds(loaded)
+    claim.check_names(loaded)
+    return loaded
 
 
 COMMANDS = (compile, batch, gather, bounds, figure, claims, page)

@@ -1,39 +1,83 @@
-"""The figures: one module a kind, each with `draw(studies, title)`, in the one style of `style`."""
+"""Figures: each kind is one module of this folder, drawn in the style of `weier.figures.style`.
+
+A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. It may use data,
+theory, methods, scene, pipeline and accuracy, not the command line.
+
+Who lists the kinds needs no matplotlib, whose import takes longer than all the rest: the constants of the modules are
+read from their text.
+"""
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import matplotlib.style
 import xarray as xr
-from matplotlib.figure import Figure
 
 from weier.data.files import replacing
-from weier.figures import style
+from weier.scene import Scene, SceneError
 
-KINDS = (
-    "borodich_galanov",
-    "compliance",
-    "contact_tree",
-    "phases",
-    "profiles",
-    "resistance",
-    "truncated_compliance",
-    "truncated_resistance",
-)
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-# Of other files than those of a scene: the command that writes such a file, and what it alone has.
-MEASURES = {
-    "convergence": ("convergence", "resolved_terms"),
-    "extremes": ("extremes", "compliance_digits"),
-    "work_precision": ("tradeoff", "seconds"),
-}
-
-# No dates: the same data make the same bytes.
+# Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+
+
+class Kind(NamedTuple):
+    """A kind of figure, as the constants of its module describe it.
+
+    caption : CAPTION, in plain text; {methods} stands for the sentence that tells the curves of methods apart
+    command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
+    variable : VARIABLE, which the files of that command have
+    """
+
+    caption: str
+    command: str = ""
+    variable: str = ""
+
+
+def kinds() -> dict[str, Kind]:
+    """All kinds of figures, by the names of their modules."""
+    modules = sorted((path for folder in __path__ for path in Path(folder).glob("*.py")), key=lambda path: path.stem)
+    constants = {path.stem: _text_constants(path) for path in modules}
+    return {
+        name: Kind(words["CAPTION"], words.get("COMMAND", ""), words.get("VARIABLE", ""))
+        for name, words in constants.items()
+        if "CAPTION" in words
+    }
+
+
+def _text_constants(path: Path) -> dict[str, str]:
+    """The constants of a module that are plain strings."""
+    return {
+        target.id: statement.value.value
+        for statement in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Constant)
+        for target in statement.targets
+        if isinstance(target, ast.Name) and isinstance(statement.value.value, str)
+    }
+
+
+def check_kinds(scene: Scene) -> None:
+    """Refuse a scene with a figure that cannot be drawn from its studies.
+
+    Raises
+    ------
+    SceneError
+        If there is no such kind of figure, or it shows something other than studies.
+
+    """
+    choice = [name for name, kind in kinds().items() if not kind.command]
+    for name, figure in scene.figures.items():
+        if figure.draw not in choice:
+            raise SceneError(
+                f"scene {scene.name}: figures.{name}.draw: there is no figure {figure.draw!r} of studies: "
+                f"choose from {', '.join(choice)}"
+            )
 
 
 def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path) -> None:
@@ -42,36 +86,44 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
     Parameters
     ----------
     kind : str
-        A module of weier.figures, one of KINDS or MEASURES.
+        One of `kinds()`.
     studies : sequence of Dataset
-        What it shows, over case, method, mean_pressure and term.
+        What the figure shows, over case, solution_method, mean_pressure and term.
     title : str
         One line over the figure; empty for none.
     path : path
-        Where to write: its suffix gives way to .pdf, .svg and .png.
+        Where to write: its suffix is replaced by .pdf, .svg and .png.
 
     Raises
     ------
     ValueError
-        If there is no such kind, the studies are of another, or there is nothing in them that it could show.
+        If there is no such kind, the studies are of another kind, or they hold nothing that it could show.
 
     """
-    if kind not in (*KINDS, *MEASURES):
-        raise ValueError(f"there is no figure {kind!r}: choose from {', '.join((*KINDS, *MEASURES))}")
-    if kind in MEASURES:
-        command, own = MEASURES[kind]
-        if [own in study for study in studies] != [True]:
-            raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
+    _check_studies(kind, studies)
+    import matplotlib.style
+
+    from weier.figures.style import RC
+
     # The reset keeps the matplotlibrc of whoever draws out of the figure.
-    with matplotlib.style.context(style.RC, after_reset=True):
+    with matplotlib.style.context(RC, after_reset=True):
         save(import_module(f"weier.figures.{kind}").draw(studies, title), path)
+
+
+def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
+    known = kinds()
+    if kind not in known:
+        raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(known)}")
+    _, command, variable = known[kind]
+    if command and [variable in study for study in studies] != [True]:
+        raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
 
 
 def save(figure: Figure, path: str | Path) -> None:
     """Save a figure in the style that is set, as PDF, SVG and PNG beside each other."""
     path = Path(path)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out once: saving would do it again for each format
+    figure.set_layout_engine("none")  # it is laid out by now: saving would do that again for each format
     for suffix, metadata in METADATA.items():
         with replacing(path.with_suffix(f".{suffix}")) as beside:
             figure.savefig(beside, format=suffix, metadata=metadata)

@@ -11,13 +11,18 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.theory.borodich_galanov import stiffness_curve
 
-HIGHEST = 4.0  # k/k_H: the upper bound grows without limit as epsilon -> 1
+CAPTION = (
+    "Bounds on the stiffness, and with it the conductance, of the self-similar punch of Borodich and Galanov over "
+    "its roughness (Appendix B). Both bounds meet at the smooth punch, and the upper one grows without limit."
+)
+
+MAX_STIFFNESS = 4.0  # k/k_H, where the axis ends: the upper bound grows without limit as epsilon -> 1
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Both bounds on kappa = k/k_H over the roughness epsilon: the curve of (B.16), (B.19) for a parameter x."""
     figure, (axes,) = style.column(1)
-    # Both roots as x = 1/(2 sin t): even steps of t are fine where the bounds are steep. They meet at t = pi/6.
+    # With x = 1/(2 sin t), even steps of t are fine where the bounds are steep. The bounds meet at t = pi/6.
     lower, upper = (0.5 / np.sin(np.linspace(np.pi / 6, end, 400)) for end in (1e-6, np.pi / 3 - 1e-6))
     for x, label, color, dash in (
         (upper, "upper bound", style.VERMILLION, style.DASHES[0]),
@@ -26,7 +31,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         axes.plot(*stiffness_curve(x), label=label, color=color, linestyle=dash)
     axes.axhline(1, color=style.BLACK, linewidth=0.5)
     axes.annotate("smooth punch", (0.98, 1), (0, 2), textcoords="offset points", ha="right", fontsize=8)
-    axes.set(xlim=(0, 1), ylim=(0, HIGHEST))
+    axes.set(xlim=(0, 1), ylim=(0, MAX_STIFFNESS))
     axes.set_xlabel(r"roughness $\epsilon$")
     axes.set_ylabel(r"stiffness and conductance $\kappa = k/k_H$")
     axes.legend(loc="upper left")

@@ -1,4 +1,4 @@
-"""Figs 3 and 4: the estimates of compliance against the numerical curve. Their maxima are aligned, h = sum g_n."""
+"""Figs 3 and 4: the estimates of compliance against the numerical curve. All curves meet at full contact."""
 
 from __future__ import annotations
 
@@ -7,19 +7,16 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
-from weier.figures.methods import compare
+from weier.figures.comparison import compare
 from weier.pipeline import curves
+
+CAPTION = (
+    "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where h = sum g_n."
+)
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Compliance over mean pressure by every method, up to full contact.
-
-    Raises
-    ------
-    ValueError
-        If no case of the studies has a curve.
-
-    """
+    """Compliance over mean pressure by every method, up to full contact."""
     figure, panels = compare(studies, title, "compliance")
     for axes, cases in panels:
         axes.set_xlim(0, curves.full_contact_load(cases))

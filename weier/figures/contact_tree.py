@@ -1,4 +1,4 @@
-"""Where the surface touches, against the load: contacts are born as points, grow, and merge until all is one."""
+"""Where the surface touches, over the load: contacts are born as points, grow, and merge until all are one."""
 
 from __future__ import annotations
 
@@ -14,18 +14,16 @@ from weier.figures import style
 from weier.kernels.arrays import Array
 from weier.pipeline import curves
 
-SAMPLES = 2000
+CAPTION = (
+    "The profile and, below it, where it is in contact over mean pressure. Contacts are born as points, grow, and "
+    "merge until all are one."
+)
+
+SAMPLES = 2000  # of the height of the profile
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """The profile, and below it its contacts over all mean pressures; a column for the first case with edges.
-
-    Raises
-    ------
-    ValueError
-        If no case of the studies has contact edges.
-
-    """
+    """The profile of the first case with contact edges, and below it its contacts over all mean pressures."""
     cases = [
         case for case in curves.cases(studies) if "contact_edge" in case and case["contact_edge"].notnull().any()
     ]
@@ -35,46 +33,51 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     case = cases[0]
     figure = Figure(figsize=(style.WIDTH, 1.5 * style.HEIGHT), layout="constrained")
     top, tree = figure.subplots(2, 1, sharex=True, height_ratios=(1, 4))
-    _profile(top, case)
-    _tree(tree, case)
+    _draw_profile(top, case)
+    _draw_tree(tree, case)
     top.set_title(style.describe(case))
     style.set_title(figure, ": ".join(filter(None, [title, note])))
     return figure
 
 
-def _profile(axes: Axes, case: xr.Dataset) -> None:
+def _draw_profile(axes: Axes, case: xr.Dataset) -> None:
     profile = curves.profile(case)
     x = np.linspace(0, profile.period, SAMPLES)
     axes.plot(x, profile.height(x), color=style.BLACK, linewidth=0.8)
     axes.set_ylabel(style.LABELS["height"])
 
 
-def _tree(axes: Axes, case: xr.Dataset) -> None:
+def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     period, loads = curves.profile(case).period, case["mean_pressure"].values
     edges = case["contact_edge"].values.reshape(loads.size, -1, 2)
-    bars = PolyCollection(_bars(edges, loads, period), facecolors=style.BLUE, edgecolors="none", label="contact")
-    axes.add_collection(bars)
+    contacts = PolyCollection(
+        _rectangles(edges, loads, period), facecolors=style.BLUE, edgecolors="none", label="contact"
+    )
+    axes.add_collection(contacts)
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
-    # Above the axes: contacts may be born anywhere within.
+    # The legend stands above the axes: contacts may be born anywhere within them.
     axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0, handlelength=1)
 
 
-def _bars(edges: Array, loads: Array, period: float) -> list[Array]:
-    """A rectangle for each contact, as high as to the middle of the neighbouring loads; those over the end twice."""
+def _rectangles(edges: Array, loads: Array, period: float) -> list[Array]:
+    """A rectangle for each contact, up and down to the middle between neighbouring loads.
+
+    A contact that reaches over the end of the period is drawn at both of its ends.
+    """
     middle = np.sqrt(loads[1:] * loads[:-1])
     low, high = np.append(loads[0], middle), np.append(middle, loads[-1])
-    bars = []
-    for row, bottom, top in zip(_filled(edges, period), low, high, strict=True):
+    rectangles = []
+    for row, bottom, top in zip(_edges_with_full_contact(edges, period), low, high, strict=True):
         for left, right in row[np.isfinite(row[:, 0])]:
             for shift in (0.0, -period) if right > period else (0.0,):
-                ends = left + shift, right + shift
-                bars.append(np.array([(ends[0], bottom), (ends[1], bottom), (ends[1], top), (ends[0], top)]))
-    return bars
+                start, end = left + shift, right + shift
+                rectangles.append(np.array([(start, bottom), (end, bottom), (end, top), (start, top)]))
+    return rectangles
 
 
-def _filled(edges: Array, period: float) -> Array:
-    """Full contact has no edges: above the last load that has some, it reaches over the whole period."""
+def _edges_with_full_contact(edges: Array, period: float) -> Array:
+    """The edges of contacts, where full contact, which has none, reaches from one end of the period to the other."""
     full = ~np.isfinite(edges).any(axis=(1, 2))
     edges = edges.copy()
     edges[full, 0] = 0.0, period

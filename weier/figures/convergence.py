@@ -13,6 +13,13 @@ from matplotlib.ticker import MaxNLocator
 from weier.figures import style
 from weier.pipeline import curves
 
+CAPTION = (
+    "The infinite series: estimates with more and more terms resolved lie within the bounds, which hold whatever the "
+    "remaining terms are. Estimates and bounds converge as terms are resolved."
+)
+COMMAND = "convergence"
+VARIABLE = "resolved_terms"
+
 COUNTS = (1, 2, 4)  # of resolved terms, beside the largest
 
 

@@ -13,6 +13,13 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.methods import registry
 
+CAPTION = (
+    "Correct digits of the compliance of one profile by every method, over all loads that a number can hold; and how "
+    "the condition numbers of the boundary elements' equations grow with the number of nodes."
+)
+COMMAND = "extremes"
+VARIABLE = "compliance_digits"
+
 CONDITIONS = {
     "condition_operator": "influence matrix",
     "condition_full": "dense, full contact",

@@ -1,4 +1,4 @@
-"""Fig. 2: what the phase between the waves changes. The maxima of all curves are aligned, h = sum g_n."""
+"""Fig. 2: what the phase between the waves changes. All curves meet at full contact, where h = sum g_n."""
 
 from __future__ import annotations
 
@@ -14,21 +14,19 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.pipeline import curves
 
+CAPTION = (
+    "What the phase between the waves changes: the compliance over mean pressure. A dashed line is one phase, from "
+    "light (in phase) to dark (in antiphase), and the solid line is the average. All curves meet at full contact."
+)
+
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Compliance over mean pressure for each phase, one panel a series, with the average as a solid line.
-
-    Raises
-    ------
-    ValueError
-        If no case of the studies has a numerical solution.
-
-    """
+    """Compliance over mean pressure for each phase, one panel a series, with the average as a solid line."""
     solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
-    title, series = style.shown(title, curves.groups(solved, "D", "gamma", "m"), "series")
+    title, series = style.limit_panels(title, curves.groups(solved, "D", "gamma", "m"), "series")
     figure, panels = style.column(len(series))
     for number, (axes, cases) in enumerate(zip(panels, series, strict=True)):
-        _phases(axes, cases)
+        _draw_phases(axes, cases)
         style.name_panel(axes, number, len(series), style.describe(cases[0], "D", "gamma", "m"))
         axes.set_ylabel(style.LABELS["compliance"])
     panels[-1].set_xlabel(style.LABELS["mean_pressure"])
@@ -39,7 +37,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def _phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     loads = cases[0]["mean_pressure"].values
     h = np.array([curves.numerical(case, "compliance") for case in cases])
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
@@ -48,8 +46,8 @@ def _phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     axes.plot(
         loads, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases", zorder=3
     )
-    checks = [curves.second(case, "compliance") for case in cases]
-    style.draw_points(axes, loads, zip(checks, colors, strict=True))
+    checks = [curves.less_accurate(case, "compliance") for case in cases]
+    style.draw_sparse_points(axes, loads, zip(checks, colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

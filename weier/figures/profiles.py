@@ -1,4 +1,4 @@
-"""Fig. 1: the profiles, over two of their longest waves."""
+"""Fig. 1: the profiles, over two of their longest wavelengths."""
 
 from __future__ import annotations
 
@@ -12,35 +12,30 @@ from weier.figures import style
 from weier.pipeline import curves
 from weier.theory.profile import Profile
 
-WAVES = 2  # lambda_0
+CAPTION = "The profiles over two of their longest wavelengths."
+
+LENGTH = 2  # in lambda_0
 SAMPLES_PER_WAVE = 32
-MOST_SAMPLES = 2**13  # four for each dot of the printed line: finer waves could not be seen
+MAX_SAMPLES = 2**13  # four for each dot of the printed line: nobody could see finer waves
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Heights of each profile, in g_0, over x, in lambda_0, to one scale.
-
-    Raises
-    ------
-    ValueError
-        If no series of the studies is finite.
-
-    """
+    """Heights of each profile, in g_0, over x, in lambda_0, to one scale."""
     finite = [case for case in curves.cases(studies) if np.isfinite(case["m"])]
-    title, cases = style.shown(title, finite, "profiles")
+    title, cases = style.limit_panels(title, finite, "profiles")
     figure, panels = style.column(len(cases), height=1.35, sharex=True, sharey=True)
     for number, (axes, case) in enumerate(zip(panels, cases, strict=True)):
-        x, z = _line(curves.profile(case))
+        x, z = _samples(curves.profile(case))
         axes.plot(x, z, color=style.BLACK, linewidth=0.7)
         axes.set_ylabel(style.LABELS["height"])
         style.name_panel(axes, number, len(cases), style.describe(case))
     panels[-1].set_xlabel(style.LABELS["x"])
-    panels[-1].set_xlim(0, WAVES)
+    panels[-1].set_xlim(0, LENGTH)
     style.set_title(figure, title)
     return figure
 
 
-def _line(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
-    samples = SAMPLES_PER_WAVE * WAVES * float(profile.gamma) ** (profile.terms - 1)
-    x = np.linspace(0, WAVES, int(min(samples, MOST_SAMPLES)) + 1)
+def _samples(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
+    count = SAMPLES_PER_WAVE * LENGTH * float(profile.gamma) ** (profile.terms - 1)
+    x = np.linspace(0, LENGTH, int(min(count, MAX_SAMPLES)) + 1)
     return x, profile.height(x)

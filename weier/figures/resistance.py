@@ -8,20 +8,18 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from weier.figures import style
-from weier.figures.methods import compare
+from weier.figures.comparison import compare
+
+CAPTION = (
+    "Contact resistance over mean pressure. {methods} The exact curve has a kink at each load at which contacts are "
+    "born or merge."
+)
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Resistance over mean pressure by every method, on logarithmic axes: equal ratios are equal distances.
-
-    Raises
-    ------
-    ValueError
-        If no case of the studies has a curve.
-
-    """
+    """Resistance over mean pressure by every method, on logarithmic axes, where equal ratios are equal distances."""
     figure, panels = compare(studies, title, "resistance")
     for axes, cases in panels:
-        style.logarithmic(axes, cases, "resistance")
+        style.set_logarithmic_axes(axes, cases, "resistance")
         axes.legend(loc="lower left")
     return figure

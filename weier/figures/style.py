@@ -1,10 +1,10 @@
-"""One look for all figures: sizes, colours, lines, and the words on the axes."""
+"""The look that all figures share: sizes, colours, lines, panels, and the words on the axes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import matplotlib
 import numpy as np
@@ -13,20 +13,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.methods import registry
-from weier.methods.method import DEFAULT_STYLE
+from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
-from weier.theory.profile import LARGEST_DENOMINATOR
+from weier.theory.profile import MAX_DENOMINATOR
 
-Shown = TypeVar("Shown")
+Group = TypeVar("Group")
 Color = tuple[float, ...]
 
 WIDTH = 3.5  # inches: one column of a journal
 HEIGHT = 2.6
-PANELS = 4  # in one column; more would not fit a page
-FAINT = 0.3
-MARGIN = 1.3  # on a logarithmic axis
+MAX_PANELS = 4  # in one column: more would not fit a page
+FAINT_ALPHA = 0.3  # opacity of the curves of single cases among many
+LOGARITHMIC_MARGIN = 1.3  # factor between the extreme values and the ends of a logarithmic axis
 
-# In Python, not in a style sheet, so that a change of style is seen by what follows imports.
+# These stand in Python, not in a style sheet, so that whatever follows imports sees a change of style.
 RC: dict[str, Any] = {
     "font.family": "STIXGeneral",
     "font.size": 9,
@@ -69,7 +69,7 @@ LABELS = {
 
 # Okabe and Ito's colours, told apart by colour-blind readers; the dashes tell them apart in grey.
 BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
-PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
+PURPLE, ORANGE = "#CC79A7", "#E69F00"
 DASHES = (
     "-",
     (0, (5, 1.5)),
@@ -81,103 +81,113 @@ DASHES = (
 )
 
 
-# A second numerical method: its distance between points is a part of the diagonal of the axes.
-POINTS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markerfacecolor": "white"}
-POINTS |= {"markeredgewidth": 0.7, "markevery": 0.06}
-FEW_POINTS: dict[str, Any] = POINTS | {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}  # many curves
+# Numerical methods beside the most accurate one; the distance between points is a part of the diagonal of the axes.
+POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 0.7, "markevery": 0.06}
+SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}  # beside many curves
 BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
 
-class Line(NamedTuple):
-    """How a method is drawn everywhere: its name for people, colour and dashes."""
-
-    label: str
-    color: str
-    linestyle: Any
-
-
 def line(method: str) -> dict[str, Any]:
-    """Keywords of Axes.plot for the curve of a method, or of a variant that no method is named as."""
-    found = next((each for each in registry.METHODS if each.name == method), None)
-    label, look = (found.label, found.style) if found else (method, DEFAULT_STYLE)
-    return Line(label, look.color, (0, look.dashes) if look.dashes else "-")._asdict()
+    """Keywords of Axes.plot for the curve of a method, or of a variant that is not listed as a method."""
+    label, look = _label_and_style(method)
+    return {"label": label, "color": look.color, "linestyle": (0, look.dashes) if look.dashes else "-"}
 
 
-def draw_points(axes: Axes, loads: np.ndarray, rows: Iterable[tuple[np.ndarray | None, Color]]) -> None:
-    """A few points of a second numerical method beside each of many curves; the legend names them once, in black."""
-    found = [(values, color) for values, color in rows if values is not None]
-    for values, color in found:
-        axes.plot(loads, values, color=color, **FEW_POINTS)
-    if found:
-        axes.plot([], [], label=registry.method_named(registry.numerical_names()[1]).label, color=BLACK, **FEW_POINTS)
+def points(method: str) -> dict[str, Any]:
+    """Keywords of Axes.plot for the points of a numerical method beside the line of a more accurate one."""
+    _, look = _label_and_style(method)
+    return line(method) | POINTS | {"marker": look.marker}
+
+
+def _label_and_style(method: str) -> tuple[str, Style]:
+    return next(
+        ((each.label, each.style) for each in registry.METHODS if each.name == method), (method, DEFAULT_STYLE)
+    )
+
+
+def draw_sparse_points(axes: Axes, loads: np.ndarray, rows: Iterable[tuple[Mapping[str, np.ndarray], Color]]) -> None:
+    """A few points by further numerical methods beside each of many curves.
+
+    Parameters
+    ----------
+    axes : Axes
+    loads : array, shape (loads,)
+    rows : iterable of (mapping, colour)
+        For each curve, the values of shape (loads,) by method, and the colour of the curve. The legend names each
+        method once, in black.
+
+    """
+    drawn: dict[str, None] = {}
+    for values_by_method, color in rows:
+        for method, values in values_by_method.items():
+            axes.plot(loads, values, **points(method) | SPARSE_POINTS | {"color": color, "label": None})
+            drawn[method] = None
+    for method in drawn:
+        axes.plot([], [], **points(method) | SPARSE_POINTS | {"color": BLACK})
 
 
 def family(count: int) -> list[dict[str, Any]]:
-    """Keywords of Axes.plot for so many curves in order, from light to dark."""
+    """Keywords of Axes.plot for a family of so many curves, from light to dark."""
     colors = shade(np.linspace(0, 1, count) if count > 1 else [1.0])
     dashes = [DASHES[(count - 1 - number) % len(DASHES)] for number in range(count)]  # the last, darkest is solid
     return [{"color": color, "linestyle": dash} for color, dash in zip(colors, dashes, strict=True)]
 
 
-def shade(fraction: Iterable[float]) -> list[Color]:
-    """Colours from light (0) to dark (1), distinct in grey print; no yellow, which white paper swallows."""
+def shade(fractions: Iterable[float]) -> list[Color]:
+    """Colours from light (0) to dark (1), distinct in grey print, and without yellow, which fades on white paper."""
     colormap = matplotlib.colormaps["viridis_r"]
-    return [colormap(0.2 + 0.75 * value) for value in fraction]
+    return [colormap(0.2 + 0.75 * fraction) for fraction in fractions]
 
 
 def column(panels: int, height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure one column wide with panels below each other, each so high in inches; without pyplot's state."""
+    """A figure of one column with its panels below each other, of a height in inches each.
+
+    It does not go through pyplot, which would keep it in memory.
+    """
     figure = Figure(figsize=(WIDTH, height * panels), layout="constrained")
     axes = figure.subplots(panels, 1, squeeze=False, **options)[:, 0].tolist()
     return figure, axes
 
 
-def shown(title: str, groups: Sequence[Shown], what: str) -> tuple[str, Sequence[Shown]]:
-    """As many of the groups as there is space for, and a title that tells if that is not all.
-
-    Raises
-    ------
-    ValueError
-        If there is nothing to show.
-
-    """
+def limit_panels(title: str, groups: Sequence[Group], noun: str) -> tuple[str, Sequence[Group]]:
+    """As many of the groups as a column has space for, and a title that says so if these are not all."""
     if not groups:
-        raise ValueError(f"there are no {what} to draw in these studies")
-    note = f"{PANELS} of {len(groups)} {what}" if len(groups) > PANELS else ""
-    return ": ".join(filter(None, [title, note])), groups[:PANELS]
+        raise ValueError(f"there are no {noun} to draw in these studies")
+    note = f"{MAX_PANELS} of {len(groups)} {noun}" if len(groups) > MAX_PANELS else ""
+    return ": ".join(filter(None, [title, note])), groups[:MAX_PANELS]
 
 
-def logarithmic(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """Logarithmic axes from light loads to full contact; a curve that falls to 0 leaves through the floor."""
+def set_logarithmic_axes(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
+    """Logarithmic axes from light loads to full contact; a curve that falls to 0 leaves through the lower edge."""
     low, high = curves.light_load(cases), curves.full_contact_load(cases)
     loads = cases[0]["mean_pressure"].values
-    # An estimate may vanish long before the contact is full: the numerical curves set the scale.
-    rows = [row for case in cases if (row := curves.numerical(case, quantity)) is not None]
-    every = np.array([case[quantity].values for case in cases])
     inside = (loads >= low) & (loads <= high)
-    floor, top = (
-        values[..., inside][values[..., inside] > 0] for values in (np.array(rows) if rows else every, every)
+    curves_of_all = np.concatenate([case[quantity].values for case in cases])
+    # An estimate may vanish long before the contact is full: the numerical curves set the lower end.
+    numerical = [row for case in cases if (row := curves.numerical(case, quantity)) is not None]
+    lower, upper = (
+        values[:, inside] for values in (np.array(numerical) if numerical else curves_of_all, curves_of_all)
     )
     axes.set(xscale="log", yscale="log")
     if low < high:
         axes.set_xlim(low, high)
-    if floor.size:
-        axes.set_ylim(floor.min() / MARGIN, top.max() * MARGIN)
+    if (lower > 0).any():
+        axes.set_ylim(lower[lower > 0].min() / LOGARITHMIC_MARGIN, upper[upper > 0].max() * LOGARITHMIC_MARGIN)
 
 
 def set_title(figure: Figure, title: str) -> None:
-    """One line over the figure, or none."""
+    """Write one line over the figure, unless the title is empty."""
     if title:
         figure.suptitle(title)
 
 
 def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
-    """(a), (b), ... where there are several, and what the panel shows."""
+    """Write what a panel shows over it, after (a), (b), ... where there are several panels."""
     axes.set_title(f"({chr(ord('a') + number)})  {label}" if panels > 1 else label)
 
 
 def describe(case: xr.Dataset, *names: str) -> str:
-    """The coordinates of a case in the paper's symbols: all of the series, or those named."""
+    """The coordinates of a case in the paper's symbols: those that are named, or all that define the series."""
     values = {"D": rf"$D={float(case['D']):g}$", "gamma": rf"$\gamma={_ratio(case)}$", "m": rf"$m={_terms(case)}$"}
     phase = case["phase"].values[1:]
     phase = phase[np.isfinite(phase)]
@@ -187,7 +197,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
 
 
 def _ratio(case: xr.Dataset) -> Fraction:
-    return Fraction(float(case["gamma"])).limit_denominator(LARGEST_DENOMINATOR)
+    return Fraction(float(case["gamma"])).limit_denominator(MAX_DENOMINATOR)
 
 
 def _terms(case: xr.Dataset) -> str:

@@ -1,4 +1,4 @@
-"""Fig. 7: what additional terms change in the compliance, with the bounds on the endless series."""
+"""Fig. 7: what additional terms change in the compliance, with the bounds on the infinite series."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from matplotlib.figure import Figure
 from weier.figures import truncation
 from weier.pipeline import curves
 
+CAPTION = (
+    "What further terms change in the compliance, counted from the mean plane that series of all lengths share. The "
+    "band holds the infinite series, whatever the phases of its further terms (27)."
+)
+
 ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
-ZOOM = 0.03, 0.05  # of the ranges of loads and values that the inset shows
+ZOOM = 0.03, 0.05  # half of what the inset shows, of the ranges of loads and values
 INSET = 0.5, 0.51, 0.42, 0.31  # of the axes: left, bottom, width, height; between the curves and the legend
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Compliance from the mean plane, which all series share, over mean pressure for each number of terms.
-
-    Raises
-    ------
-    ValueError
-        If no case of the studies has a numerical solution.
 
     Notes
     -----
@@ -35,7 +35,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         axes.set_xlim(0, curves.full_contact_load(cases))
         axes.set_ylabel(r"compliance from mean plane $-d/g_0$")
         axes.legend(loc="lower right")
-        _zoom(axes, cases)
+        _draw_zoom(axes, cases)
     return figure
 
 
@@ -44,10 +44,10 @@ def from_mean_plane(h: np.ndarray, total_amplitude: float) -> np.ndarray:
     return h - total_amplitude
 
 
-def _zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    """An inset where the bounds are too close to the curve to be seen in the whole."""
+def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+    """An inset that shows the bounds apart from the curve, which on the whole axes they are too close to."""
     longest = cases[-1]
-    loads, h = longest["mean_pressure"].values, truncation.numerical(longest, "compliance")
+    loads, h = longest["mean_pressure"].values, truncation.numerical_or_nan(longest, "compliance")
     load = ZOOM_AT * axes.get_xlim()[1]
     value = np.interp(load, loads, from_mean_plane(h, float(longest["total_amplitude"])))
     across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())

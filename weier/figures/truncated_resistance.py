@@ -1,4 +1,4 @@
-"""Fig. 8: what additional terms change in the contact resistance, with the bounds on the endless series."""
+"""Fig. 8: what additional terms change in the contact resistance, with the bounds on the infinite series."""
 
 from __future__ import annotations
 
@@ -10,23 +10,21 @@ from matplotlib.figure import Figure
 
 from weier.figures import style, truncation
 
+CAPTION = (
+    "What further terms change in the contact resistance. The band holds the infinite series, whatever the phases of "
+    "its further terms."
+)
+
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Resistance over mean pressure for each number of terms, with the bounds as solid lines.
-
-    Raises
-    ------
-    ValueError
-        If no case of the studies has a numerical solution.
-
-    """
-    figure, panels = truncation.compare(studies, title, "resistance", _as_it_is)
+    """Resistance over mean pressure for each number of terms, with the bounds as a band."""
+    figure, panels = truncation.compare(studies, title, "resistance", _unshifted)
     for axes, cases in panels:
-        style.logarithmic(axes, cases[-1:], "resistance")
+        style.set_logarithmic_axes(axes, cases[-1:], "resistance")
         axes.set_ylabel(style.LABELS["resistance"])
         axes.legend(loc="lower left")
     return figure
 
 
-def _as_it_is(resistance: np.ndarray, total_amplitude: float) -> np.ndarray:
+def _unshifted(resistance: np.ndarray, total_amplitude: float) -> np.ndarray:
     return resistance

@@ -14,6 +14,13 @@ from weier.accuracy.metrics import pareto, seconds_per_load, typical, worst_over
 from weier.figures import style
 from weier.methods import registry
 
+CAPTION = (
+    "Seconds for one load against the largest error over the loads. A dot is one profile, a marker the median of a "
+    "method at one setting, and the band joins those that no other beats in both."
+)
+COMMAND = "tradeoff"
+VARIABLE = "seconds"
+
 FLOOR = 1e-15  # an error of 0 is drawn here
 LABELS = {
     "compliance": r"largest error of $h/g_0$",

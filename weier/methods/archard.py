@@ -23,16 +23,17 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.estimate import solve_by
 from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
-from weier.methods.method import Estimate, Method, Reference, Style
+from weier.methods.method import Method, Reference, Style
 from weier.theory.profile import Profile
 from weier.theory.series import full_contact_pressure
 
 LN2 = np.log(2)
-UNSEEN = 1e-20  # less than the rounding of the differences that it keeps positive
+NEGLIGIBLE = 1e-20  # less than the rounding of the differences that it keeps positive
 DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point
 TAYLOR_TERMS = 12  # of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16
-LIGHTEST = 750.0  # more than -ln of any double
+MAX_MINUS_LOG = 750.0  # more than -ln of any double
 CHUNK = 512  # loads at a time: five arrays of 4 kB stay next to the processor
 
 
@@ -94,7 +95,7 @@ def _resistance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
 class Waves(NamedTuple):
     """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat; arrays of shape (runs,).
 
-    end : place behind the last load of the run
+    end : index behind the last load of the run
     shrink, log_shrink : 2 gamma^(1-D), as zeta_{k+1} = shrink sqrt(zeta_k), and its logarithm
     ratio : of successive weights
     direct : number of waves to sum directly
@@ -113,7 +114,7 @@ class Waves(NamedTuple):
 def _waves(runs: Runs, log_ratio: Array, constant: float) -> Waves:
     shrink, log_shrink = 2 * full_contact_pressure(-1, runs.D, runs.gamma), LN2 - (runs.D - 1) * np.log(runs.gamma)
     # Where ln zeta approaches a point above 0, all waves are flat again after so many.
-    rising = np.log2(LIGHTEST / np.maximum(log_shrink, UNSEEN))
+    rising = np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE))
     direct = np.minimum(np.where(log_shrink > 0, np.ceil(rising), DIRECT_TERMS), runs.left)
     later, rest = runs.left - direct, np.empty((direct.size, 0))
     if np.any(later > 0):
@@ -167,23 +168,17 @@ def _light_sum(zeta: Array, y: Array, waves: Waves, run: int, scratch: Array) ->
         y[i] = total[i] + weight * z[i]
 
 
-def _solve(profile: Profile, loads: Array) -> Estimate:
-    series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(loads, *series), resistance(loads, *series))
-
-
 def _reference(profile: Profile, loads: Array) -> Reference:
     from weier.methods import multiprecision  # mpmath, which only the stability report needs
 
-    series = profile.D, float(profile.gamma), profile.m
-    return multiprecision.reference(multiprecision.archard(p, *series) for p in loads)
+    return multiprecision.reference(multiprecision.archard, profile, loads)
 
 
 METHOD = Method(
     name="archard",
     label="Archard",
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
-    solve=_solve,
+    solve=solve_by(compliance, resistance),
     style=Style("#D55E00", (5, 1.5), "v"),
     reference=_reference,
 )

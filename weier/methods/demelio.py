@@ -6,13 +6,17 @@ scaled by g_{N+1} and p_{N+1}*. Heights are in g_0, pressures in p_0*.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.estimate import offer, solve_by
 from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
-from weier.methods.method import Estimate, Method, Reference, Style
+from weier.methods.method import Method, Reference, Style
+from weier.methods.segment import Segment, Task
 from weier.theory.profile import Profile
 
 
@@ -106,16 +110,20 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
-def _solve(profile: Profile, loads: Array) -> Estimate:
-    series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(loads, *series), resistance(loads, *series))
+LARGEST_ERROR = 0.7  # of the compliance, in the amplitude of the terms after the first
+SECONDS = 5e-5, 2e-6  # to start, and for each load
+
+_solve = solve_by(compliance, resistance)
+
+
+def _candidates(task: Task) -> Iterator[Segment]:
+    return offer(task, "demelio", LARGEST_ERROR, SECONDS, _solve)
 
 
 def _reference(profile: Profile, loads: Array) -> Reference:
     from weier.methods import multiprecision  # mpmath, which only the stability report needs
 
-    series = profile.D, float(profile.gamma), profile.m
-    return multiprecision.reference(multiprecision.demelio(p, *series) for p in loads)
+    return multiprecision.reference(multiprecision.demelio, profile, loads)
 
 
 METHOD = Method(
@@ -124,5 +132,6 @@ METHOD = Method(
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
     solve=_solve,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
+    candidates=_candidates,
     reference=_reference,
 )

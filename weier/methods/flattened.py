@@ -26,7 +26,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.series import amplitude, full_contact_pressure, leading_amplitude
 
-ENDLESS = 1e300  # for m = inf: no sum of doubles can tell them apart, and ENDLESS - ENDLESS = 0
+INFINITE_TERMS = 1e300  # for m = inf: no sum of doubles can tell them apart, and INFINITE_TERMS - INFINITE_TERMS = 0
 MARGIN = 1e-12  # more than the rounding of a power: a load so close to the end of a run finds its own
 BLOCK = 2**17  # loads at a time: their arrays, of 1 MB, stay in the cache
 
@@ -34,7 +34,7 @@ BLOCK = 2**17  # loads at a time: their arrays, of 1 MB, stay in the cache
 class Runs(NamedTuple):
     """Runs of loads of all series one after the other; arrays of shape (runs,).
 
-    end : place behind the last load
+    end : index behind the last load
     flat : number N of flat waves
     left : number m - N of waves that remain
     D, gamma, fixed : of the series
@@ -80,9 +80,9 @@ def over_series(
     series, loads = math.prod(grid), math.prod(shape[axis] for axis in order[len(across) :])
     own = any(p.shape[axis] != 1 for axis in across)  # each series has loads of its own
     p = np.broadcast_to(p, shape).transpose(order).reshape(series, loads) if own else p.reshape(1, loads)
-    values = np.broadcast_to(p, (series, loads))
-    answer = _in_blocks(sums, fixed, values, *(each.ravel() for each in parameters))
-    return answer.reshape([shape[axis] for axis in order]).transpose(np.argsort(order))
+    every = np.broadcast_to(p, (series, loads))
+    values = _in_blocks(sums, fixed, every, *(each.ravel() for each in parameters))
+    return values.reshape([shape[axis] for axis in order]).transpose(np.argsort(order))
 
 
 def _of_one_rank(*arguments: ArrayLike) -> list[Array]:
@@ -100,17 +100,17 @@ def _in_blocks(
     m: Array,
 ) -> Array:
     """Sums for loads of shape (series, loads)."""
-    answer = np.empty(p.shape)
+    values = np.empty(p.shape)
     series, loads = p.shape
     rows = max(BLOCK // max(loads, 1), 1)
     for first in range(0, series, rows):
         some = np.s_[first : first + rows]
-        parameters = D[some], gamma[some], np.minimum(m[some], ENDLESS), fixed(D[some], gamma[some])
+        parameters = D[some], gamma[some], np.minimum(m[some], INFINITE_TERMS), fixed(D[some], gamma[some])
         for start in range(0, loads, BLOCK):
             block = np.s_[some, start : start + BLOCK]
             xi, runs = _carried(p[block].copy(), *parameters)
-            answer[block] = sums(xi, np.log(xi), runs).reshape(answer[block].shape)
-    return answer
+            values[block] = sums(xi, np.log(xi), runs).reshape(values[block].shape)
+    return values
 
 
 def with_flat_waves(h: Array, runs: Runs) -> Array:

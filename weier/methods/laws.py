@@ -39,6 +39,7 @@ PATCHES_TOLERANCES = (1e-8, 1e-10, 1e-12)
 # What misses the contact conditions by a length is exact for a surface as far from the given one, and the bounds
 # theorem holds the compliance to that length: measured 1.25 of it, since it is looked for at every second node.
 RESIDUAL = 2.0
+BEM_RESIDUAL = 1e-10  # g_0, at which boundary elements stop
 FLOOR = 1e-14  # of the total amplitude: rounding of the compliance
 ROUNDING = 1e-12  # of the resistance; also of the compliance while planning
 

@@ -152,7 +152,7 @@ class Method:
         """Whether the method applies to a profile."""
         try:
             self.applies(profile)
-        except NotApplicableError:
+        except ValueError:
             return False
         return True
 

@@ -6,24 +6,27 @@ geometric series or below the last digit. Each function returns compliance, in g
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from typing import Any
 
 import mpmath as mp
 
+from weier.kernels.arrays import Array
 from weier.methods.method import Reference
+from weier.theory.profile import Profile
 
 DIGITS = 50
 Pair = tuple[Any, Any]
 
 
-def reference(pairs: Iterable[Pair]) -> Reference:
-    """Those of all loads together."""
-    columns = list(zip(*pairs, strict=True)) or [(), ()]
-    return Reference(list(columns[0]), list(columns[1]), "mpmath")
+def reference(sums: Callable[..., Pair], profile: Profile, loads: Array) -> Reference:
+    """The sums of a method for all loads."""
+    series = profile.D, float(profile.gamma), profile.m
+    pairs = [sums(float(p), *series) for p in loads]
+    return Reference([h for h, _ in pairs], [R for _, R in pairs], "mpmath")
 
 
-def westergaard(p: float) -> Pair:
+def westergaard(p: float, *series: float) -> Pair:
     """One wave (12)-(14)."""
     with mp.workdps(DIGITS):
         return _compliance(mp.mpf(p)), _resistance(mp.mpf(p))

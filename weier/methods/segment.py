@@ -5,40 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from weier.kernels.arrays import Array
 from weier.theory.profile import Profile
 
-
-class Truncation(NamedTuple):
-    """A truncated series that may stand for the whole one.
-
-    kept : its terms as a profile
-    error : what the terms left out may change at each load, by the bounds theorem; inf where that is too much
-    remaining : how much of the tolerance is left for the method
-    contacts : contacts to expect at each load
-    """
-
-    kept: Profile
-    error: Array
-    remaining: float
-    contacts: Array
+COMPLIANCE, RESISTANCE = QUANTITIES = ("compliance", "resistance")
 
 
 class Task(NamedTuple):
-    """What a plan is to reach.
+    """What a plan asks of a method: the curve of a series within a tolerance.
 
-    profile : the series, of any number of terms
+    profile : the series to be modelled: the whole one, or a truncated one that may stand for it
     mean_pressure : loads, shape (loads,), increasing, in p_0*
-    tolerance : of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*
+    truncation : what the terms left out may change at each load, by the bounds theorem; 0 for the whole series
+    tolerance : what is left for the method: of the compliance, in g_0; of the resistance, relative to the larger of
+        itself and 1 g_0/p_0*
     quantity : "compliance" or "resistance"
-    truncations : the truncated series that may stand for the profile
+    contacts : contacts to expect at each load
+    first_contact : a bound above the compliance at first contact, in g_0
     """
 
     profile: Profile
     mean_pressure: Array
+    truncation: Array
     tolerance: float
     quantity: str
-    truncations: tuple[Truncation, ...]
+    contacts: Array
+    first_contact: float
 
 
 class Solution(NamedTuple):
@@ -58,7 +52,7 @@ class Segment(NamedTuple):
     """A range of loads and how it is solved; arrays over its loads.
 
     mean_pressure : in p_0*
-    method : its name
+    method : its name, or "full contact"
     terms : of the series, that are modelled
     settings : of the method, as keywords of weier.solve
     truncation : by the bounds theorem, what the terms not modelled may change
@@ -67,8 +61,10 @@ class Segment(NamedTuple):
     seconds_start, seconds_load : expected
     memory : expected, in bytes
     why : in a sentence
-    solve : from the loads to their solution
+    solve : from loads to their solution
     whole : whether the method answers for the whole series, not for the terms alone
+    other_loads : of each load, others to be solved with it, shape (loads, others), in p_0*: they tell how far the
+        resistance may be off; None where the method knows by itself
     """
 
     mean_pressure: Array
@@ -84,6 +80,7 @@ class Segment(NamedTuple):
     why: str
     solve: Callable[[Array], Solution]
     whole: bool = False
+    other_loads: Array | None = None
 
     @property
     def error(self) -> Array:
@@ -95,7 +92,24 @@ class Segment(NamedTuple):
         """Expected seconds on one core."""
         return self.seconds_start + float(self.seconds_load.sum())
 
+    def fails_like(self, other: Segment) -> bool:
+        """Whether this will not do where the other did not: the same, or bounds from no more terms."""
+        if np.any(other.truncation > 0) and np.any(self.truncation > 0):
+            return self.terms <= other.terms
+        return (self.method, self.terms, self.settings) == (other.method, other.terms, other.settings)
+
     def at(self, loads: slice) -> Segment:
         """The same for some of its loads."""
         names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load")
-        return self._replace(**{name: getattr(self, name)[loads] for name in names})
+        others = None if self.other_loads is None else self.other_loads[loads]
+        return self._replace(other_loads=others, **{name: getattr(self, name)[loads] for name in names})
+
+
+def segment(task: Task, method: str, why: str, solve: Callable[[Array], Solution], **known: Any) -> Segment:
+    """A segment over all loads of a task; what is not known of it is no error and no cost."""
+    none = np.zeros(task.mean_pressure.size)
+    fields: dict[str, Any] = {
+        "terms": task.profile.m, "settings": {}, "truncation": task.truncation, "discretisation": none,
+        "estimate": none, "seconds_start": 0.0, "seconds_load": none, "memory": 0.0,
+    }  # fmt: skip
+    return Segment(task.mean_pressure, method, why=why, solve=solve, **{**fields, **known})

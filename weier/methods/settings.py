@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from weier.data.yaml import number
 from weier.methods.method import Method
-from weier.theory.limits import MOST_POINTS
+from weier.theory.limits import MAX_POINTS
 
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
 
@@ -88,6 +88,6 @@ def _checked_setting(name: str, kind: str, value: Any) -> Any:
         raise ValueError(f"{name} must be {words}, got {shown}")
     if kind == "float" and not MIN_FRACTION <= value < 1:
         raise ValueError(f"{name} must lie in [{MIN_FRACTION:g}, 1), got {shown}")
-    if kind.startswith("int") and value is not None and not 1 <= value <= MOST_POINTS:
-        raise ValueError(f"{name} must lie in [1, {MOST_POINTS}], got {shown}")
+    if kind.startswith("int") and value is not None and not 1 <= value <= MAX_POINTS:
+        raise ValueError(f"{name} must lie in [1, {MAX_POINTS}], got {shown}")
     return value

@@ -6,13 +6,18 @@ pressure (9). The functions broadcast.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Estimate, Method, Reference, Style
+from weier.methods.segment import Segment, Solution, Task, segment
 from weier.theory.profile import Profile
+
+SECONDS_LOAD = 1e-6
 
 
 def compliance(xi: ArrayLike) -> Array:
@@ -77,10 +82,25 @@ def _applies(profile: Profile) -> None:
         raise NotApplicableError(f'method "westergaard" is for one wave, m = 1, got m = {profile.m}')
 
 
+def _candidates(task: Task) -> Iterator[Segment]:
+    """The only way that a plan takes for one wave."""
+    if task.profile.m == 1:
+        seconds = np.full(task.mean_pressure.size, SECONDS_LOAD)
+        yield segment(
+            task, "westergaard", "one wave has a closed form", _solution, seconds_start=SECONDS_LOAD,
+            seconds_load=seconds,
+        )  # fmt: skip
+
+
+def _solution(loads: Array) -> Solution:
+    exact = np.zeros(loads.size)
+    return Solution(compliance(loads), resistance(loads), exact, exact)
+
+
 def _reference(profile: Profile, loads: Array) -> Reference:
     from weier.methods import multiprecision  # mpmath, which only the stability report needs
 
-    return multiprecision.reference(multiprecision.westergaard(p) for p in loads)
+    return multiprecision.reference(multiprecision.westergaard, profile, loads)
 
 
 METHOD = Method(
@@ -90,5 +110,6 @@ METHOD = Method(
     solve=_solve,
     applies=_applies,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
+    candidates=_candidates,
     reference=_reference,
 )

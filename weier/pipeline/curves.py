@@ -1,4 +1,4 @@
-"""The curves of a study, one case at a time: which are there, and which of them is the numerical one."""
+"""The curves of a study, one case at a time: which methods have solved it, and which of them is the most accurate."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.theory.profile import Profile
 
-ESTIMATES = ("archard", "demelio", "layer")  # in the order of Section 4
-FULL = 0.99  # of the compliance of full contact: where a linear axis shows no more change
-LIGHT = 100  # below the load of full contact by more than this, one or two crests of the finest wave carry all
+FULL_CONTACT_COMPLIANCE = 0.99  # of the compliance at full contact: above it a linear axis shows no more change
+LIGHT_LOAD_RATIO = 100  # below the load of full contact by more than this, one or two crests carry everything
 
 
 def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
@@ -21,12 +20,12 @@ def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
     return [study.isel(case=case) for study in studies for case in range(study.sizes["case"])]
 
 
-def groups(of: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
+def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
     """The cases that share the values of the named coordinates, together, in order of appearance."""
-    found: dict[tuple[float, ...], list[xr.Dataset]] = {}
-    for case in of:
-        found.setdefault(tuple(float(case[name]) for name in names), []).append(case)
-    return list(found.values())
+    members: dict[tuple[float, ...], list[xr.Dataset]] = {}
+    for case in cases:
+        members.setdefault(tuple(float(case[name]) for name in names), []).append(case)
+    return list(members.values())
 
 
 def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
@@ -38,9 +37,14 @@ def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
     return values if np.isfinite(values).any() else None
 
 
+def numerical_methods(case: xr.Dataset) -> list[str]:
+    """The methods that solved the case itself, not an estimate of it, the most accurate first."""
+    return [method for method in numerical_names() if curve(case, "compliance", method) is not None]
+
+
 def numerical_method(case: xr.Dataset) -> str | None:
-    """The most accurate method that solved the case itself, not an estimate of it, or None."""
-    return next((method for method in numerical_names() if curve(case, "compliance", method) is not None), None)
+    """The most accurate method that solved the case itself, or None."""
+    return next(iter(numerical_methods(case)), None)
 
 
 def numerical(case: xr.Dataset, name: str) -> Array | None:
@@ -48,21 +52,21 @@ def numerical(case: xr.Dataset, name: str) -> Array | None:
     return curve(case, name, numerical_method(case))
 
 
-def second(case: xr.Dataset, name: str) -> Array | None:
-    """The values of a variable by the other numerical method, where two solved the case, or None."""
-    solved = [method for method in numerical_names() if curve(case, "compliance", method) is not None]
-    return curve(case, name, solved[1]) if len(solved) > 1 else None
+def less_accurate(case: xr.Dataset, name: str) -> dict[str, Array]:
+    """The values of a variable by the numerical methods beside the most accurate one, by method."""
+    rows = {method: curve(case, name, method) for method in numerical_methods(case)[1:]}
+    return {method: row for method, row in rows.items() if row is not None}
 
 
-def full_contact_load(of: Sequence[xr.Dataset]) -> float:
-    """The first load at which all cases are all but flat, or the last load there is."""
-    return max((_full_contact_load(case) for case in of), default=np.nan)
+def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
+    """The first load at which all cases are close to full contact, or the last load there is."""
+    return max((_full_contact_load(case) for case in cases), default=np.nan)
 
 
-def light_load(of: Sequence[xr.Dataset]) -> float:
+def light_load(cases: Sequence[xr.Dataset]) -> float:
     """Where a logarithmic axis of loads starts: a power of ten well below full contact, or the first load."""
-    decade = 10.0 ** np.floor(np.log10(full_contact_load(of) / LIGHT))
-    return float(max(decade, min(case["mean_pressure"].values[0] for case in of)))
+    decade = 10.0 ** np.floor(np.log10(full_contact_load(cases) / LIGHT_LOAD_RATIO))
+    return float(max(decade, min(case["mean_pressure"].values[0] for case in cases)))
 
 
 def profile(case: xr.Dataset) -> Profile:
@@ -83,5 +87,5 @@ def _full_contact_load(case: xr.Dataset) -> float:
     h = numerical(case, "compliance")
     known = case["compliance"].values if h is None else h[None]
     solved = known[np.isfinite(known).any(axis=1)]
-    flat = (solved >= FULL * float(case["total_amplitude"])).all(axis=0)
-    return float(loads[np.argmax(flat)] if solved.size and flat.any() else loads[-1])
+    full = (solved >= FULL_CONTACT_COMPLIANCE * float(case["total_amplitude"])).all(axis=0)
+    return float(loads[np.argmax(full)] if solved.size and full.any() else loads[-1])

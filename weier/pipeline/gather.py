@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
-from weier.methods import laws
+from weier.methods import bem, error_model
 from weier.methods.registry import numerical_names
 from weier.theory.bounds import complete_bounds, resistance_bounds
 from weier.theory.profile import Profile
@@ -98,11 +98,11 @@ def add_bounds(data: xr.Dataset) -> xr.Dataset:
 
 def _solution_error(data: xr.Dataset) -> NDArray[np.float64]:
     """What grid and residual leave of the compliance, in g_0, shape (cases, methods); NaN without a solution."""
-    off = laws.RESIDUAL * data["residual"].max("mean_pressure").values
+    off = error_model.RESIDUAL * data["residual"].max("mean_pressure").values
     for case, method in np.argwhere(np.isfinite(data["points"].values)):
         one = data.isel(case=case)
         profile = Profile(float(one["D"]), float(one["gamma"]), float(one["m"]))
-        off[case, method] += laws.bem_compliance_error(profile, int(one["points"][method]))
+        off[case, method] += bem.error_model.compliance_error(profile, int(one["points"][method]))
     return np.asarray(off)
 
 

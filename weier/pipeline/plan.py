@@ -8,6 +8,7 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
+from weier.methods import registry
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
 from weier.methods.planned.plan import plan as plan_profile
@@ -93,7 +94,7 @@ def plan(
     --------
     >>> import weier
     >>> found = weier.plan(weier.Profile(D=1.25, gamma=5, m=3), [0.01, 0.1, 20], tolerance=1e-4)
-    >>> [part.method for part in found.parts]
+    >>> [segment.method for segment in found.segments]
     ['bem', 'full contact']
 
     """
@@ -103,7 +104,7 @@ def plan(
         return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
     if mean_pressure is None:
         raise ValueError("mean_pressure must be given with a profile: only a scene has loads of its own")
-    return plan_profile(subject, mean_pressure, **wanted)
+    return plan_profile(subject, mean_pressure, registry.METHODS, **wanted)
 
 
 def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:
@@ -116,6 +117,6 @@ def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> Sc
 
 def _plan_case(case: Case, loads: ArrayLike, wanted: Mapping[str, Any]) -> Plan | OutOfReachError:
     try:
-        return plan_profile(case.profile, loads, **{**case.settings.get(PLANNED, {}), **wanted})
+        return plan_profile(case.profile, loads, registry.METHODS, **{**case.settings.get(PLANNED, {}), **wanted})
     except OutOfReachError as error:
         return error

@@ -124,3 +124,38 @@ def resistance_bounds(
     lower = np.maximum(np.fmax.reduce(flattest, axis=-1), 0)
     upper = np.fmin.reduce(steepest, axis=-1)
     return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
+
+
+def chord_bounds(
+    mean_pressure: ArrayLike, compliance: ArrayLike, error: ArrayLike, other: ArrayLike, others: ArrayLike
+) -> tuple[Array, Array]:
+    """Bounds on dh/dp of a concave curve at loads of which each has other loads of its own.
+
+    As `resistance_bounds`, but a bound at one load rests on no load of another, and each compliance has an error of
+    its own. The curve begins at h >= 0: no crest is higher than all waves together.
+
+    Parameters
+    ----------
+    mean_pressure : array_like, shape (loads,)
+        Mean pressures p > 0.
+    compliance, error : array_like, shape (loads,)
+        Compliance h and what it may be off, above or below.
+    other : array_like, shape (loads, others)
+        Other loads p' > 0 of each, above or below it.
+    others : array_like, shape (2, loads, others)
+        Compliance there, and what it may be off.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (loads,)
+        R >= [h(p') - h(p)]/(p' - p) for every p' > p, and R <= [h(p) - h(p')]/(p - p') for every p' < p, at the worst
+        that the errors allow.
+    """
+    p, top = np.asarray(mean_pressure, float), np.asarray(compliance, float) + np.asarray(error, float)
+    there, (h, off) = np.asarray(other, float), np.asarray(others, float)
+    run, rise = p[:, None] - there, top[:, None] - (h - off)
+    with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
+        steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+        flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+        start = top / p
+    return flattest.max(axis=1, initial=0.0), np.minimum(steepest.min(axis=1, initial=np.inf), start)

@@ -13,7 +13,7 @@ from weier.kernels.arrays import Array
 
 def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:
     """Composite modulus M of two bodies of shear modulus mu and Poisson's ratio nu, in the unit of mu (3)."""
-    nu_1, nu_2 = np.asarray(nu_1, float), np.asarray(nu_2, float)
+    mu_1, nu_1, mu_2, nu_2 = (np.asarray(value, float) for value in (mu_1, nu_1, mu_2, nu_2))
     return np.asarray(1 / ((1 - nu_1) / mu_1 + (1 - nu_2) / mu_2))
 
 
@@ -22,7 +22,7 @@ def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: 
 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """
-    return np.asarray(np.multiply(modulus, np.add(rho_1, rho_2)) * np.asarray(compliance_slope, float))
+    return np.asarray(np.asarray(modulus, float) * _sum(rho_1, rho_2) * np.asarray(compliance_slope, float))
 
 
 def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
@@ -40,7 +40,7 @@ def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     (4) prints (rho_1 + rho_2)/(2 sum a_i). A circular contact has the stiffness dF/dh = 4 M a and so, by (2),
     the resistance (rho_1 + rho_2)/(4 a), which is Holm's rho/(2 a) for two bodies of one metal.
     """
-    return np.asarray(np.add(rho_1, rho_2) / (4 * np.sum(radii, axis=-1)))
+    return np.asarray(_sum(rho_1, rho_2) / (4 * np.sum(np.asarray(radii, float), axis=-1)))
 
 
 def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
@@ -49,7 +49,11 @@ def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho
     `radii` has shape (..., contacts) and is in m; the other arguments have shape (...). As for `holm`, half of
     what (5) prints.
     """
-    return np.asarray(holm(radii, rho_1, rho_2) + np.add(rho_1, rho_2) / (4 * np.asarray(contour_radius, float)))
+    return np.asarray(holm(radii, rho_1, rho_2) + _sum(rho_1, rho_2) / (4 * np.asarray(contour_radius, float)))
+
+
+def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
+    return np.asarray(np.asarray(rho_1, float) + np.asarray(rho_2, float))
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,9 @@ class Interface:
     g_0: float
 
     def __post_init__(self) -> None:
+        # NumPy's own scalars would overflow, or keep all that is made of them to the digits of their type.
+        for name, value in vars(self).copy().items():
+            object.__setattr__(self, name, float(value))
         for name in ("mu_1", "mu_2"):
             self._require(name, getattr(self, name) > 0, "be positive (inf for a rigid body)")
         for name in ("nu_1", "nu_2"):

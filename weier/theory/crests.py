@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array
 
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
+MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
+
+
+def countable(waves: int) -> bool:
+    """Whether every crest of a series with so many of the finest waves in a period can be looked at beforehand."""
+    return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
 def sampled(amplitude: Array, wavenumber: Sequence[int], phase: Array, points: int) -> Array:

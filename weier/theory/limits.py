@@ -6,14 +6,14 @@ import math
 
 from weier.theory.profile import Profile
 
-MOST_WAVES = 100_000  # of the finest term in one period: 6.4 million nodes, a gigabyte
-MOST_POINTS = 10**7
-MOST_DENSE = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
+MAX_WAVES = 100_000  # of the finest term in one period: 6.4 million nodes, a gigabyte
+MAX_POINTS = 10**7
+MAX_DENSE_POINTS = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
 
 
 def resolvable(profile: Profile) -> bool:
     """Whether the waves of one period can be sampled."""
-    return (profile.m - 1) * math.log(profile.gamma.numerator) <= math.log(MOST_WAVES)
+    return (profile.m - 1) * math.log(profile.gamma.numerator) <= math.log(MAX_WAVES)
 
 
 def check_resolvable(profile: Profile) -> None:
@@ -27,7 +27,7 @@ def check_resolvable(profile: Profile) -> None:
     """
     if not resolvable(profile):
         raise ValueError(
-            f"the finest wave must fit at most {MOST_WAVES} times into the period, which {profile.describe()} "
+            f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
             "exceeds: take fewer terms, or methods other than bem and patches"
         )
 
@@ -41,6 +41,6 @@ def check_points(points: int, dense: bool = False) -> None:
         If it has too many nodes.
 
     """
-    most, instead = (MOST_DENSE, 'take solver "fft", or fewer') if dense else (MOST_POINTS, "take fewer")
+    most, instead = (MAX_DENSE_POINTS, 'take solver "fft", or fewer') if dense else (MAX_POINTS, "take fewer")
     if points > most:
         raise ValueError(f"points must be at most {most}, got {points}: {instead}")

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 
-MOST_LOADS = 10_000  # of a scene or a command
-RANGE = 1e-12, 1e12  # p_0*
+MAX_LOADS = 10_000  # of a scene or a command
+LOAD_RANGE = 1e-12, 1e12  # p_0*
 
 
 def checked_loads(mean_pressure: ArrayLike) -> Array:
@@ -57,7 +57,8 @@ def check_range(loads: Array) -> None:
         If a load or their count is out of range.
 
     """
-    if loads.size > MOST_LOADS:
-        raise ValueError(f"there must be at most {MOST_LOADS} loads, got {loads.size}")
-    if loads[0] < RANGE[0] or loads[-1] > RANGE[1]:
-        raise ValueError(f"loads must lie in [{RANGE[0]:g}, {RANGE[1]:g}] p_0*, got {loads[0]:g} to {loads[-1]:g}")
+    if loads.size > MAX_LOADS:
+        raise ValueError(f"there must be at most {MAX_LOADS} loads, got {loads.size}")
+    low, high = LOAD_RANGE
+    if loads[0] < low or loads[-1] > high:
+        raise ValueError(f"loads must lie in [{low:g}, {high:g}] p_0*, got {loads[0]:g} to {loads[-1]:g}")

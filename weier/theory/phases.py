@@ -12,7 +12,7 @@ from weier.kernels.arrays import Array
 
 @dataclass(frozen=True)
 class RandomPhases:
-    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of one endless sequence."""
+    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of one sequence without end."""
 
     seed: int
 

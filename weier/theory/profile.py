@@ -19,8 +19,8 @@ from weier.theory import series
 from weier.theory.crests import sampled, summits
 from weier.theory.phases import Phases, RandomPhases, checked_phases
 
-MOST_DESCRIBED = 8  # phases in a line
-LARGEST_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
+MAX_PHASES_DESCRIBED = 8  # phases in a line
+MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
 
 
 @dataclass(frozen=True)
@@ -146,8 +146,8 @@ class Profile:
             return f"{self.describe()}, seed {self.phases.seed}"
         if isinstance(self.phases, float):
             return f"{self.describe()}, phase {self.phases:g}"
-        first = ", ".join(f"{phase:g}" for phase in self.phases[:MOST_DESCRIBED])
-        return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MOST_DESCRIBED else ''}"
+        first = ", ".join(f"{phase:g}" for phase in self.phases[:MAX_PHASES_DESCRIBED])
+        return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MAX_PHASES_DESCRIBED else ''}"
 
     def height(self, x: ArrayLike) -> Array:
         """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
@@ -187,12 +187,16 @@ class Profile:
 
 
 def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+    if isinstance(gamma, np.floating):
+        gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
     try:
-        ratio = Fraction(gamma)
+        given = Fraction(gamma)
     except (ValueError, OverflowError, TypeError, ZeroDivisionError):
         raise ValueError(f'gamma must be an integer or a fraction such as "5/2", got {gamma!r}') from None
+    # A Fraction keeps the integers that it is made of, and NumPy's overflow in its powers without a word.
+    ratio = Fraction(int(given.numerator), int(given.denominator))
     if isinstance(gamma, float):
-        ratio = ratio.limit_denominator(LARGEST_DENOMINATOR)
+        ratio = ratio.limit_denominator(MAX_DENOMINATOR)
         if float(ratio) != gamma:
             near = ratio.limit_denominator(100)
             raise ValueError(

@@ -25,14 +25,14 @@ def full_contact_pressure(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array
 
 def leading_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
     """Sum of the amplitudes of the first m terms, in g_0 (22). Broadcasts; m = inf has its limit."""
-    exponent = (np.asarray(D, float) - 2) * np.log(gamma)
-    return np.asarray(np.expm1(exponent * m) / np.expm1(exponent))
+    exponent = (np.asarray(D, float) - 2) * np.log(np.asarray(gamma, float))
+    return np.asarray(np.expm1(exponent * np.asarray(m, float)) / np.expm1(exponent))
 
 
 def tail_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
     """Sum G_m of the amplitudes of all terms n >= m, in g_0 (22), (27). Broadcasts; 0 for m = inf."""
-    exponent = (np.asarray(D, float) - 2) * np.log(gamma)
-    return np.exp(exponent * m) / -np.expm1(exponent)
+    exponent = (np.asarray(D, float) - 2) * np.log(np.asarray(gamma, float))
+    return np.exp(exponent * np.asarray(m, float)) / -np.expm1(exponent)
 
 
 def checked_dimension(D: float) -> float:
@@ -44,14 +44,14 @@ def checked_dimension(D: float) -> float:
 
 def checked_terms(m: float) -> float:
     """m, if it is a number of terms: an integer, or inf."""
-    if isinstance(m, bool) or not m >= 1 or (math.isfinite(m) and m != int(m)):
+    if isinstance(m, bool | np.bool_) or not m >= 1 or (math.isfinite(m) and m != int(m)):
         raise ValueError(f"m must be a whole number of terms, at least 1, or inf, got {m}")
-    return m if math.isinf(m) else int(m)
+    return math.inf if math.isinf(m) else int(m)
 
 
 def _power(gamma: ArrayLike, exponent: Array, n: ArrayLike) -> Array:
     """gamma^(exponent n) to the last digits."""
     # A rounded product exponent * n would cost the power up to 700 units in the last place. The leading
     # 29 bits of the exponent times n < 2^24 are exact, and what they leave is too small to magnify anything.
-    n, leading = np.asarray(n, float), np.trunc(exponent * 2.0**29) / 2.0**29
+    n, gamma, leading = np.asarray(n, float), np.asarray(gamma, float), np.trunc(exponent * 2.0**29) / 2.0**29
     return np.asarray(np.power(gamma, leading * n, dtype=float) * np.exp((exponent - leading) * n * np.log(gamma)))

@@ -4,7 +4,7 @@ import pytest
 
 from tests.trade import small_trade
 from weier.accuracy.tradeoff.fit import constants
-from weier.methods import laws
+from weier.methods import bem, patches
 
 
 @pytest.fixture(scope="module")
@@ -27,11 +27,13 @@ def test_a_fit_finds_the_constants_that_made_the_data(measured):
         for case in range(2):
             points, contacts = measured["points"].values[case, at], measured["patch_count"].values[case, at]
             if method == "bem":
-                start, load = laws.bem_seconds(points, contacts)
+                start, load = bem.error_model.seconds(points, contacts)
                 seconds.values[case, at] = start + load.sum()
             if method == "patches":
                 waves = [1, 3][case]
-                seconds.values[case, at] = laws.SECONDS_START["patches"] + laws.patches_seconds(waves, contacts).sum()
+                seconds.values[case, at] = (
+                    patches.error_model.SECONDS_START + patches.error_model.seconds(waves, contacts).sum()
+                )
     found = {each.name: each for each in constants(measured.assign(seconds=seconds)) if not each.bounds_error}
     for name in ("SECONDS_LOAD bem", "SECONDS_NODE bem"):
         assert found[name].measured == pytest.approx(found[name].shipped, rel=1e-6)

@@ -85,10 +85,10 @@ def around(loads: ArrayLike) -> Array:
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
     """All methods that meet an extreme, each with all its algorithms: those that take the profile and end in time."""
     return tuple(
-        Variant(_name(method, settings), method.name, settings)
+        Variant(_name(method, algorithm), method.name, settings)
         for method in registry.METHODS
         if _meets(method, profile, loads)
-        for settings in _algorithms(method, profile, loads)
+        for algorithm, settings in _algorithms(method, profile, loads)
     )
 
 
@@ -103,24 +103,24 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     return method.seconds(profile, loads) + each <= MAX_SECONDS
 
 
-def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[Settings]:
-    """The default, and the others at the coarsest settings of the trade, where a reference for them is in reach.
+def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
+    """Each algorithm with all its settings: the default, and others where a reference for them is in reach.
 
-    They may be slow, as dense matrices are, and nothing tells the seconds that they take.
+    Those may be slow, as dense matrices are, and nothing tells the seconds that they take: they have the coarsest of
+    the settings that the trade compares.
     """
-    first, *others = method.algorithms
-    yield first
-    for settings in others:
+    default, *others = method.algorithms
+    yield default, default
+    for algorithm in others:
         if not resolvable(profile):
-            yield settings
+            yield algorithm, algorithm
         elif is_in_reach(profile, loads):
             coarsest = next(iter(method.named_variants(profile)))
-            yield {**settings, **coarsest.settings}
+            yield algorithm, {**coarsest.settings, **algorithm}
 
 
-def _name(method: Method, settings: Settings) -> str:
-    """The method, and the words among its settings, which choose an algorithm."""
-    return " ".join([method.name, *(value for value in settings.values() if isinstance(value, str))])
+def _name(method: Method, algorithm: Settings) -> str:
+    return " ".join([method.name, *map(str, algorithm.values())])
 
 
 def _with_events(phases: list[float], apart: float = 0.0) -> tuple[Case, Array]:
@@ -144,5 +144,7 @@ def _extreme(name: str, case: Case, loads: Array) -> Comparison:
 def _on_nodes(points: int) -> tuple[Variant, ...]:
     """Boundary elements on so many nodes, by each of their algorithms."""
     method = bem.METHOD
-    each = ({**settings, "points": points} for settings in method.algorithms)
-    return tuple(Variant(_name(method, settings), method.name, settings) for settings in each)
+    return tuple(
+        Variant(_name(method, algorithm), method.name, {**algorithm, "points": points})
+        for algorithm in method.algorithms
+    )

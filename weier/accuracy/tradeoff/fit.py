@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 
 from weier.accuracy.metrics import by_load
 from weier.kernels.arrays import Array
-from weier.methods import laws
+from weier.methods import bem, demelio, error_model, layer, patches
 from weier.methods.registry import method_named
 from weier.methods.settings import all_settings
 from weier.pipeline import curves
@@ -123,62 +123,76 @@ def _is_default(method: str, but: str = "") -> Callable[[Sample], bool]:
 
 
 def _grid_compliance(sample: Sample) -> float:
-    missed = laws.unresolved(sample.profile) * (sample.waves / sample.points) ** 2
+    missed = bem.error_model.curvature(sample.profile) * (sample.waves / sample.points) ** 2
     return float(sample.compliance_error.max() / missed)
 
 
 def _grid_resistance(sample: Sample) -> float:
     """At the loads for which there is an error model."""
-    modelled = sample.loads >= laws.bem_light_load(sample.profile, int(sample.points))
+    modelled = sample.loads >= bem.error_model.light_load(sample.profile, int(sample.points))
     return float(sample.resistance_error[modelled].max(initial=0.0)) * sample.points / sample.waves
 
 
 def _grid_nodes(sample: Sample) -> float:
     """Nodes times pairs of FFTs; a start takes as long as so many of the heaviest loads."""
-    pairs = laws.fft_pairs(sample.contacts)
-    return float(sample.points * (pairs.sum() + laws.START_LOADS * pairs[-1]))
+    pairs = bem.error_model.fft_pairs(sample.contacts)
+    return float(sample.points * (pairs.sum() + bem.error_model.START_LOADS * pairs[-1]))
 
 
 def _in_tolerances(error: Array, sample: Sample) -> float:
     """The largest error beyond rounding, over the tolerance."""
-    return float((error.max() - laws.ROUNDING) / sample.settings["tolerance"])
+    return float((error.max() - error_model.RESISTANCE_ROUNDING) / sample.settings["tolerance"])
 
 
 def _estimate(sample: Sample) -> float:
     """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
     if sample.profile.m == 1:
         return 0.0
-    light = sample.compliance_error / laws.unflattened(sample.loads, laws.CROWDED, sample.profile.D)
+    light = sample.compliance_error / error_model.partial_share(
+        sample.loads, error_model.CREST_LOAD, sample.profile.D
+    )
     beyond = light[light > sample.first_contact]
     return float(beyond.max(initial=0.0)) / (sample.profile.total_amplitude - 1)
 
 
 FITS = {
-    "bem": Fit(
+    bem.METHOD.name: Fit(
         _is_default("bem", but="points"),
         (
-            Term("BEM_COMPLIANCE", laws.BEM_COMPLIANCE, _grid_compliance),
-            Term("BEM_RESISTANCE", laws.BEM_RESISTANCE, _grid_resistance),
+            Term("BEM_COMPLIANCE", bem.error_model.COMPLIANCE, _grid_compliance),
+            Term("BEM_RESISTANCE", bem.error_model.RESISTANCE, _grid_resistance),
         ),
         (
-            Term("SECONDS_LOAD bem", laws.SECONDS_LOAD["bem"], lambda sample: sample.loads.size + laws.START_LOADS),
-            Term("SECONDS_NODE bem", laws.SECONDS_NODE["bem"], _grid_nodes),
+            Term(
+                "SECONDS_LOAD bem",
+                bem.error_model.SECONDS_LOAD,
+                lambda sample: sample.loads.size + bem.error_model.START_LOADS,
+            ),
+            Term("SECONDS_NODE bem", bem.error_model.SECONDS_NODE, _grid_nodes),
         ),
-        laws.SECONDS_START["bem"],
+        bem.error_model.SECONDS_START,
     ),
-    "patches": Fit(
-        lambda sample: sample.settings["tolerance"] in laws.PATCHES_TOLERANCES,
+    patches.METHOD.name: Fit(
+        lambda sample: sample.settings["tolerance"] in patches.error_model.TOLERANCES,
         (
-            Term("PATCHES_COMPLIANCE", laws.PATCHES_COMPLIANCE, lambda s: _in_tolerances(s.compliance_error, s)),
-            Term("PATCHES_RESISTANCE", laws.PATCHES_RESISTANCE, lambda s: _in_tolerances(s.resistance_error, s)),
+            Term(
+                "PATCHES_COMPLIANCE", patches.error_model.COMPLIANCE, lambda s: _in_tolerances(s.compliance_error, s)
+            ),
+            Term(
+                "PATCHES_RESISTANCE", patches.error_model.RESISTANCE, lambda s: _in_tolerances(s.resistance_error, s)
+            ),
         ),
         (
-            Term("SECONDS_LOAD patches", laws.SECONDS_LOAD["patches"], lambda sample: sample.loads.size),
-            Term("SECONDS_WAVE", laws.SECONDS_WAVE, lambda sample: sample.loads.size * sample.waves),
-            Term("SECONDS_CONTACT", laws.SECONDS_CONTACT, lambda s: float(np.sum(s.contacts**laws.CONTACT_POWER))),
+            Term("SECONDS_LOAD patches", patches.error_model.SECONDS_LOAD, lambda sample: sample.loads.size),
+            Term("SECONDS_WAVE", patches.error_model.SECONDS_WAVE, lambda sample: sample.loads.size * sample.waves),
+            Term(
+                "SECONDS_CONTACT",
+                patches.error_model.SECONDS_CONTACT,
+                lambda s: float(np.sum(s.contacts**patches.error_model.CONTACT_POWER)),
+            ),
         ),
-        laws.SECONDS_START["patches"],
+        patches.error_model.SECONDS_START,
     ),
-    "layer": Fit(_is_default("layer"), (Term("LAYER", laws.LAYER, _estimate),)),
-    "demelio": Fit(_is_default("demelio"), (Term("DEMELIO", laws.DEMELIO, _estimate),)),
+    layer.METHOD.name: Fit(_is_default("layer"), (Term("LAYER", layer.method.LARGEST_ERROR, _estimate),)),
+    demelio.METHOD.name: Fit(_is_default("demelio"), (Term("DEMELIO", demelio.LARGEST_ERROR, _estimate),)),
 }

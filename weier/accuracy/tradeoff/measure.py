@@ -20,6 +20,7 @@ from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant
 from weier.scene import Scene
+from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
 KEPT = (
@@ -68,18 +69,19 @@ def measure(scene: Scene) -> xr.Dataset:
 
 
 def variants(profile: Profile) -> list[Variant]:
-    """All that can be run on a profile with a finite number of terms.
+    """All that can be run on a finite series.
 
     Raises
     ------
     ValueError
-        If the series is infinite.
+        If the series is infinite, or has more waves than a computer holds.
 
     """
     if math.isinf(profile.m):
         raise ValueError(
             f"m must be finite to trade speed for accuracy, got {profile.describe()}: leave the case out"
         )
+    check_resolvable(profile)
     applicable = [method for method in registry.METHODS if method.takes(profile)]
     return [variant for method in applicable for variant in method.named_variants(profile)]
 

@@ -1,6 +1,6 @@
-"""The page of a scene: one HTML file with its curves to look through, figures, claims, errors, costs and provenance.
+"""The page of a scene: one HTML file with an explorer of its curves, figures, claims, errors, costs and provenance.
 
-Everything stands in the file: it is read without a network, and the same data make the same bytes.
+Everything stands in that file, so that it can be read without a network. The same data give the same bytes.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from weier.data.dataset import Status
 from weier.data.files import write_text
 from weier.figures.captions import caption
 from weier.figures.page import plans
-from weier.figures.page.curves import MOST_CASES, explorer
+from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.scene import Scene
 
-LARGEST = {
+ERRORS = {
     "residual": "largest residual, g_0",
     "compliance_error": "largest expected error of h, g_0",
     "resistance_error": "largest expected error of R, g_0/p_0*",
 }
-NUMBERS = "numbers"
-PLACE = ID("curves")
-CURVES = f"""<div id="{PLACE}" role="group"
+NUMBERS = "numbers"  # the class of tables whose columns are numbers
+EXPLORER_ID = ID("curves")
+EXPLORER = f"""<div id="{EXPLORER_ID}" role="group"
 aria-label="Plots of compliance and of resistance over mean pressure, with choices of case and method"></div>
-<noscript><p>These curves need JavaScript; all else does without.</p></noscript>"""
+<noscript><p>These curves need JavaScript. The rest of this page does not.</p></noscript>"""
 STYLE = """
 body { font-family: Georgia, serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #111;
 line-height: 1.4; } h1, h2, h3 { font-weight: normal; line-height: 1.2; }
@@ -56,13 +56,13 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
     Parameters
     ----------
     scene : Scene
-        What its figures draw, and what it planned.
+        What the figures show, and what was planned.
     contact : path
         The dataset of the scene.
     figures : sequence of path
-        PNG files, by the names of the scene.
+        PNG files, named as the figures of the scene.
     costs : sequence of path
-        Files of seconds, one a batch.
+        Files of seconds, one for each batch.
     path : path
         The HTML file to write.
 
@@ -87,9 +87,9 @@ def _cost(path: Path) -> xr.Dataset:
 def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequence[xr.Dataset]) -> str:
     title = escape(data.attrs.get("title", "A scene"))
     count = data.sizes["case"]
-    cases = f"the first {MOST_CASES} of {count} cases" if count > MOST_CASES else f"all {count} cases"
+    cases = f"the first {MAX_CASES} of {count} cases" if count > MAX_CASES else f"all {count} cases"
     sections = {
-        f"Curves, {cases if count > 1 else 'one case'}": CURVES,
+        f"Curves, {cases if count > 1 else 'one case'}": EXPLORER,
         "Figures": _figures(scene, figures),
         "Claims": _claims(data),
         "Errors": _errors(data),
@@ -98,9 +98,11 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequen
         "Provenance": _provenance(data),
     }
     body = "\n".join(f"<h2>{heading}</h2>\n{content}" for heading, content in sections.items())
-    # Just what the curves need: the other parts of the library would double the file.
+    # Only what the explorer needs: the other parts of the library would double the file.
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
-    item = json.dumps(json_item(explorer(data.isel(case=slice(MOST_CASES)).load()), PLACE)).replace("</", "<\\/")
+    item = json.dumps(json_item(curve_explorer(data.isel(case=slice(MAX_CASES)).load()), EXPLORER_ID)).replace(
+        "</", "<\\/"
+    )
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>\n'
@@ -117,13 +119,18 @@ def _figures(scene: Scene, paths: Sequence[Path]) -> str:
 
 
 def _figure(scene: Scene, path: Path) -> str:
-    name, text, seen = map(escape, caption(scene, path.stem))
+    name, text, alternative = map(escape, caption(scene, path.stem))
     picture = f"data:image/png;base64,{b64encode(path.read_bytes()).decode()}"
-    return f'<figure><img alt="{seen}" src="{picture}"><figcaption><b>{name}.</b> {text}</figcaption></figure>\n'
+    return (
+        f'<figure><img alt="{alternative}" src="{picture}"><figcaption><b>{name}.</b> {text}</figcaption></figure>\n'
+    )
 
 
 def _table(header: Iterable[str], rows: Iterable[Iterable[object]], kind: str = "words") -> str:
-    """A table, its columns but the first to the right if they are numbers; a narrow window scrolls it alone."""
+    """A table; all columns but the first are set to the right if they are numbers.
+
+    In a narrow window the table scrolls by itself.
+    """
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
     lines = ("".join(f"<td>{escape(str(cell))}</td>" for cell in row) for row in rows)
     body = "".join(f"<tr>{line}</tr>\n" for line in lines)
@@ -139,15 +146,15 @@ def _claims(data: xr.Dataset) -> str:
 
 
 def _errors(data: xr.Dataset) -> str:
-    """What became of the cases by each method, the largest violation of a contact condition, and errors expected."""
-    measures = {name: heading for name, heading in LARGEST.items() if name in data and data[name].notnull().any()}
+    """How many cases each method solved or did not, and the largest residual and expected errors."""
+    columns = {name: heading for name, heading in ERRORS.items() if name in data and data[name].notnull().any()}
     rows = []
     for row, method in enumerate(data["solution_method"].values.tolist()):
         status = data["status"][:, row].values
         counts = [int((status == each).sum()) for each in Status]
-        rows.append([method, *counts, *(_largest(data[name][:, row].values) for name in measures)])
+        rows.append([method, *counts, *(_largest(data[name][:, row].values) for name in columns)])
     names = [each.name.replace("_", " ") for each in Status]
-    return _table(["method", *names, *measures.values()], rows, NUMBERS)
+    return _table(["method", *names, *columns.values()], rows, NUMBERS)
 
 
 def _largest(values: np.ndarray) -> str:
@@ -162,20 +169,20 @@ def _costs(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> str:
             known = cost["seconds"].values[:, row]
             seconds[method].extend(known[np.isfinite(known)].tolist())
     rows = [
-        [method, len(each), _digits(np.median(each), 2), _digits(max(each), 2), _digits(sum(each), 3)]
-        for method, each in seconds.items()
-        if each
+        [method, len(times), _digits(np.median(times), 2), _digits(max(times), 2), _digits(sum(times), 3)]
+        for method, times in seconds.items()
+        if times
     ]
     return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows, NUMBERS)
 
 
 def _digits(value: float, count: int) -> str:
-    """So many digits, and no exponent where zeros will do."""
+    """A number with so many significant digits, in full if it is not too long."""
     return f"{float(f'{value:.{count}g}'):g}"
 
 
 def _plans(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:
-    """What was planned against what came of it: a section of scenes with a tolerance."""
+    """The section that compares plans with what came of them, for scenes with a tolerance."""
     rows = plans.rows(scene, data, costs)
     return {"Plan and cost": f"<p>{escape(plans.NOTE)}</p>{_table(plans.HEADER, rows, NUMBERS)}"} if rows else {}
 

@@ -1,4 +1,5 @@
-// Each label leaves a choice to the ones after it: keep what is chosen where it still exists, else take the first.
+// Each list offers the labels of the cases that agree with all lists further left. What is chosen in a list is kept
+// where it is still offered; otherwise the first label is chosen.
 let rows = labels.D.map((_, row) => row)
 for (const select of selects) {
   const values = labels[select.name]
@@ -9,15 +10,15 @@ for (const select of selects) {
 }
 const key = selects[selects.length - 1]
 key.visible = key.options.length > 1
-// A method is drawn, and named in the legends, where it is wanted and has a curve of this case.
+// A method is drawn, and named in the legends, if its box is ticked and it has a curve of this case.
 const start = rows[0] * loads
 sources.forEach((source, number) => {
-  const part = (quantity) => Array.from(every.data[`${quantity} ${methods[number]}`].slice(start, start + loads))
-  const compliance = part("compliance")
-  source.data = { mean_pressure: source.data.mean_pressure, compliance, resistance: part("resistance") }
-  const shown = boxes.active.includes(number) && compliance.some(Number.isFinite)
+  const curve = (quantity) => Array.from(allCurves.data[`${quantity} ${methods[number]}`].slice(start, start + loads))
+  const compliance = curve("compliance")
+  source.data = { mean_pressure: source.data.mean_pressure, compliance, resistance: curve("resistance") }
+  const drawn = boxes.active.includes(number) && compliance.some(Number.isFinite)
   for (const legend of legends) {
     const item = legend.items[number]
-    item.visible = item.renderers[0].visible = shown
+    item.visible = item.renderers[0].visible = drawn
   }
 })

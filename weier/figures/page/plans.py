@@ -1,4 +1,4 @@
-"""What a scene with a tolerance planned, against what it took and how far off it was."""
+"""What was planned for the cases of a scene with a tolerance, beside what it took and the errors that remained."""
 
 from __future__ import annotations
 
@@ -9,25 +9,29 @@ import numpy as np
 import xarray as xr
 
 from weier.methods.errors import OutOfReachError
-from weier.methods.planned.plan import QUANTITIES
 from weier.methods.registry import PLANNED
+from weier.methods.segment import QUANTITIES
 from weier.pipeline.plan import plan
 from weier.scene import Scene
 
-EXACT = "patches"  # what measures the error, where a scene runs it beside its plans
+REFERENCE = "patches"  # against it errors are measured, where a scene runs it beside its plans
 NOTE = (
-    "By what was planned to solve them: seconds of all cases together, on one core, and the largest errors, "
-    "in g_0 of a compliance, in the larger of itself and 1 g_0/p_0* of a resistance. An error is measured where the "
-    f"scene runs {EXACT} beside its plans."
+    "Each row stands for the cases that were planned to be solved by the methods in its first column. The seconds "
+    "are those of all these cases together, on one core. The errors are the largest ones: of a compliance in g_0, of "
+    "a resistance relative to the larger of itself and 1 g_0/p_0*. They are measured where the scene runs "
+    f"{REFERENCE} beside its plans."
 )
 HEADER = ("planned", "cases", "planned, s", "took, s", "took/planned", "allowed error", "expected", "measured")
 OUT_OF_REACH = "out of reach"
 
 
 class Outcome(NamedTuple):
-    """One case: what was planned for it, what it took, and its largest error, NaN if nobody measured it."""
+    """One case: the methods of its plan, the seconds that were planned and those it took, and its errors.
 
-    way: str
+    Seconds and errors are NaN where they are unknown.
+    """
+
+    methods: str
     planned: float
     took: float
     allowed: float
@@ -36,11 +40,14 @@ class Outcome(NamedTuple):
 
 
 def rows(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[list[object]]:
-    """A row of the table for each way of solving that was planned, and one for all; none without a tolerance."""
-    found = list(_outcomes(scene, data, costs))
-    ways = list(dict.fromkeys(each.way for each in found))
-    table = [_row(way, [each for each in found if each.way == way]) for way in ways]
-    return [*table, _row("all", found)] if len(ways) > 1 else table
+    """A row of the table for each combination of methods that was planned, and one for all cases.
+
+    Scenes without a tolerance have no rows.
+    """
+    outcomes = list(_outcomes(scene, data, costs))
+    combinations = list(dict.fromkeys(each.methods for each in outcomes))
+    table = [_row(methods, [each for each in outcomes if each.methods == methods]) for methods in combinations]
+    return [*table, _row("all", outcomes)] if len(combinations) > 1 else table
 
 
 def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[Outcome]:
@@ -53,8 +60,8 @@ def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> It
         if isinstance(made, OutOfReachError):
             yield Outcome(OUT_OF_REACH, np.nan, np.nan, wanted["tolerance"], np.nan, np.nan)
         else:
-            way = " and ".join(dict.fromkeys(part.method for part in made.parts))
-            yield Outcome(way, made.seconds, seconds.get(key, np.nan), made.tolerance, made.error, measured)
+            methods = " and ".join(dict.fromkeys(segment.method for segment in made.segments))
+            yield Outcome(methods, made.seconds, seconds.get(key, np.nan), made.tolerance, made.error, measured)
 
 
 def _seconds(cost: xr.Dataset) -> Iterator[tuple[str, float]]:
@@ -64,20 +71,20 @@ def _seconds(cost: xr.Dataset) -> Iterator[tuple[str, float]]:
 
 
 def _error(case: xr.Dataset, quantity: str) -> float:
-    """The largest distance from the exact curve over the loads, NaN where there is none."""
-    if EXACT not in case["solution_method"].values:
+    """The largest distance from the curve of the reference over the loads, NaN where there is none."""
+    if REFERENCE not in case["solution_method"].values:
         return np.nan
-    found, exact = (case[quantity].sel(solution_method=method).values for method in (PLANNED, EXACT))
-    scale = np.maximum(exact, 1) if quantity == "resistance" else 1.0
-    off = np.abs(found - exact) / scale
-    return float(np.nanmax(off)) if np.isfinite(off).any() else np.nan
+    planned, reference = (case[quantity].sel(solution_method=method).values for method in (PLANNED, REFERENCE))
+    scale = np.maximum(reference, 1) if quantity == "resistance" else 1.0
+    error = np.abs(planned - reference) / scale
+    return float(np.nanmax(error)) if np.isfinite(error).any() else np.nan
 
 
-def _row(way: str, found: Sequence[Outcome]) -> list[object]:
-    planned, took, *errors = np.array([each[1:] for each in found]).T
+def _row(methods: str, outcomes: Sequence[Outcome]) -> list[object]:
+    planned, took, *errors = np.array([outcome[1:] for outcome in outcomes]).T
     sums = np.nansum(planned), np.nansum(took)
     ratio = f"{float(f'{sums[1] / sums[0]:.2g}'):g}" if all(sums) else ""
-    return [way, len(found), *(f"{each:.3g}" for each in sums), ratio, *map(_largest, errors)]
+    return [methods, len(outcomes), *(f"{each:.3g}" for each in sums), ratio, *map(_largest, errors)]
 
 
 def _largest(errors: np.ndarray) -> str:

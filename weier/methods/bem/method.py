@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods import laws
+from weier.methods.bem import error_model
+from weier.methods.bem.candidates import candidates
 from weier.methods.bem.solver import Curve, checked_points, curve
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.theory.profile import Profile
@@ -33,14 +34,13 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
     """What grid and residual leave of the compliance, in g_0."""
-    residual = float(solved.residual.max(initial=0.0))
-    return laws.bem_compliance_error(profile, solved.points) + laws.RESIDUAL * residual
+    return error_model.solution_error(profile, solved.points, float(solved.residual.max(initial=0.0)))
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
     """On the default grid, at most: at each load as many contacts as there are waves."""
     contacts = np.full(loads.size, float(profile.wavenumber[-1]))
-    start, each = laws.bem_seconds(checked_points(profile), contacts)
+    start, each = error_model.seconds(checked_points(profile), contacts)
     return start + float(each.sum())
 
 
@@ -57,4 +57,5 @@ METHOD = Method(
     variants=_variants,
     seconds=_seconds,
     solution_error=_solution_error,
+    candidates=candidates,
 )

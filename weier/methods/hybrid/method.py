@@ -6,6 +6,7 @@ import math
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
+from weier.methods.hybrid.candidates import candidates
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, Curve, curve
 from weier.methods.method import Method, Noise, Style
 from weier.theory.profile import Profile
@@ -55,4 +56,5 @@ METHOD = Method(
     solution_error=_solution_error,
     seconds=_seconds,
     noise=Noise(1e-8, 1e-4),  # a residual of 1e-9; the slope of the layer between the rows of its table
+    candidates=candidates,
 )

@@ -1,29 +1,28 @@
-"""The best estimate of the endless series from its first terms, with bounds beside it."""
+"""The best estimate of the infinite series from its first terms, with bounds beside it."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array
 from weier.methods.bem.solver import checked_points
+from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.closure import law_of
 from weier.methods.hybrid.newton import solve_loads
-from weier.methods.hybrid.truncation_bounds import bounds, check_endless
+from weier.methods.hybrid.truncation_bounds import bounds, check_infinite
 from weier.theory.halfplane import influence_coefficients
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
-Array = NDArray[np.float64]
-
 POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
-MOST_POINTS = 2**14  # more take minutes
+MAX_POINTS = 2**14  # more take minutes
 LOADS = 1e-6, 1e3  # p_0*: lighter ones drown in the tolerance, heavier ones leave the table
 
 
 class Curve(NamedTuple):
-    """The endless series over the loads, each of shape (loads,).
+    """The infinite series over the loads, each of shape (loads,).
 
     compliance : best estimate of h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp of it, in g_0/p_0*
@@ -40,7 +39,7 @@ class Curve(NamedTuple):
 
 
 def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> Curve:
-    """Best estimate of the endless series from its first terms, with bounds beside it.
+    """Best estimate of the infinite series from its first terms, with bounds beside it.
 
     Parameters
     ----------
@@ -51,7 +50,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     terms : int
         Waves to resolve, at least 1.
     points : int, optional
-        Nodes in a period of the resolved waves; 32 for each of the finest unless told.
+        Nodes in a period of the resolved waves; 32 for each of the finest by default.
 
     Returns
     -------
@@ -61,23 +60,24 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     Raises
     ------
     ValueError
-        If the series ends, or takes more than 2^14 points, or a load lies outside [1e-6, 1e3].
+        If the series is finite, or takes more than 2^14 points; NotApplicableError if a load lies outside
+        [1e-6, 1e3].
     ConvergenceError
         If Newton's method stops short of 1e-9 g_0.
     """
     loads = _checked_loads(mean_pressure)
     kept, points = _checked(profile, terms, points)
-    law = law_of(kept, float(influence_coefficients(points, kept.period)[0]))
-    h, R, residual = solve_loads(kept, loads, points, law)
+    closure = law_of(kept, float(influence_coefficients(points, kept.period)[0]))
+    h, R, residual = solve_loads(kept, loads, points, closure)
     return Curve(h, R, *bounds(profile, loads, terms), residual)
 
 
 def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:
-    check_endless(profile)
+    check_infinite(profile)
     kept = profile.truncated(terms)
     points = checked_points(kept, points or POINTS_PER_WAVE * kept.wavenumber[-1])
-    if points > MOST_POINTS:
-        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MOST_POINTS}")
+    if points > MAX_POINTS:
+        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
     return kept, points
 
 
@@ -85,7 +85,7 @@ def _checked_loads(mean_pressure: ArrayLike) -> Array:
     loads = checked_loads(mean_pressure)
     outside = (loads < LOADS[0]) | (loads > LOADS[1])
     if outside.any():
-        raise ValueError(
+        raise NotApplicableError(
             f"mean_pressure must lie in [{LOADS[0]:g}, {LOADS[1]:g}] p_0* where terms are resolved on the layer, got "
             f"{loads[outside][0]:g}: take method layer"
         )

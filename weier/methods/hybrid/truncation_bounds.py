@@ -1,4 +1,4 @@
-"""Rigorous bounds on the endless series: the bounds theorem on a plain grid that resolves its first terms."""
+"""Rigorous bounds on the infinite series: the bounds theorem on a plain grid that resolves its first terms."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.methods import bem, laws
+from weier.methods import bem, error_model
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -15,7 +15,10 @@ from weier.theory.profile import Profile
 Array = NDArray[np.float64]
 
 BOUND_SHARE = 0.1  # of the tail's amplitude, that boundary elements may be off when they find the bounds
-MOST_BOUND_POINTS = 2**20
+MAX_POINTS = 2**20
+
+
+RESIDUAL_SHARE = 0.01  # the same, at which they stop
 
 
 class TooManyPointsError(ValueError):
@@ -23,7 +26,7 @@ class TooManyPointsError(ValueError):
 
 
 def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Array, Array]:
-    """Bounds on the compliance of the endless series, from its first terms by boundary elements.
+    """Bounds on the compliance of the infinite series, from its first terms by boundary elements.
 
     Parameters
     ----------
@@ -42,7 +45,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     Raises
     ------
     ValueError
-        If the series ends, or takes more than 2^20 points.
+        If the series is finite, or takes more than 2^20 points.
     ConvergenceError
         If boundary elements miss their tolerance.
 
@@ -52,21 +55,20 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     off. The theorem is proved, and so is what a grid misses at first touch, z'' dx^2/8; that it is off by no more
     under load was measured (`python -m benchmarks.planned`).
     """
-    check_endless(profile)
+    check_infinite(profile)
     kept = profile.truncated(terms)
     tail = kept.tail_amplitude
-    points, miss = laws.bem_points(kept, BOUND_SHARE * tail, "compliance"), BOUND_SHARE * tail
-    if points > MOST_BOUND_POINTS:
-        raise TooManyPointsError(
-            f"terms must be fewer, got {terms}: {points} points are more than {MOST_BOUND_POINTS}"
-        )
-    h = bem.curve(kept, checked_loads(mean_pressure), points=points, tolerance=miss / 10, resistance=False).compliance
-    off = laws.bem_compliance_error(kept, points) + laws.RESIDUAL * miss / 10
-    return complete_bounds(h, tail, profile.total_amplitude, off)
+    allowed, residual = BOUND_SHARE * tail, RESIDUAL_SHARE * tail
+    points = bem.error_model.fewest_points(kept, allowed, "compliance")
+    if points > MAX_POINTS:
+        raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
+    h = bem.curve(kept, checked_loads(mean_pressure), points=points, tolerance=residual, resistance=False).compliance
+    error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL * residual
+    return complete_bounds(h, tail, profile.total_amplitude, error)
 
 
-def check_endless(profile: Profile) -> None:
-    """Refuse a series that ends.
+def check_infinite(profile: Profile) -> None:
+    """Refuse a finite series.
 
     Raises
     ------
@@ -74,4 +76,4 @@ def check_endless(profile: Profile) -> None:
         If m is finite.
     """
     if math.isfinite(profile.m):
-        raise ValueError(f"m must be inf, got {profile.m}: a finite series has no endless tail")
+        raise ValueError(f"m must be inf, got {profile.m}: take layer, bem or patches for a finite series")

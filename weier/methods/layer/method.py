@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
+from weier.methods.estimate import offer
 from weier.methods.layer.stack import ACCURACY, MOST_LEVELS, POINTS, TOLERANCE, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
+from weier.methods.segment import Segment, Task
 from weier.theory.profile import Profile
 
 POINTS_COMPARED = (6, 12, 24, 48)
 REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leave a quarter of the error at most
 MAX_REFERENCE_SCALES = 10  # more take minutes
-SECONDS_SCALE = 0.003  # of a scale, for each load
+LARGEST_ERROR = 0.5  # of the compliance, in the amplitude of the terms after the first
+SECONDS = 0.06, 3e-4  # to start, and for each load
+MAX_SECONDS_SCALE = 0.003  # of a scale, for each load
 
 
 def _solve(
@@ -26,6 +30,10 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
         yield f"{points}", {"points": points}
 
 
+def _candidates(task: Task) -> Iterator[Segment]:
+    return offer(task, "layer", LARGEST_ERROR, SECONDS, _solve)
+
+
 def _reference(profile: Profile, loads: Array) -> Reference | None:
     """A layer of twice the points."""
     if profile.m > MAX_REFERENCE_SCALES:
@@ -36,7 +44,7 @@ def _reference(profile: Profile, loads: Array) -> Reference | None:
 
 def _seconds(profile: Profile, loads: Array) -> float:
     """At most: an infinite series may take as many scales as there can be."""
-    return SECONDS_SCALE * min(profile.m, MOST_LEVELS) * loads.size
+    return MAX_SECONDS_SCALE * min(profile.m, MOST_LEVELS) * loads.size
 
 
 METHOD = Method(
@@ -48,5 +56,6 @@ METHOD = Method(
     noise=Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5
     variants=_variants,
     seconds=_seconds,
+    candidates=_candidates,
     reference=_reference,
 )

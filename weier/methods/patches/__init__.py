@@ -1,8 +1,30 @@
-"""Contact patches: the exact solution, with unknowns only where there is contact, or only where there is a gap."""
+"""Contact patches: the exact solution, in which the edges of contact are unknowns.
 
-from weier.methods.patches.curve import Curve, curve, solve_load, solve_loads
-from weier.methods.patches.history import Events, events
+The method meshes either the contacts, on which the pressure is unknown, or the gaps between them, whichever takes
+fewer nodes. Modules, each of which uses only those before it:
+
+chebyshev
+    densities with square-root edges on an interval, and their integrals in closed form
+surface
+    the profile as a cosine series, evaluated from its crests
+segments
+    contacts or gaps with their Chebyshev nodes
+collocation, newton
+    the equations on a given number of segments, and Newton's method for them
+fields
+    pressure and gap anywhere, from a solution of the equations
+initial_guess, inequalities, active_set
+    one load: where Newton's method starts, which segments are missing or wrong, and the iteration over both
+continuation
+    from one load to the next
+solver, event_search
+    what users call: curves and solutions, and the loads at which contacts are born or merge
+error_model, candidates, method
+    what the method costs and how accurate it is, and how the rest of the package chooses and calls it
+"""
+
+from weier.methods.patches.event_search import Events, events
 from weier.methods.patches.method import METHOD
-from weier.methods.patches.solution import Solution
+from weier.methods.patches.solver import Curve, Solution, curve, solve_load, solve_loads
 
 __all__ = ["METHOD", "Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]

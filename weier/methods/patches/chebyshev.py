@@ -1,27 +1,25 @@
-"""Densities sqrt(1-t^2) phi(t) on [-1, 1]: Gauss nodes, expansion in U_k, and their closed-form integrals.
+"""Densities sqrt(1-t^2) phi(t) on [-1, 1]: Gauss nodes, the expansion in U_k, and its integrals in closed form.
 
-With phi = sum a_k U_k(t), t inside or outside [-1, 1], and T_n(t) replaced outside by rho^-n,
+With phi = sum a_k U_k(t), and with rho^-n in place of T_n(t) for t outside [-1, 1], where
 rho = t + sign(t) sqrt(t^2-1):
 
     int sqrt(1-s^2) U_k(s)/(t-s) ds      = pi T_(k+1)(t)
     int sqrt(1-s^2) U_k(s) ln|t-s| ds    = (L_k - L_(k+2))/2,  L_0 = pi (ln|rho| - ln 2),  L_n = -(pi/n) T_n(t)
 
-so that both are exact up to and beyond the edges, where a plain quadrature fails.
+Both hold at the edges and beyond them, where quadrature would lose all digits.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-
-Array = NDArray[np.float64]
 
 
 @kernel
 def nodes(count: int) -> Array:
-    """Gauss-Chebyshev nodes of the second kind, descending: cos(q pi/(count+1)), q = 1..count."""
+    """Gauss-Chebyshev nodes of the second kind in descending order: cos(q pi/(count+1)), q = 1..count."""
     node = np.empty(count)
     for q in range(count):
         node[q] = np.cos((q + 1) * (np.pi / (count + 1)))
@@ -30,7 +28,7 @@ def nodes(count: int) -> Array:
 
 @kernel
 def weights(count: int) -> Array:
-    """Weights for int sqrt(1-s^2) phi(s) ds at `nodes`."""
+    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ds at `nodes`."""
     weight = np.empty(count)
     for q in range(count):
         weight[q] = np.pi / (count + 1) * np.sin((q + 1) * (np.pi / (count + 1))) ** 2
@@ -39,13 +37,13 @@ def weights(count: int) -> Array:
 
 @kernel
 def collocation_point(a: int, count: int) -> float:
-    """Zero a = 0..count of T_(count+1), where the quadrature of the Cauchy integral is exact."""
+    """Zero number a = 0..count of T_(count+1), at which the quadrature of the Cauchy integral is exact."""
     return np.cos((a + 0.5) * (np.pi / (count + 1)))
 
 
 @kernel
 def _sines(count: int) -> Array:
-    """sin(j pi/(count+1)) over a whole turn."""
+    """sin(j pi/(count+1)) for a full turn, j = 0..2 count + 1."""
     sine = np.empty(2 * count + 2)
     for j in range(sine.size):
         sine[j] = np.sin(j * (np.pi / (count + 1)))
@@ -53,8 +51,8 @@ def _sines(count: int) -> Array:
 
 
 @kernel
-def coefficients(values: Array) -> Array:
-    """Coefficients a_k of sum a_k U_k through `values` at the nodes."""
+def expansion_coefficients(values: Array) -> Array:
+    """Coefficients a_k of the sum a_k U_k that takes `values` at the nodes."""
     count = values.size
     sine = _sines(count)
     a = np.zeros(count)
@@ -66,55 +64,58 @@ def coefficients(values: Array) -> Array:
 
 
 @kernel
-def series(a: Array, t: float) -> float:
-    """phi(t) = sum a_k U_k(t), -1 <= t <= 1 (Clenshaw)."""
-    after, here = 0.0, 0.0
+def evaluate_expansion(a: Array, t: float) -> float:
+    """phi(t) = sum a_k U_k(t), -1 <= t <= 1, by Clenshaw's recurrence."""
+    b_after, b = 0.0, 0.0
     for k in range(a.size - 1, -1, -1):
-        here, after = a[k] + 2 * t * here - after, here
-    return here
+        b, b_after = a[k] + 2 * t * b - b_after, b
+    return b
 
 
 @kernel
 def integrals(a: Array, t: float) -> tuple[float, float, float]:
-    """The Cauchy integral, its derivative and the logarithmic potential at t, any real t; no derivative at +-1."""
-    # Both T_k and U_k go on as ratio * here - stretch * before: 2 t and 1 within [-1, 1]; beyond, where rho^-k stands
-    # for T_k and its derivative over k for U_(k-1), 1/rho and 0.
+    """The Cauchy integral, its derivative in t and the logarithmic potential at any real t.
+
+    The derivative has no finite value at t = 1 and t = -1.
+    """
+    # Within [-1, 1], T_k and U_k follow y_(k+1) = 2 t y_k - y_(k-1). Outside, rho^-k stands for T_k, and its
+    # derivative over k for U_(k-1); both follow y_(k+1) = y_k/rho. So one recurrence with two factors serves all.
     if abs(t) <= 1:
-        rho, first, ratio, stretch, steep = 0.0, t, 2 * t, 1.0, 1.0
+        rho, T, factor, factor_before, U = 0.0, t, 2 * t, 1.0, 1.0
     else:
         root = np.copysign(np.sqrt((t - 1) * (t + 1)), t)
         rho = t + root
-        first, ratio, stretch, steep = 1 / rho, 1 / rho, 0.0, -1 / (rho * root)
-    along, slope = 0.0, 0.0
-    about = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
-    before, here = 1.0, first  # T_k, T_(k+1)
-    flat = 0.0  # U_(k-1), and steep is U_k: T_(k+1)' = (k+1) U_k
-    # along = sum a_k T_(k+1), slope = sum a_k T_(k+1)', about = sum a_k (L_k - L_(k+2))/(2 pi), L_n/pi = -T_n/n.
+        T, factor, factor_before, U = 1 / rho, 1 / rho, 0.0, -1 / (rho * root)
+    cauchy, slope = 0.0, 0.0
+    potential = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
+    T_before, U_before = 1.0, 0.0
+    # In round k, T is T_(k+1), U is U_k, and T_(k+1)' = (k+1) U_k. Without their factors of pi:
+    # cauchy = sum a_k T_(k+1), slope = sum a_k T_(k+1)', potential = sum a_k (L_k - L_(k+2))/2.
     for k in range(a.size):
-        along += a[k] * here
-        slope += a[k] * (k + 1) * steep
-        after = ratio * here - stretch * before
+        cauchy += a[k] * T
+        slope += a[k] * (k + 1) * U
+        T_after = factor * T - factor_before * T_before
         if k > 0:
-            about -= 0.5 * a[k] * before / k
-        about += 0.5 * a[k] * after / (k + 2)
-        before, here = here, after
-        flat, steep = steep, ratio * steep - stretch * flat
-    return np.pi * along, np.pi * slope, np.pi * about
+            potential -= 0.5 * a[k] * T_before / k
+        potential += 0.5 * a[k] * T_after / (k + 2)
+        T_before, T = T, T_after
+        U_before, U = U, factor * U - factor_before * U_before
+    return np.pi * cauchy, np.pi * slope, np.pi * potential
 
 
 @kernel
-def central_logarithm(count: int) -> Array:
-    """Weights of int sqrt(1-s^2) phi(s) ln|s| ds for phi through values at the nodes."""
+def log_weights(count: int) -> Array:
+    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`."""
     sine = _sines(count)
-    row = np.zeros(count)
+    weight = np.zeros(count)
     unit = np.zeros(count)
     for k in range(count):
         unit[k] = 1.0
         potential = integrals(unit, 0.0)[2]
         unit[k] = 0.0
         for q in range(count):
-            row[q] += potential * 2 / (count + 1) * sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)]
-    return row
+            weight[q] += potential * 2 / (count + 1) * sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)]
+    return weight
 
 
 @kernel

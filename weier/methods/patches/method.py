@@ -7,9 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods import laws
+from weier.methods.error_model import RESIDUAL
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.patches.curve import Curve, curve
+from weier.methods.patches import error_model
+from weier.methods.patches.candidates import candidates
+from weier.methods.patches.solver import Curve, curve
 from weier.theory.profile import Profile
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
@@ -22,13 +24,13 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
     """What the residual leaves of the compliance, in g_0."""
-    return laws.RESIDUAL * float(solved.residual.max(initial=0.0))
+    return RESIDUAL * float(solved.residual.max(initial=0.0))
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
     """At most: at each load as many contacts as there are waves."""
     waves = profile.wavenumber[-1]
-    return float(laws.patches_seconds(waves, np.full(loads.size, float(waves))).sum())
+    return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
 
 
 METHOD = Method(
@@ -43,4 +45,5 @@ METHOD = Method(
     variants=_variants,
     seconds=_seconds,
     solution_error=_solution_error,
+    candidates=candidates,
 )

@@ -1,4 +1,8 @@
-"""Newton's method on a set of segments, and when to give it up because the set is not the right one."""
+"""Newton's method on a given number of segments, which gives up when that number turns out to be wrong.
+
+There are too many segments if step after step would leave one of them no width, or make two of them overlap. Then the
+caller removes the one or merges the two.
+"""
 
 from __future__ import annotations
 
@@ -9,181 +13,176 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 
+from weier.kernels.arrays import Array, Flags
 from weier.methods.patches.collocation import assemble
-from weier.methods.patches.segments import Segments, from_right, moved, spaces
-from weier.methods.patches.waves import Waves
+from weier.methods.patches.segments import Segments, distances_to_next, move_segments, values_of_next
+from weier.methods.patches.surface import CosineSeries
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Factors = tuple[Array, NDArray[np.int32]]
 
-MOST_STEPS = 25
-SMALLEST_SHRINKAGE = -0.6  # of ln(half-width) in one step
-LARGEST_GROWTH = 1.2
-LARGEST_CLOSING = 0.7  # of the space between two segments in one step
-MOST_CRAMPED = 2  # steps that would join or remove segments, before that is done
-CLOSED = 0.1  # of a space at the start: still closing, it will not stay open
-FADED = 1e-3  # of a width at the start: one that Newton then goes on halving is a double root at 0
-FADING = 0.3
-ROUNDING_STEP = 1e-5  # steps below this that no longer shrink have met rounding, of a contact just born
-SHRINKS = 0.3  # of the step before: far from rounding, Newton's next step is its square, and much less
-NEAR = 1e-5  # steps below this leave the matrix so much the same that its last factors serve
-SWEEPS = 3  # of refinement with them
-REFINED = 1e-13  # of the sensitivities, what one more sweep would change
+MAX_STEPS = 25
+MIN_GROWTH, MAX_GROWTH = -0.6, 1.2  # of a half-width in one step, relative to it
+MAX_DISTANCE_LOSS = 0.7  # of the distance between two segments, in one step
+MAX_TOPOLOGY_STEPS = 2  # steps that would merge or remove segments before Newton's method gives up
+MAX_MEETING_DISTANCE = 0.1  # over the distance at the start: two segments this close that still approach will meet
+MAX_DOUBLE_ROOT = 1e-3  # of a width or distance at the start: one that Newton goes on halving is a double root at 0
+MIN_HALVING = 0.3  # of a width or distance in one step, from which on it counts as being halved
+MAX_ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, as in a contact that has just been born
+MIN_ROUNDING_RATIO = 0.3  # of a step over the one before: free of rounding, Newton's steps shrink far more
+MAX_REUSE_STEP = 1e-5  # steps below this change the matrix so little that its last factors serve, with refinement
+MAX_REFINEMENTS = 3
+REFINEMENT_TOLERANCE = 1e-13  # of the sensitivities: the change that one more refinement would make
 
 
-class Status(IntEnum):
-    """How Newton's method ended; `topology`: a segment insists on vanishing, or two on meeting."""
+class NewtonStatus(IntEnum):
+    """How Newton's method ended; `topology` means that segments vanish or meet."""
 
     converged = 0
     stalled = 1
     topology = 2
 
 
-class Iterate(NamedTuple):
-    """Newton's result.
+class NewtonResult(NamedTuple):
+    """Where Newton's method has led.
 
-    status, steps : how it ended, after how many
-    size : of the last step, the largest relative change of a density, a place or a width
-    segments, phi, approach, sensitivity : where the steps have led, as in `State`
-    closing : whether each segment and the next one on the right insist on meeting, shape (segments,)
-    vanishing : whether each segment insists on vanishing, shape (segments,)
+    status, steps : how it ended, and after how many steps
+    step_size : of the last step, the largest relative change of a density, or of a centre or width in half-widths
+    segments, phi, approach, sensitivity : the unknowns and their derivatives in the load, as in `ContactState`
+    meeting : whether each segment meets the next one on its right, shape (segments,)
+    vanishing : whether each segment vanishes, shape (segments,)
     """
 
-    status: Status
+    status: NewtonStatus
     steps: int
-    size: float
+    step_size: float
     segments: Segments
     phi: Array
     approach: float
     sensitivity: Array
-    closing: Flags
+    meeting: Flags
     vanishing: Flags
 
 
-def newton(
-    here: Segments, phi: Array, approach: float, waves: Waves, load: float, dual: bool, tolerance: float
-) -> Iterate:
-    """Solve for phi, centres, half-widths and approach.
-
-    Raises
-    ------
-    LinAlgError
-        If the equations are singular.
-    """
-    start = _Start(spaces(here, waves.period), here.half_width)
-    size, cramped, status, steps, factors = np.inf, 0, Status.stalled, 0, None
-    limits = _Limits(1.0, *np.zeros((2, start.space.size), bool))
-    while status == Status.stalled and steps < MOST_STEPS:
-        jacobian, right = assemble(here, phi, approach, waves, load, dual)
-        change, factors = _solved(jacobian, right, factors if size < NEAR else None)
+def newton_iteration(
+    segments: Segments, phi: Array, approach: float, series: CosineSeries, load: float, dual: bool, tolerance: float
+) -> NewtonResult:
+    """Solve for phi, the centres, the half-widths and the approach; LinAlgError if the equations are singular."""
+    start = _Layout(distances_to_next(segments, series.period), segments.half_width)
+    step_size, topology_steps, status, steps, factors = np.inf, 0, NewtonStatus.stalled, 0, None
+    limits = _StepLimits(1.0, *np.zeros((2, segments.centre.size), bool))
+    while status == NewtonStatus.stalled and steps < MAX_STEPS:
+        jacobian, right_side = assemble(segments, phi, approach, series, load, dual)
+        solution, factors = _solve(jacobian, right_side, factors if step_size < MAX_REUSE_STEP else None)
         steps += 1
-        before, size = size, _size(here, phi, change[:, 0])
-        if not size < np.inf:
+        previous_size, step_size = step_size, _step_size(segments, phi, solution[:, 0])
+        if not step_size < np.inf:
             break
-        limits = _limits(here, change[:, 0], waves.period, start)
-        step = -limits.damping * change[:, 0]
+        limits = _step_limits(segments, solution[:, 0], series.period, start)
+        step = -limits.damping * solution[:, 0]
         phi = phi + step[: phi.size]
-        here = _stepped(here, step[phi.size :], waves.period)
+        segments = _apply_step(segments, step[phi.size :], series.period)
         approach += step[-1]
-        cramped += int(np.any(limits.closing) or np.any(limits.vanishing))
-        if cramped == MOST_CRAMPED:
-            status = Status.topology
-        elif limits.damping == 1 and (size < tolerance or (size < ROUNDING_STEP and size > SHRINKS * before)):
-            status = Status.converged
-    return Iterate(status, steps, size, here, phi, approach, -change[:, 1], limits.closing, limits.vanishing)
-
-
-def _solved(matrix: Array, right: Array, near: Factors | None) -> tuple[Array, Factors]:
-    """The solution, refined from the factors of a nearby matrix if there is one, and the factors used.
-
-    Raises
-    ------
-    LinAlgError
-        If the matrix is singular.
-    """
-    if near is not None:
-        change, first = _substituted(near, right), 1.0
-        for sweep in range(SWEEPS):
-            rest = _substituted(near, right - matrix @ change)
-            change += rest
-            share = np.abs(rest[:, 1]).max() / np.abs(change[:, 1]).max()
-            share = max(share, abs(rest[-1, 1] / change[-1, 1]))
-            first = share if sweep == 0 else first
-            if share * first < REFINED:
-                return change, near
-    lu, pivot, singular = dgetrf(matrix.T, overwrite_a=True)  # whose columns are the rows of the matrix: no copy
-    if singular:
-        raise np.linalg.LinAlgError
-    return _substituted((lu, pivot), right), (lu, pivot)
-
-
-def _substituted(factors: Factors, right: Array) -> Array:
-    return dgetrs(*factors, right, trans=1)[0]
-
-
-def _size(segments: Segments, phi: Array, change: Array) -> float:
-    """The largest relative change of any segment's density, place or width; not a number if any is none."""
-    if not np.all(np.isfinite(change)):
-        return np.nan
-    starts = segments.first[:-1]
-    most = np.maximum.reduceat(np.abs(change[: phi.size]), starts) / np.maximum.reduceat(np.abs(phi), starts)
-    return float(max(most.max(), np.abs(change[phi.size : -1]).max()))
-
-
-class _Start(NamedTuple):
-    """Spaces on the right of each segment, and half-widths, where Newton began: in lambda_0, shape (segments,)."""
-
-    space: Array
-    half_width: Array
-
-
-class _Limits(NamedTuple):
-    """The share of a step that keeps all segments apart and of their order of width, and what it works against.
-
-    closing, vanishing : as in `Iterate`
-    """
-
-    damping: float
-    closing: Flags
-    vanishing: Flags
-
-
-def _limits(segments: Segments, change: Array, period: float, start: _Start) -> _Limits:
-    n, space = start.space.size, spaces(segments, period)
-    growth, shift = -change[-1 - n : -1], -change[-1 - 2 * n : -1 - n]
-    r = segments.half_width
-    loss = r * (growth + shift) + from_right(r * (growth - shift))
-    return _Limits(
-        _damping(loss / space, growth), _closing(loss, space, start.space), _vanishing(growth, r, start.half_width)
+        topology_steps += int(np.any(limits.meeting) or np.any(limits.vanishing))
+        if topology_steps == MAX_TOPOLOGY_STEPS:
+            status = NewtonStatus.topology
+        elif limits.damping == 1 and _small_enough(step_size, previous_size, tolerance):
+            status = NewtonStatus.converged
+    return NewtonResult(
+        status, steps, step_size, segments, phi, approach, -solution[:, 1], limits.meeting, limits.vanishing
     )
 
 
-def _closing(loss: Array, space: Array, start: Array) -> Flags:
-    """Spaces that a full step would close, or nearly, where little is left of them; or take more of, where faded."""
-    closed = (loss > LARGEST_CLOSING * space) & ((loss > space) | (space < CLOSED * start))
-    return closed | (loss > FADING * space) & (space < FADED * start)
+def _small_enough(step_size: float, previous_size: float, tolerance: float) -> bool:
+    """Whether a step is below the tolerance, or so small that it should have shrunk more, were it not rounding."""
+    return step_size < tolerance or (step_size < MAX_ROUNDING_STEP and step_size > MIN_ROUNDING_RATIO * previous_size)
 
 
-def _vanishing(growth: Array, half_width: Array, start: Array) -> Flags:
-    """Segments that a full step would leave no width, or halve once more where they have faded."""
-    return (growth < -1) | (growth < -FADING) & (half_width < FADED * start)
+def _solve(matrix: Array, right_side: Array, near: Factors | None) -> tuple[Array, Factors]:
+    """The solution and the factors used: those of a nearby matrix with iterative refinement, if that converges."""
+    if near is not None:
+        solution, first = _back_substitute(near, right_side), 1.0
+        for refinement in range(MAX_REFINEMENTS):
+            correction = _back_substitute(near, right_side - matrix @ solution)
+            solution += correction
+            ratio = np.abs(correction[:, 1]).max() / np.abs(solution[:, 1]).max()
+            ratio = max(ratio, abs(correction[-1, 1] / solution[-1, 1]))
+            first = ratio if refinement == 0 else first
+            if ratio * first < REFINEMENT_TOLERANCE:
+                return solution, near
+    lu, pivot, singular = dgetrf(matrix.T, overwrite_a=True)  # LAPACK's columns are numpy's rows: nothing is copied
+    if singular:
+        raise np.linalg.LinAlgError
+    return _back_substitute((lu, pivot), right_side), (lu, pivot)
+
+
+def _back_substitute(factors: Factors, right_side: Array) -> Array:
+    return dgetrs(*factors, right_side, trans=1)[0]
+
+
+def _step_size(segments: Segments, phi: Array, step: Array) -> float:
+    """The largest relative change of any segment's density, centre or width; NaN if the step is not finite."""
+    if not np.all(np.isfinite(step)):
+        return np.nan
+    starts = segments.first_node[:-1]
+    change = np.maximum.reduceat(np.abs(step[: phi.size]), starts) / np.maximum.reduceat(np.abs(phi), starts)
+    return float(max(change.max(), np.abs(step[phi.size : -1]).max()))
+
+
+class _Layout(NamedTuple):
+    """Distance from each segment to the next, and half-widths, in lambda_0, shape (segments,)."""
+
+    distance: Array
+    half_width: Array
+
+
+class _StepLimits(NamedTuple):
+    """The share of a step that keeps all segments apart and their widths positive, and which would meet or vanish.
+
+    meeting, vanishing : as in `NewtonResult`
+    """
+
+    damping: float
+    meeting: Flags
+    vanishing: Flags
+
+
+def _step_limits(segments: Segments, solution: Array, period: float, start: _Layout) -> _StepLimits:
+    n, distance = start.distance.size, distances_to_next(segments, period)
+    growth, shift = -solution[-1 - n : -1], -solution[-1 - 2 * n : -1 - n]
+    r = segments.half_width
+    loss = r * (growth + shift) + values_of_next(r * (growth - shift))
+    return _StepLimits(
+        _damping(loss / distance, growth),
+        _meeting_segments(loss, distance, start.distance),
+        _vanishing_segments(growth, r, start.half_width),
+    )
+
+
+def _meeting_segments(loss: Array, distance: Array, start: Array) -> Flags:
+    """Whether a full step would make segments meet, or halve a distance that has nearly gone; `loss` is its loss."""
+    meeting = (loss > MAX_DISTANCE_LOSS * distance) & ((loss > distance) | (distance < MAX_MEETING_DISTANCE * start))
+    return meeting | (loss > MIN_HALVING * distance) & (distance < MAX_DOUBLE_ROOT * start)
+
+
+def _vanishing_segments(growth: Array, half_width: Array, start: Array) -> Flags:
+    """Whether a full step would leave segments no width, or halve a width that has nearly gone."""
+    return (growth < -1) | (growth < -MIN_HALVING) & (half_width < MAX_DOUBLE_ROOT * start)
 
 
 def _damping(loss: Array, growth: Array) -> float:
-    """The share of a step within all limits, from the share of each space and of each width that it would take."""
-    closest, least, most = np.max(loss), growth.min(), growth.max()
+    """The share of a step within all limits, from the relative loss of each distance and growth of each width."""
+    max_loss, min_growth, max_growth = np.max(loss), growth.min(), growth.max()
     return float(
         min(
             1.0,
-            LARGEST_CLOSING / closest if closest > LARGEST_CLOSING else 1.0,
-            SMALLEST_SHRINKAGE / least if least < SMALLEST_SHRINKAGE else 1.0,
-            LARGEST_GROWTH / most if most > LARGEST_GROWTH else 1.0,
+            MAX_DISTANCE_LOSS / max_loss if max_loss > MAX_DISTANCE_LOSS else 1.0,
+            MIN_GROWTH / min_growth if min_growth < MIN_GROWTH else 1.0,
+            MAX_GROWTH / max_growth if max_growth > MAX_GROWTH else 1.0,
         )
     )
 
 
-def _stepped(segments: Segments, change: Array, period: float) -> Segments:
-    """Moved and widened by so many half-widths."""
+def _apply_step(segments: Segments, step: Array, period: float) -> Segments:
+    """The segments moved and widened by so many half-widths."""
     n, r = segments.centre.size, segments.half_width
-    return moved(segments, segments.centre + change[:n] * r, r * (1 + change[n : 2 * n]), period)
+    return move_segments(segments, segments.centre + step[:n] * r, r * (1 + step[n : 2 * n]), period)

@@ -1,4 +1,4 @@
-"""Segments with their Chebyshev nodes, round the period."""
+"""Segments of the period, which are contacts or gaps, with their Chebyshev nodes; and how many nodes they need."""
 
 from __future__ import annotations
 
@@ -6,80 +6,139 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from weier.methods.patches.chebyshev import central_logarithm, nodes, weights
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches.chebyshev import log_weights, nodes, weights
+from weier.methods.patches.surface import CosineSeries
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-LN_FAR = 18.5  # Gauss's error is rho^(-2 (K+1)), rho that of Bernstein's ellipse: 1e-16 from ln(rho) = 18.5/(K+1) on
+# The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
+# pole: 1e-16 from ln(rho) = 18.5/(K+1) on.
+FAR_FIELD_EXPONENT = 18.5
+MIN_NODES, MAX_NODES = 8, 1000
+# Nodes of a segment: 8 + 0.8 k r + 9/ln(rho), fitted to the decay of the coefficients of converged solutions.
+NODES_PER_RADIAN, NODES_PER_NEIGHBOUR = 0.8, 9.0
+# Limits for the distance of neighbours over the half-width; a solution shows by itself if it needs more nodes.
+MIN_DISTANCE, MAX_DISTANCE = 0.01, 1e6
+TARGET_TAIL = 0.1  # size of the last coefficients to aim at, over the tolerance
+MIN_TAIL, MAX_TAIL = 1e-16, 0.5  # rounding, and no decay to speak of: a rate cannot be told from tails beyond
+MIN_DECAY = 1e-3  # of ln(tail) per node, so that one can divide by the rate
+MAX_NODES_REMOVED = 2  # at once, since a tail may be small by chance; nodes may double at once
+# Rounding of a tail, for the widest segment: a density falls with the width squared, and its rounding does not.
+TAIL_ROUNDING, MAX_TAIL_ROUNDING = 1e-14, 1e-3
 
 
 class Segments(NamedTuple):
-    """Segments [c-r, c+r], each counted from a summit, with the nodes of all of them in a row.
+    """Segments [c-r, c+r] in order round the period, with the nodes of all of them in a row.
 
-    summit : index of that summit, shape (segments,)
-    origin : its place, or that of the image next to the segment, in lambda_0, shape (segments,)
+    crest : index of the crest from which the segment's position is counted, shape (segments,)
+    origin : position of that crest, or of its image next to the segment, in lambda_0, shape (segments,)
     centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
-    first : each segment's first node and, last, the count of all nodes, shape (segments + 1,)
+    first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,)
     node : Gauss nodes t in (-1, 1), descending within a segment, shape (nodes,)
-    weight : of int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
-    central : of int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
-    reach : distance from c beyond which the quadrature is exact, in half-widths, shape (segments,)
-    sine, cosine : of pi r t/L at the nodes, shape (nodes,): with them sin(pi (x-s)/L) needs no call, and loses no
-        digit either, for the two angles that it combines are counted from the segment's own centre
+    weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
+    log_weight : for int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
+    far_field : distance from c from which on the quadrature is exact to rounding, in half-widths, shape (segments,)
+    sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
+        without a further call; no digit is lost, for both angles are counted from the centre of one segment.
     """
 
-    summit: Indices
+    crest: Indices
     origin: Array
     centre: Array
     half_width: Array
-    first: Indices
+    first_node: Indices
     node: Array
     weight: Array
-    central: Array
-    reach: Array
+    log_weight: Array
+    far_field: Array
     sine: Array
     cosine: Array
 
 
 def make_segments(
-    summit: Indices, origin: Array, centre: Array, half_width: Array, count: Indices, period: float
+    crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices, period: float
 ) -> Segments:
-    """Segments with `count` nodes each."""
-    first = np.concatenate([[0], np.cumsum(count)])
-    node, weight, central = np.concatenate([_rule(int(k)) for k in count], axis=1)
-    sine, cosine = _turns(half_width, count, node, period)
-    reach = np.cosh(LN_FAR / (count + 1))
-    return Segments(summit, origin, centre, half_width, first, node, weight, central, reach, sine, cosine)
+    """Segments, already in order, with so many nodes each."""
+    first_node = np.concatenate([[0], np.cumsum(node_count)])
+    node, weight, log_weight = np.concatenate([_quadrature_rule(int(k)) for k in node_count], axis=1)
+    sine, cosine = _sines_and_cosines(half_width, node_count, node, period)
+    far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
+    return Segments(crest, origin, centre, half_width, first_node, node, weight, log_weight, far_field, sine, cosine)
 
 
 @cache
-def _rule(count: int) -> Array:
-    return np.stack([nodes(count), weights(count), central_logarithm(count)])
+def _quadrature_rule(node_count: int) -> Array:
+    return np.stack([nodes(node_count), weights(node_count), log_weights(node_count)])
 
 
-def _turns(half_width: Array, count: Indices, node: Array, period: float) -> tuple[Array, Array]:
-    angle = np.pi / period * np.repeat(half_width, count) * node
+def _sines_and_cosines(half_width: Array, node_count: Indices, node: Array, period: float) -> tuple[Array, Array]:
+    angle = np.pi / period * np.repeat(half_width, node_count) * node
     return np.sin(angle), np.cos(angle)
 
 
-def moved(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
-    """The same segments elsewhere."""
-    sine, cosine = _turns(half_width, np.diff(segments.first), segments.node, period)
+def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
+    """The same segments with other centres and half-widths."""
+    sine, cosine = _sines_and_cosines(half_width, np.diff(segments.first_node), segments.node, period)
     return segments._replace(centre=centre, half_width=half_width, sine=sine, cosine=cosine)
 
 
-def spaces(segments: Segments, period: float) -> Array:
-    """Distance from each segment's right end to the next one's left end, round the period."""
-    left = segments.centre - segments.half_width
-    right = segments.centre + segments.half_width
-    apart = from_right(segments.origin) - segments.origin
-    apart[-1] += period
-    return apart + (from_right(left) - right)
+def distances_to_next(segments: Segments, period: float) -> Array:
+    """Distance from the right end of each segment to the left end of the next, round the period, in lambda_0."""
+    return _distances(segments.origin, segments.centre, segments.half_width, period)
 
 
-def from_right(value: Array) -> Array:
-    """The values of each segment's neighbour on the right: np.roll(value, -1), many times faster."""
+def _distances(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
+    left = centre - half_width
+    right = centre + half_width
+    between_origins = values_of_next(origin) - origin
+    between_origins[-1] += period
+    return between_origins + (values_of_next(left) - right)
+
+
+def values_of_next(value: Array) -> Array:
+    """The value of each segment's neighbour on the right: np.roll(value, -1), but many times faster."""
     return np.concatenate([value[1:], value[:1]])
+
+
+def estimate_node_count(origin: Array, centre: Array, half_width: Array, series: CosineSeries) -> Indices:
+    """Nodes for the waves within each segment and for the singularities at the edges of its neighbours.
+
+    The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge.
+    """
+    distance = _distances(origin, centre, half_width, series.period)
+    nearest = np.clip(np.minimum(distance, np.roll(distance, 1)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
+    ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
+    count = MIN_NODES + NODES_PER_RADIAN * series.wavenumber[-1] * half_width + NODES_PER_NEIGHBOUR / ln_rho
+    return np.minimum(np.ceil(count), MAX_NODES).astype(np.int64)
+
+
+def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
+    """Size of the last two Chebyshev coefficients over that of the largest, shape (segments,)."""
+    first, size = segments.first_node, np.abs(coefficient)
+    return np.maximum(size[first[1:] - 1], size[first[1:] - 2]) / np.maximum.reduceat(size, first[:-1])
+
+
+def adapt_node_count(node_count: Indices, tail: Array, target: float, where: Flags) -> Indices:
+    """Node counts that bring the tails to the target, if the coefficients keep decaying at their rate so far."""
+    tail = np.clip(tail, MIN_TAIL, MAX_TAIL)
+    change = np.ceil(np.log(tail / target) / np.maximum(-np.log(tail) / node_count, MIN_DECAY))
+    new = node_count + np.where(where, np.clip(change, -MAX_NODES_REMOVED, node_count), 0)
+    return np.clip(new, MIN_NODES, MAX_NODES).astype(np.int64)
+
+
+def increase_node_count(segments: Segments, coefficient: Array, load: float, tolerance: float) -> Indices | None:
+    """Node counts with which all coefficients decay to the tolerance; None if they do so already."""
+    half_width, count = segments.half_width, np.diff(segments.first_node)
+    tail = coefficient_tails(segments, coefficient)
+    rounding = np.minimum(TAIL_ROUNDING * (half_width.max() / half_width) ** 2, MAX_TAIL_ROUNDING)
+    too_large = tail > np.maximum(tolerance, rounding)
+    if not np.any(too_large):
+        return None
+    if np.any(count[too_large] >= MAX_NODES):
+        raise ConvergenceError(
+            f"under the mean pressure {load:.6g} p_0*, two contacts or two gaps are so close to each other that "
+            f"{MAX_NODES} nodes on one of them do not resolve the density",
+            float(tail.max()),
+        )
+    return adapt_node_count(count, tail, TARGET_TAIL * tolerance, too_large)

@@ -1,48 +1,145 @@
-"""What the solver needs to know of a profile: its heights and its full-contact pressures, seen from their summits."""
+"""A profile as the solver needs it: its heights, and the tensions of full contact, both evaluated from their crests.
+
+A crest is a local maximum of a cosine series. A contact that has just been born lies so close to a crest that the
+difference of height between the two would be lost in rounding, if both heights were sums over all waves. Therefore
+positions are given as a crest and the distance from it, and heights relative to the highest crest.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from weier.methods.patches.waves import Waves, make_waves
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.theory.crests import summits
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
+MAX_HEIGHT_ROUNDING = (
+    1e-14  # of the sum of amplitudes: crests that differ by less, which is rounding, are equally high
+)
+MAX_SERIES_ANGLE = 0.3  # up to it sin(y) - y, which would cancel, is summed as a power series
+
+
+class CosineSeries(NamedTuple):
+    """S(x) = sum a_n cos(k_n x + phi_n) with its crests, in arrays for the kernels.
+
+    S is a height, in g_0, or a tension, in p_0*.
+
+    amplitude : a_n, in the unit of S, shape (terms,)
+    wavenumber : k_n, in radians per lambda_0, increasing, shape (terms,)
+    period : L, in lambda_0
+    crest_position : in lambda_0, increasing, shape (crests,)
+    crest_cosine, crest_sine : of the phases k_n x + phi_n at each crest, shape (crests, terms)
+    crest_offset : S at each crest less the maximum of S, <= 0, in the unit of S, shape (crests,)
+    maximum : S at the highest crest
+    """
+
+    amplitude: Array
+    wavenumber: Array
+    period: float
+    crest_position: Array
+    crest_cosine: Array
+    crest_sine: Array
+    crest_offset: Array
+    maximum: float
+
 
 class Surface(NamedTuple):
-    """The heights, and the full-contact pressures with their sign turned.
+    """The two series that the solver looks at.
 
-    heights : z, in g_0: on its highest summit is the first contact
-    pressures : -p_full, in p_0*: on its highest summit is the last gap
+    heights : z, in g_0: the first contact is on its highest crest
+    tensions : the pressure of full contact with its sign turned and without its mean, in p_0*: the last gap is at
+        its highest crest
     total_amplitude : sum g_n, in g_0
     """
 
-    heights: Waves
-    pressures: Waves
+    heights: CosineSeries
+    tensions: CosineSeries
     total_amplitude: float
 
     @property
-    def full_load(self) -> float:
-        """Mean pressure from which on contact is full, in p_0*."""
-        return self.pressures.top
+    def full_contact_load(self) -> float:
+        """The mean pressure that makes up for the largest tension: contact is full from here on, in p_0*."""
+        return self.tensions.maximum
 
-    def of(self, dual: bool) -> Waves:
-        """The series that the problem for contacts, or for gaps (dual), looks at."""
-        return self.pressures if dual else self.heights
+    def series(self, dual: bool) -> CosineSeries:
+        """The heights, for segments that are contacts, or the tensions, for segments that are gaps (dual)."""
+        return self.tensions if dual else self.heights
 
 
 def surface_of(profile: Profile) -> Surface:
-    """What the solver needs to know of a profile.
-
-    Raises
-    ------
-    ValueError
-        If its waves are too many for a computer.
-    """
+    """The series of a profile with a finite number of terms; ValueError if its waves are too many for a computer."""
     check_resolvable(profile)
-    series = profile.wavenumber, profile.phase, profile.period
+    waves = profile.wavenumber, profile.phase, profile.period
     return Surface(
-        make_waves(profile.amplitude, *series),
-        make_waves(-profile.full_contact_pressure, *series),
+        make_series(profile.amplitude, *waves),
+        make_series(-profile.full_contact_pressure, *waves),
         profile.total_amplitude,
     )
+
+
+def make_series(amplitude: Array, waves_per_period: list[int], phase: Array, period: float) -> CosineSeries:
+    """The series with its crests."""
+    wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
+    x, theta = summits(amplitude, waves_per_period, phase, period)
+    order = np.argsort(x, kind="stable")
+    x, theta = x[order], theta[order]
+    height = np.cos(theta) @ amplitude
+    maximum = float(height.max())
+    offset = height - maximum
+    offset[offset > -MAX_HEIGHT_ROUNDING * np.abs(amplitude).sum()] = 0.0
+    return CosineSeries(amplitude, wavenumber, float(period), x, np.cos(theta), np.sin(theta), offset, maximum)
+
+
+@kernel
+def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, float, float]:
+    """S - max S, S' and S'' at the distance y from a crest, without cancellation for small y."""
+    value, slope, curvature = series.crest_offset[crest], 0.0, 0.0
+    for n in range(series.amplitude.size):
+        a, k = series.amplitude[n], series.wavenumber[n]
+        c, s = series.crest_cosine[crest, n], series.crest_sine[crest, n]
+        angle = k * y
+        half_sine = np.sin(0.5 * angle)
+        sine, cosine_less_one = np.sin(angle), -2 * half_sine * half_sine
+        value += a * (c * cosine_less_one - s * _sine_less_angle(angle, sine))
+        slope -= a * k * (c * sine + s * cosine_less_one)
+        curvature -= a * k * k * (c * (1 + cosine_less_one) - s * sine)
+    return value, slope, curvature
+
+
+@kernel
+def _sine_less_angle(y: float, sine: float) -> float:
+    """sin(y) - y = -y^3/3! + y^5/5! - ..."""
+    if abs(y) > MAX_SERIES_ANGLE:
+        return sine - y
+    q = y * y
+    return -y * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156)))))
+
+
+@kernel
+def nearest_crest(series: CosineSeries, x: float) -> tuple[int, float]:
+    """Index of the crest nearest to x on the periodic line, and the distance y of x from it."""
+    after = np.searchsorted(series.crest_position, x - series.period * np.floor(x / series.period))
+    n = series.crest_position.size
+    i, j = min((after - 1) % n, after % n), max((after - 1) % n, after % n)
+    y, z = _distance(series, i, x), _distance(series, j, x)
+    return (i, y) if abs(y) <= abs(z) else (j, z)
+
+
+@kernel
+def _distance(series: CosineSeries, crest: int, x: float) -> float:
+    """Distance from a crest to the nearest image of x, positive to the right."""
+    y = x - series.crest_position[crest]
+    return y - series.period * np.rint(y / series.period)
+
+
+@kernel
+def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
+    """`nearest_crest` for an array of positions x."""
+    crest, y = np.empty(x.size, np.int64), np.empty(x.size)
+    for i in range(x.size):
+        crest[i], y[i] = nearest_crest(series, x[i])
+    return crest, y

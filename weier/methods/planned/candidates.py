@@ -1,241 +1,82 @@
-"""The ways to a curve that a plan chooses from: full contact, estimates, the layer, grids and contact patches.
-
-Each has its cheapest setting that meets the tolerance somewhere, with its errors and seconds at every load.
-"""
+"""What a plan chooses from: full contact, and whatever the methods offer for the whole series or a truncated one."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
-from itertools import islice
-from typing import Any
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from weier.methods import demelio, laws, layer, westergaard
-from weier.methods.hybrid.solver import LOADS, MOST_POINTS, POINTS_PER_WAVE
-from weier.methods.patches.surface import Surface, surface_of
-from weier.methods.planned.segment import Part
-from weier.theory.bounds import resistance_bounds
+from weier.kernels.arrays import Array
+from weier.methods.method import Method
+from weier.methods.planned import forecast
+from weier.methods.planned.truncations import chord_tasks, resolvable_lengths, truncation_tasks
+from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
 from weier.theory.profile import Profile
-from weier.theory.terms import left_out, truncated
 
-Array = NDArray[np.float64]
-
-MOST_GRID_POINTS = 2**21  # a load then takes a second
-MOST_CONTACTS = 256  # a dense matrix of more takes seconds a load
-MOST_FORESEEN = 64  # contacts of a plan where there are over 256 waves: the forecast may be 4 times too low
-MOST_SAMPLES = 2**17  # where first contact is looked for
-SAMPLES_PER_WAVE = 16  # put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude
-UNSEEN = 0.1  # contacts for each of the finest waves, where these are too many to look at
-SERIES = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
-TABLE = 100  # loads on which the bounds on the resistance are foreseen
-HEAVIEST = 1e300  # p_0*: more is foreseen as this, since ten times as much is a number
+FULL_CONTACT = "full contact"
 
 
-def ways(profile: Profile, loads: Array, tolerance: float, quantity: str) -> Iterator[Part]:
-    """All ways that might do, each at its cheapest setting; their error is infinite where they say nothing."""
-    lengths = list(resolved_lengths(profile))
-    yield from _flattened(profile, lengths, loads, tolerance, quantity)
-    if quantity == "compliance":  # no estimate knows the resistance of a few crests: errors of 100 % were measured
-        yield from _estimates(profile, loads)
-        if math.isinf(profile.m):
-            yield from _resolved_in_part(profile, lengths, loads, tolerance)
-    for terms in _worth_trying(profile, lengths, tolerance, quantity):
-        kept = truncated(profile, terms)
-        truncation = truncation_error(profile, kept, loads, quantity)
-        # What a few loads leave to the discretisation would make all others expensive.
-        within = truncation <= (tolerance / 2 if np.ptp(truncation) > 0 else tolerance)
-        rest = tolerance - float(truncation[within].max(initial=0.0))
-        if within.any() and rest > 0:
-            yield from _numerical(kept, loads, np.where(within, truncation, np.inf), rest, quantity)
+def candidates(
+    profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]
+) -> Iterator[Segment]:
+    """All that might do, each at its cheapest setting; their error is infinite where they say nothing."""
+    lengths = resolvable_lengths(profile)
+    whole = _whole_task(profile, loads, tolerance, quantity, lengths)
+    yield from _full_contact(whole, lengths)
+    yield from _offers(whole, methods)
+    if quantity == COMPLIANCE:
+        for task in truncation_tasks(profile, loads, tolerance, lengths, whole.first_contact):
+            yield from _offers(task, methods)
+    elif profile.m not in lengths:  # no bound holds a resistance tightly: all terms are better
+        for task, other_loads in chord_tasks(profile, loads, lengths):
+            for offer in _offers(task, methods):
+                yield _with_chords(offer, other_loads)
 
 
-def resolved_lengths(profile: Profile) -> Iterator[int]:
-    """Numbers of terms whose finest waves boundary elements can still see."""
-    terms = 1
-    while terms <= profile.m and truncated(profile, terms).wavenumber[-1] * laws.FEWEST_PER_WAVE <= MOST_GRID_POINTS:
-        yield terms
-        terms += 1
+def _whole_task(profile: Profile, loads: Array, tolerance: float, quantity: str, lengths: Sequence[int]) -> Task:
+    first = forecast.first_contact(profile, lengths) if quantity == COMPLIANCE else math.inf
+    resolved = profile.m in lengths
+    contacts = forecast.contacts(profile, loads) if resolved else np.full(loads.size, np.inf)
+    return Task(profile, loads, np.zeros(loads.size), tolerance, quantity, contacts, first)
 
 
-def _worth_trying(profile: Profile, lengths: Sequence[int], tolerance: float, quantity: str) -> list[int]:
-    """Numbers of terms: for a resistance, which no bound holds tightly, all of them if that can be resolved."""
-    if profile.m in lengths and quantity == "resistance":
-        return [int(profile.m)]
-    enough = (terms for terms in lengths if quantity == "resistance" or left_out(profile, terms) < tolerance)
-    return sorted({*islice(enough, SERIES), lengths[-1]})
+def _offers(task: Task, methods: Sequence[Method]) -> Iterator[Segment]:
+    for method in methods:
+        if method.takes(task.profile):
+            yield from method.candidates(task)
 
 
-def _flattened(
-    profile: Profile, lengths: Sequence[int], loads: Array, tolerance: float, quantity: str
-) -> Iterator[Part]:
+def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[Segment]:
     """Full contact of the terms that the tolerance needs: closed form, free."""
+    profile, loads = task.profile, task.mean_pressure
     finite = [] if math.isinf(profile.m) else [int(profile.m)]
-    few = [terms for terms in lengths if left_out(profile, terms) / 2 <= tolerance][:1]
-    for terms in {*finite, *few} if quantity == "compliance" else finite:
-        full = _full_load(truncated(profile, terms))
-        error = np.where(loads >= full, left_out(profile, terms) / 2, np.inf)
-        what = (
-            "nothing is left to flatten" if terms == profile.m else "what follows changes that by half of its height"
+    few = [terms for terms in lengths if profile.amplitude_beyond(terms) / 2 <= task.tolerance][:1]
+    for terms in {*finite, *few} if task.quantity == COMPLIANCE else finite:
+        kept, change = profile.truncated(terms), profile.amplitude_beyond(terms) / 2
+        load = forecast.full_contact_load(kept)
+        what = "what follows changes that by half of its height" if change else "nothing is left to flatten"
+        yield segment(
+            task,
+            FULL_CONTACT,
+            f"from {load:.3g} p_0* on these terms are flat, and {what}",
+            partial(_flat, kept),
+            terms=terms,
+            truncation=np.where(loads >= load, change, np.inf),
         )
-        why = f"from {full:.3g} p_0* on these terms are flat, and {what}"
-        yield _closed_form("full contact", loads, terms, why, truncation=error)
 
 
-def _closed_form(method: str, loads: Array, terms: float, why: str, **others: Any) -> Part:
+def _flat(kept: Profile, loads: Array) -> Solution:
     none = np.zeros(loads.size)
-    known = {"truncation": none, "discretisation": none, "estimate": none} | others
-    start, load = (table.get(method, 0.0) for table in (laws.SECONDS_START, laws.SECONDS_LOAD))
-    return Part(
-        loads, method, terms, settings={}, seconds_start=start, seconds_load=none + load, memory=0.0, why=why, **known
+    return Solution(none + kept.total_amplitude, none, none, none)
+
+
+def _with_chords(offer: Segment, other_loads: Array) -> Segment:
+    """The same with the other loads solved beside each load; its own error is within that of the chords."""
+    return offer._replace(
+        discretisation=np.where(np.isfinite(offer.discretisation), 0.0, np.inf),
+        other_loads=other_loads,
+        seconds_load=(1 + other_loads.shape[1]) * offer.seconds_load,
+        why=f"{offer.why}; chords to a lighter and a heavier load hold the resistance of the longer series",
     )
-
-
-@lru_cache(maxsize=8)
-def _surface(kept: Profile) -> Surface:
-    return surface_of(kept)
-
-
-def _seen(kept: Profile) -> bool:
-    """Whether every crest of a series can be looked at before anything is solved."""
-    return kept.wavenumber[-1] * SAMPLES_PER_WAVE <= MOST_SAMPLES
-
-
-def _full_load(kept: Profile) -> float:
-    """A load from which on contact is full: that of the pressure which flattens all waves, or the sum of all p_n*."""
-    if _seen(kept):
-        return _surface(kept).full_load
-    with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
-        return float(kept.full_contact_pressure.sum())
-
-
-def _estimates(profile: Profile, loads: Array) -> Iterator[Part]:
-    first, amplitude = _first_contact(profile), profile.total_amplitude - 1
-    for method in ("demelio", "layer"):
-        error = laws.estimate_error(method, loads, profile.D, first, amplitude)
-        yield _closed_form(
-            method, loads, profile.m, "an estimate whose measured error is small enough", estimate=error, whole=True
-        )
-
-
-def _first_contact(profile: Profile) -> float:
-    """A bound above the compliance at first contact, in g_0: the highest of the sampled heights is reached."""
-    terms = max(k for k in resolved_lengths(profile) if _seen(truncated(profile, k)))
-    kept = truncated(profile, terms)
-    highest = float(kept.sampled_height(SAMPLES_PER_WAVE * kept.wavenumber[-1]).max())
-    return kept.total_amplitude - highest + 2 * left_out(profile, terms)
-
-
-def _resolved_in_part(profile: Profile, lengths: Sequence[int], loads: Array, tolerance: float) -> Iterator[Part]:
-    """The coarse terms on a layer of all finer ones, with as few of them as some load allows."""
-    carried = (LOADS[0] <= loads) & (loads <= LOADS[1])
-    for terms in lengths:
-        kept = truncated(profile, terms)
-        points = POINTS_PER_WAVE * kept.wavenumber[-1]
-        if points > MOST_POINTS:
-            return
-        error = np.where(carried, laws.endless_error(loads, kept), np.inf)
-        mesh = np.full(loads.size, laws.bem_compliance_error(kept, points))
-        if np.any(error + mesh <= tolerance):
-            start, load = laws.endless_seconds(points)
-            none = np.zeros(loads.size)
-            yield Part(
-                loads,
-                "endless",
-                terms,
-                settings={"points": points},
-                truncation=none,
-                discretisation=mesh,
-                estimate=error,
-                seconds_start=start,
-                seconds_load=none + load,
-                memory=laws.grid_bytes("endless", points),
-                why=f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all",
-                whole=True,
-            )
-            if np.all(error + mesh <= tolerance):
-                return
-
-
-def truncation_error(profile: Profile, kept: Profile, loads: Array, quantity: str) -> Array:
-    """What the terms left out may change, by the bounds theorem."""
-    amplitude = left_out(profile, kept.m)
-    if quantity == "compliance" or amplitude == 0:
-        return np.full(loads.size, amplitude)
-    # Foreseen on the layer model's curve, which is near enough to tell how wide the bounds will be.
-    foreseen = np.minimum(loads, HEAVIEST)
-    p = np.unique(np.concatenate([foreseen, np.geomspace(foreseen[0] / 10, foreseen[-1] * 10, TABLE)]))
-    low, high = resistance_bounds(p, layer.compliance(p, kept.D, float(kept.gamma), kept.m), amplitude)
-    here = np.searchsorted(p, foreseen)
-    return np.asarray((high - low)[here] / np.maximum(low[here], 1))
-
-
-def _numerical(kept: Profile, loads: Array, truncation: Array, error: float, quantity: str) -> Iterator[Part]:
-    """Boundary elements and contact patches that leave no more than this error."""
-    if kept.terms == 1:
-        why = "one wave has a closed form"
-        yield _closed_form("westergaard", loads, 1, why, truncation=truncation)
-        return
-    count = contacts(kept, loads) if _seen(kept) else np.full(loads.size, kept.wavenumber[-1] * UNSEEN)
-    points = laws.bem_points(kept, error, quantity)
-    if points <= MOST_GRID_POINTS:
-        yield _on_grid(kept, points, count, loads, truncation, quantity)
-    able = [limit for limit in laws.PATCHES_TOLERANCES if laws.patches_error(limit, quantity) <= error]
-    if able and _seen(kept):
-        yield _by_contacts(kept, able[0], count, loads, truncation, quantity)
-
-
-def _on_grid(kept: Profile, points: int, count: Array, loads: Array, truncation: Array, quantity: str) -> Part:
-    if quantity == "compliance":
-        miss = np.full(loads.size, laws.bem_compliance_error(kept, points))
-    else:
-        miss = laws.bem_resistance_error(kept, points, loads)
-    start, load = laws.bem_seconds(points, count)
-    waves = kept.wavenumber[-1]
-    return Part(
-        loads,
-        "bem",
-        kept.terms,
-        settings={"points": points},
-        truncation=truncation,
-        discretisation=miss,
-        estimate=np.zeros(loads.size),
-        seconds_start=start,
-        seconds_load=load,
-        memory=laws.grid_bytes("bem", points),
-        why=f"{points / waves:.0f} points for each of {waves} waves are the fewest that do",
-    )
-
-
-def _by_contacts(kept: Profile, limit: float, count: Array, loads: Array, truncation: Array, quantity: str) -> Part:
-    waves = kept.wavenumber[-1]
-    most = MOST_CONTACTS if waves <= MOST_CONTACTS else MOST_FORESEEN
-    return Part(
-        loads,
-        "patches",
-        kept.terms,
-        settings={"tolerance": limit},
-        truncation=truncation,
-        discretisation=np.where(count <= most, laws.patches_error(limit, quantity), np.inf),
-        estimate=np.zeros(loads.size),
-        seconds_start=laws.SECONDS_START["patches"],
-        seconds_load=laws.patches_seconds(waves, count),
-        memory=laws.patches_bytes(waves, min(most, count.max())),
-        why="exact edges of as few contacts cost less than a grid so fine",
-    )
-
-
-def contacts(kept: Profile, loads: Array) -> Array:
-    """Contacts to expect, shape (loads,), in nine of ten loads between a third and twice of the truth.
-
-    Crests that reach a flat at Demelio's compliance. Gaps are as many as contacts, and each needs a trough that full
-    contact would put in tension: the fewer of the two counts.
-    """
-    seen, ratio = _surface(kept), float(kept.gamma)
-    near = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))
-    crests = np.searchsorted(np.sort(-seen.heights.rise), near, side="right")
-    troughs = np.searchsorted(np.sort(-seen.pressures.rise), seen.full_load - loads, side="right")
-    return np.maximum(np.minimum(crests, troughs), 1).astype(float)

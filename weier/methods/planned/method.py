@@ -7,16 +7,17 @@ from collections.abc import Callable
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Style
-from weier.methods.planned.curve import Curve, curve
 from weier.methods.planned.plan import TOLERANCE
+from weier.methods.planned.solver import Curve, curve
+from weier.methods.segment import COMPLIANCE
 from weier.theory.profile import Profile
 
 
 def method(among: Callable[[], tuple[Method, ...]]) -> Method:
     """The method that plans among others, which are looked up when a plan is made."""
 
-    def solve(profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = "compliance") -> Curve:
-        return curve(profile, loads, tolerance, quantity)
+    def solve(profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
+        return curve(profile, loads, among(), tolerance, quantity)
 
     def seconds(profile: Profile, loads: Array) -> float:
         """Of an infinite series those of the slowest other method; a finite one is truncated if that is cheaper."""

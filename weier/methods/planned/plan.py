@@ -1,6 +1,6 @@
-"""The plan of one profile: the cheapest methods, load by load, that the measured laws and the bounds theorem allow.
+"""The plan of one profile: the cheapest methods, load by load, that error models and the bounds theorem allow.
 
-`weier.methods.planned.curve` runs it, `weier.pipeline.plan` makes one for each case of a scene.
+`weier.methods.planned.solver` runs it, `weier.pipeline.plan` makes one for each case of a scene.
 """
 
 from __future__ import annotations
@@ -11,21 +11,20 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from weier.methods import laws
+from weier.kernels.arrays import Array
 from weier.methods.errors import OutOfReachError
-from weier.methods.planned.candidates import MOST_GRID_POINTS, resolved_lengths, truncation_error, ways
-from weier.methods.planned.segment import Part
+from weier.methods.method import Method
+from weier.methods.planned.candidates import candidates
+from weier.methods.planned.truncations import resolvable_lengths, truncation_error
+from weier.methods.segment import COMPLIANCE, QUANTITIES, Segment
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
-from weier.theory.terms import truncated
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3
-QUANTITIES = ("compliance", "resistance")
-LEAST_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
+MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
+SUGGESTED = [10.0**exponent for exponent in range(-13, 1)]  # where a tolerance is out of reach: the least that is not
 
 
 @dataclass(frozen=True)
@@ -35,43 +34,48 @@ class Plan:
     profile: Profile
     quantity: str
     tolerance: float
-    parts: tuple[Part, ...]
+    segments: tuple[Segment, ...]
 
     @property
     def error(self) -> float:
         """Largest expected error, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
-        return max(float(part.error.max()) for part in self.parts)
+        return max(float(segment.error.max()) for segment in self.segments)
 
     @property
     def seconds(self) -> float:
         """Expected seconds on one core."""
-        return sum(part.seconds for part in self.parts)
+        return sum(segment.seconds for segment in self.segments)
 
     @property
     def memory(self) -> float:
         """Expected bytes beyond those of the interpreter."""
-        return max(part.memory for part in self.parts)
+        return max(segment.memory for segment in self.segments)
 
     def __str__(self) -> str:
-        """The plan to read: a line a part."""
+        """The plan to read: a line a segment."""
         head = f"{self.profile.describe_with_phases()}: {self.quantity} within {self.tolerance:g}"
         total = f"  in all: error {self.error:.1e}, {self.seconds:.2g} s, {self.memory / 1e6:.2g} MB"
-        return "\n".join([head, *map(_line, self.parts), total])
+        return "\n".join([head, *map(_line, self.segments), total])
 
 
-def _line(part: Part) -> str:
-    p = part.mean_pressure
-    settings = "".join(f", {name} {value:g}" for name, value in part.settings.items())
+def _line(segment: Segment) -> str:
+    p = segment.mean_pressure
+    settings = "".join(f", {name} {value:g}" for name, value in segment.settings.items())
     return (
-        f"  {p.size} loads from {p[0]:.3g} to {p[-1]:.3g}: {part.method} with {part.terms:g} terms{settings}; "
-        f"error {part.error.max():.1e} (truncation {part.truncation.max():.1e}, discretisation "
-        f"{part.discretisation.max():.1e}, estimate {part.estimate.max():.1e}), {part.seconds:.2g} s, "
-        f"{part.memory / 1e6:.2g} MB: {part.why}"
+        f"  {p.size} loads from {p[0]:.3g} to {p[-1]:.3g}: {segment.method} with {segment.terms:g} terms{settings}; "
+        f"error {segment.error.max():.1e} (truncation {segment.truncation.max():.1e}, discretisation "
+        f"{segment.discretisation.max():.1e}, estimate {segment.estimate.max():.1e}), {segment.seconds:.2g} s, "
+        f"{segment.memory / 1e6:.2g} MB: {segment.why}"
     )
 
 
 def plan(
-    profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE, quantity: str = "compliance"
+    profile: Profile,
+    mean_pressure: ArrayLike,
+    methods: Sequence[Method],
+    tolerance: float = TOLERANCE,
+    quantity: str = COMPLIANCE,
+    failed: Sequence[Segment] = (),
 ) -> Plan:
     """The cheapest way to a curve within a tolerance.
 
@@ -81,15 +85,19 @@ def plan(
         With any number of terms, inf too.
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
+    methods : sequence of Method
+        To choose from.
     tolerance : float
         Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
     quantity : "compliance" or "resistance"
         What is to be that accurate.
+    failed : sequence of Segment
+        What is not to be tried again, since it left larger errors than expected.
 
     Returns
     -------
     Plan
-        Its parts cover the loads.
+        Its segments cover the loads.
 
     Raises
     ------
@@ -105,53 +113,60 @@ def plan(
     """
     loads = checked_loads(mean_pressure)
     _check(loads, tolerance, quantity)
-    found = list(ways(profile, loads, tolerance, quantity))
-    if not np.all(np.any([way.error <= tolerance for way in found], axis=0)):
-        raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity))
-    return Plan(profile, quantity, tolerance, cheapest(found, tolerance))
+    offers = [
+        offer
+        for offer in candidates(profile, loads, tolerance, quantity, methods)
+        if not any(offer.fails_like(each) for each in failed)
+    ]
+    if not _cover(offers, tolerance):
+        raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity, methods))
+    return Plan(profile, quantity, tolerance, cheapest(offers, tolerance))
 
 
-def cheapest(found: Sequence[Part], tolerance: float) -> tuple[Part, ...]:
-    """Parts of the ways found that together cover the loads within the tolerance in the least time.
+def cheapest(offers: Sequence[Segment], tolerance: float) -> tuple[Segment, ...]:
+    """Segments of the offers that together cover the loads within the tolerance.
 
     Notes
     -----
-    Dynamic programming along the loads: up to each, and by each way, the least seconds are those up to the load
-    before, by the same way or by the cheapest one and another start.
+    Each load takes the offer of the least seconds a load, whatever the others take: what is asked for beside a load
+    must change neither its value nor its error. So the seconds that a method takes to start do not count.
     """
-    cost = np.array([np.where(way.error <= tolerance, way.seconds_load, np.inf) for way in found])
-    start, number = np.array([way.seconds_start for way in found]), np.arange(len(found))
-    total, origins = start + cost[:, 0], []
-    for load in cost.T[1:]:
-        stay = total <= total.min() + start
-        origins.append(np.where(stay, number, total.argmin()))
-        total = np.where(stay, total, total.min() + start) + load
-    taken = [int(total.argmin())]
-    for origin in reversed(origins):
-        taken.append(int(origin[taken[-1]]))
-    taken.reverse()
+    cost = np.array([np.where(offer.error <= tolerance, offer.seconds_load, np.inf) for offer in offers])
+    taken = cost.argmin(axis=0)
     ends = [0, *(np.flatnonzero(np.diff(taken)) + 1).tolist(), len(taken)]
-    return tuple(found[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
+    return tuple(offers[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
 
 
-def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str) -> str:
-    terms = list(resolved_lengths(profile))[-1]
-    rest = truncation_error(profile, truncated(profile, terms), loads, quantity).max()
-    best, need = laws.patches_error(min(laws.PATCHES_TOLERANCES), quantity), "larger, or the series shorter"
-    if rest > 0:
-        why = f"{terms} terms are the most that can be resolved, and the others may change it by {rest:.1e}"
-    elif tolerance < best:
-        why, need = f"contact patches, the most accurate method, may be off by {best:.1e}", "larger"
+def _cover(offers: Sequence[Segment], tolerance: float) -> bool:
+    """Whether at every load some offer is within the tolerance."""
+    return bool(offers) and bool(np.all(np.any([offer.error <= tolerance for offer in offers], axis=0)))
+
+
+def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]) -> str:
+    terms = resolvable_lengths(profile)[-1]
+    change = truncation_error(profile, terms, loads, quantity).max()
+    if change > 0:
+        need = "larger, or the series shorter"
+        why = f"{terms} terms are the most that can be resolved, and the others may change it by {change:.1e}"
     else:
-        why = f"too many contacts for contact patches, and boundary elements take over {MOST_GRID_POINTS} points"
+        need, why = "larger", "no method can hold the contacts or the grid that it takes, or is as accurate"
+    reached = (
+        wider for wider in SUGGESTED if wider > tolerance and _reached(profile, loads, wider, quantity, methods)
+    )
+    within = next((f"; {wider:.0e} is within reach" for wider in reached), "")
     return (
-        f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: {why}"
+        f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: "
+        f"{why}{within}"
     )
 
 
+def _reached(profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]) -> bool:
+    return _cover(list(candidates(profile, loads, tolerance, quantity, methods)), tolerance)
+
+
 def _check(loads: Array, tolerance: float, quantity: str) -> None:
-    if loads[0] < LEAST_LOAD:
-        raise ValueError(f"mean_pressure must be at least {LEAST_LOAD:g} p_0* for a plan, got {loads[0]:g}")
+    if loads[0] < MIN_LOAD:
+        raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for a plan, got {loads[0]:g}")
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity must be one of {', '.join(QUANTITIES)}, got {quantity!r}")
     if not 0 < tolerance < math.inf:

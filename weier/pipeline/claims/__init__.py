@@ -13,16 +13,33 @@ from weier.data.check import Check
 from weier.data.files import write_text
 from weier.data.variables import flags
 from weier.pipeline import curves
-from weier.pipeline.claims import measures
-from weier.pipeline.claims.measures import Measured
-from weier.pipeline.claims.paper import CLAIMS
+from weier.pipeline.claims.claim import CLAIMS, Claim, Measured
+from weier.pipeline.claims.paper import CRITERIA
 from weier.pipeline.claims.readings import MissingError
 from weier.pipeline.gather import gather, keys_of
-from weier.scene import Scene
+from weier.scene import Scene, SceneError
 
-__all__ = ["CLAIMS", "Measured", "evaluate", "write"]
+__all__ = ["CLAIMS", "Claim", "Measured", "check_names", "evaluate", "write"]
 
 CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
+
+
+def check_names(scene: Scene) -> None:
+    """Refuse a scene with a claim that is not in CLAIMS.
+
+    Raises
+    ------
+    SceneError
+        If there is no claim of one of the names.
+
+    """
+    for name in scene.claims:
+        if name not in CLAIMS:
+            raise SceneError(f"scene {scene.name}: claims: {_unknown(name)}")
+
+
+def _unknown(name: str) -> str:
+    return f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}"
 
 
 def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: str | Path) -> None:
@@ -43,19 +60,19 @@ def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: st
         If the scene names a claim that is not in CLAIMS.
 
     """
-    # Only the studies of one claim at a time: a sweep that no claim looks at is never in memory.
-    found = {
-        name: evaluate(name, [dataset.read(studies[study]) for study in wanted])
-        for name, wanted in scene.claims.items()
+    # Only the studies of one claim are in memory at a time, and a sweep that no claim looks at never is.
+    measured = {
+        name: evaluate(name, [dataset.read(studies[study]) for study in names])
+        for name, names in scene.claims.items()
     }
     files = list(studies.values())
-    step = "checked against the paper" if found else "gathered"
-    gather(files, keys_of(files), path, scene.title, step=step, scene=scene.text, more=_columns(found))
-    write_text(table, _markdown(scene.title, found))
+    step = "checked against the paper" if measured else "gathered"
+    gather(files, keys_of(files), path, scene.title, step=step, scene=scene.text, more=_columns(measured))
+    write_text(table, _markdown(scene.title, measured))
 
 
 def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
-    """What a claim measures on these studies; where they lack what it is about, a text that says so.
+    """What a claim measures on these studies, or a text that says what they lack for it.
 
     Raises
     ------
@@ -64,27 +81,27 @@ def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
 
     """
     if name not in CLAIMS:
-        raise ValueError(f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}")
+        raise ValueError(_unknown(name))
     try:
         return CLAIMS[name].measure(curves.cases(studies))
     except MissingError as error:
         return Measured(f"Not measured: {error}.")
 
 
-def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
-    """The claims as variables over the dimension claim; nothing where there are none."""
-    if not found:
+def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
+    """The claims as variables over the dimension claim; an empty dataset if there are none."""
+    if not measured:
         return xr.Dataset()
-    claims = [CLAIMS[name] for name in found]
+    claims = [CLAIMS[name] for name in measured]
     columns = {
-        "claim": (list(found), "claim of the paper"),
+        "claim": (list(measured), "claim of the paper"),
         "claim_statement": ([claim.statement for claim in claims], "what the paper says"),
-        "claim_measured": ([measured.text for measured in found.values()], "what is measured here"),
+        "claim_measured": ([each.text for each in measured.values()], "what is measured here"),
         "claim_quantity": ([claim.quantity for claim in claims], "quantity measured for the claim"),
         "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
-        "claim_measured_value": ([measured.value for measured in found.values()], "value of the quantity here"),
+        "claim_measured_value": ([each.value for each in measured.values()], "value of the quantity here"),
         "claim_holds": (
-            np.array([Check.of(measured.holds) for measured in found.values()], "i1"),
+            np.array([Check.of(each.holds) for each in measured.values()], "i1"),
             "whether the statement of the paper fits what is measured here",
         ),
     }
@@ -96,15 +113,12 @@ def _columns(found: Mapping[str, Measured]) -> xr.Dataset:
     return xr.Dataset(variables).set_coords("claim")
 
 
-def _markdown(title: str, found: Mapping[str, Measured]) -> str:
-    if not found:
+def _markdown(title: str, measured: Mapping[str, Measured]) -> str:
+    if not measured:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [
-            *map(markdown.plain, (name, CLAIMS[name].statement, measured.text)),
-            Check.of(measured.holds).text,
-        ]
-        for name, measured in found.items()
+        [*map(markdown.plain, (name, CLAIMS[name].statement, each.text)), Check.of(each.holds).text]
+        for name, each in measured.items()
     ]
     table = markdown.table(["claim", "the paper says", "measured here", "holds"], rows)
-    return "\n".join([f"# {title}", "", table, "", measures.CRITERIA, ""])
+    return "\n".join([f"# {title}", "", table, "", CRITERIA, ""])

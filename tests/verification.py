@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from weier.methods import bem, laws, patches
-from weier.methods.planned import curve as planned
-from weier.methods.planned.plan import QUANTITIES, plan
+from weier import plan
+from weier.kernels.arrays import Array
+from weier.methods import bem, error_model, patches
+from weier.methods.planned.solver import Curve
+from weier.methods.registry import PLANNED, method_named
+from weier.methods.segment import QUANTITIES
 from weier.theory.bounds import complete_bounds
 from weier.theory.phases import RandomPhases, random_phases
 from weier.theory.profile import Profile
-from weier.theory.terms import truncated
-
-Array = NDArray[np.float64]
 
 GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")
-MOST_TERMS = 5
-MOST_WAVES = 81  # in a period: patches then take seconds a profile
-MOST_ENDLESS_POINTS = 2**16  # that stand for an endless series
+MAX_TERMS = 5
+MAX_WAVES = 81  # in a period: patches then take seconds a profile
+MAX_POINTS = 2**16  # that stand for an infinite series
 PHASES = ("zero", "pi", "half a node", "random")
-LIGHTEST, HEAVIEST, COUNT = 1e-12, 10.0, 12  # loads, in p_0*
-TRUTH = 1e-12
-MOST_TOLERANCE = 0.1
+MIN_LOAD, MAX_LOAD, COUNT = 1e-12, 10.0, 12  # loads, in p_0*
+REFERENCE_TOLERANCE = 1e-12
+MAX_TOLERANCE = 0.1
 
 
 class Check(NamedTuple):
@@ -45,7 +44,7 @@ class Verified(NamedTuple):
 
     `points` is the finest grid, NaN without any.
 
-    The resistance of an endless series is None: nothing tells the truth.
+    The resistance of an infinite series is None: nothing tells the truth.
     """
 
     profile: Profile
@@ -77,33 +76,33 @@ def verify(count: int, seed: int = 0) -> Iterator[Verified]:
     random = np.random.default_rng(seed)
     done = 0
     while done < count:
-        D, gamma, m = random.uniform(1.05, 1.95), str(random.choice(GAMMAS)), int(random.integers(1, MOST_TERMS + 1))
+        D, gamma, m = random.uniform(1.05, 1.95), str(random.choice(GAMMAS)), int(random.integers(1, MAX_TERMS + 1))
         tolerance, quantity = 10 ** random.uniform(-6, np.log10(0.3)), str(random.choice(QUANTITIES))
         kind, seed = str(random.choice(PHASES)), int(random.integers(2**31))
         loads = _loads(random)
-        if Profile(D, gamma, m).wavenumber[-1] <= MOST_WAVES:
+        if Profile(D, gamma, m).wavenumber[-1] <= MAX_WAVES:
             done += 1
             profile = Profile(D, gamma, m, _phases(kind, Profile(D, gamma, m), seed, (loads, tolerance, quantity)))
             yield _against_patches(profile, loads, quantity, tolerance)
 
 
-def verify_endless(count: int, seed: int = 0) -> Iterator[Verified]:
-    """Random endless series, D in (1.05, 1.7), to 0.1 g_0 or less, as 2^16 points tell the truth."""
+def verify_infinite(count: int, seed: int = 0) -> Iterator[Verified]:
+    """Random infinite series, D in (1.05, 1.7), to 0.1 g_0 or less, as 2^16 points tell the truth."""
     random = np.random.default_rng(seed)
     done = 0
     while done < count:
         D, gamma = random.uniform(1.05, 1.7), str(random.choice(GAMMAS))
         profile = Profile(D, gamma, math.inf, random_phases(int(random.integers(2**31))))
-        known = truncated(profile, _longest(profile).terms - 1).tail_amplitude
-        tolerance = known * (MOST_TOLERANCE / known) ** random.random()
+        known = profile.truncated(_longest(profile).terms - 1).tail_amplitude
+        tolerance = known * (MAX_TOLERANCE / known) ** random.random()
         loads = _loads(random)
-        if known < MOST_TOLERANCE:
+        if known < MAX_TOLERANCE:
             done += 1
             yield _against_more_terms(profile, loads, tolerance)
 
 
 def _loads(random: np.random.Generator) -> Array:
-    return np.sort(np.exp(random.uniform(math.log(LIGHTEST), math.log(HEAVIEST), COUNT)))
+    return np.sort(np.exp(random.uniform(math.log(MIN_LOAD), math.log(MAX_LOAD), COUNT)))
 
 
 def _phases(
@@ -111,31 +110,35 @@ def _phases(
 ) -> float | tuple[float, ...] | RandomPhases:
     """Phases of a kind; half a node off the grid that the plan takes, if it takes any, whatever the phases."""
     if kind == "half a node":
-        grids = [part.settings["points"] for part in plan(series, *wanted).parts if "points" in part.settings]
+        grids = [part.settings["points"] for part in plan(series, *wanted).segments if "points" in part.settings]
         if grids:
             return tuple(-math.pi * waves / grids[0] for waves in series.wavenumber)
     return {"zero": 0.0, "pi": math.pi}.get(kind, random_phases(seed))
 
 
 def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: float) -> Verified:
-    exact, found = patches.curve(profile, loads, TRUTH), planned.curve(profile, loads, tolerance, quantity)
-    slack = laws.RESIDUAL * exact.residual + laws.FLOOR * profile.total_amplitude
+    exact, found = patches.curve(profile, loads, REFERENCE_TOLERANCE), _planned(profile, loads, tolerance, quantity)
+    slack = error_model.RESIDUAL * exact.residual + error_model.COMPLIANCE_ROUNDING * profile.total_amplitude
     h = _check(found.compliance - exact.compliance, found.compliance_error, slack)
     scale = np.maximum(exact.resistance, 1)
-    blur = np.full(loads.size, laws.patches_error(TRUTH, "resistance"))
-    R = _check((found.resistance - exact.resistance) / scale, found.resistance_error / scale, blur)
-    return Verified(profile, quantity, tolerance, h, R, *_way(found))
+    uncertainty = np.full(loads.size, patches.error_model.error(REFERENCE_TOLERANCE, "resistance"))
+    R = _check((found.resistance - exact.resistance) / scale, found.resistance_error / scale, uncertainty)
+    return Verified(profile, quantity, tolerance, h, R, *_methods(found))
 
 
 def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Verified:
     """The truth lies within [h_k, h_k + 2 G_k], and below full contact."""
-    kept, found = _longest(profile), planned.curve(profile, loads, tolerance)
-    points = laws.FEWEST_PER_WAVE * kept.wavenumber[-1]
+    kept, found = _longest(profile), _planned(profile, loads, tolerance)
+    points = bem.error_model.MIN_POINTS_PER_WAVE * kept.wavenumber[-1]
     h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False).compliance
     low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
-    slack = (high - low) / 2 + laws.bem_compliance_error(kept, points)
+    slack = (high - low) / 2 + bem.error_model.compliance_error(kept, points)
     check = _check(found.compliance - (low + high) / 2, found.compliance_error, slack)
-    return Verified(profile, "compliance", tolerance, check, None, *_way(found))
+    return Verified(profile, "compliance", tolerance, check, None, *_methods(found))
+
+
+def _planned(profile: Profile, loads: Array, *wanted: Any) -> Curve:
+    return method_named(PLANNED).solve(profile, loads, *wanted)
 
 
 def _check(off: Array, expected: Array, slack: Array) -> Check:
@@ -144,13 +147,13 @@ def _check(off: Array, expected: Array, slack: Array) -> Check:
 
 
 def _longest(profile: Profile) -> Profile:
-    """As many terms of an endless series as 2^16 points show."""
+    """As many terms of an infinite series as 2^16 points show."""
     terms = 1
-    while truncated(profile, terms + 1).wavenumber[-1] * laws.FEWEST_PER_WAVE <= MOST_ENDLESS_POINTS:
+    while profile.truncated(terms + 1).wavenumber[-1] * bem.error_model.MIN_POINTS_PER_WAVE <= MAX_POINTS:
         terms += 1
-    return truncated(profile, terms)
+    return profile.truncated(terms)
 
 
-def _way(found: planned.Curve) -> tuple[tuple[str, ...], float]:
+def _methods(found: Curve) -> tuple[tuple[str, ...], float]:
     """The methods and the finest grid."""
     return tuple(dict.fromkeys(found.planned_method.tolist())), float(np.fmax.reduce(found.planned_points))

@@ -1,4 +1,4 @@
-"""Curves to look through: a case by its labels, methods at will, values under the mouse."""
+"""The explorer of curves: the reader chooses a case and methods, and reads values under the pointer."""
 
 from __future__ import annotations
 
@@ -15,46 +15,52 @@ from bokeh.plotting import figure
 from weier.figures import style
 from weier.methods.registry import numerical_names
 
-MOST_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand
-LABELS = ("D", "gamma", "m", "phase", "key")  # the last tells apart cases of different settings
+MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
+LABELS = ("D", "gamma", "m", "phase", "key")  # the last distinguishes cases of different settings
 TITLES = {"phase": "phase, rad"}
-WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "key": 9}  # rem, at least
+MIN_WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "key": 9}  # of the drop-down lists, in rem
 QUANTITIES = {"compliance": "compliance h/g_0", "resistance": "resistance (dh/dp) p_0*/g_0"}
 LEGENDS: dict[str, Any] = {"compliance": "top_left", "resistance": "bottom_left"}  # where no curve goes
-MOST_POINTS = 30
+MAX_POINTS = 30  # of a curve that is drawn as points
 LINE_WIDTH = 2  # pixels
 WRAP: dict[str, Any] = {"flex-wrap": "wrap", "gap": "0.5rem 1rem"}
 WRAP_BOXES = """
 .bk-input-group { display: flex; flex-wrap: wrap; gap: 0.3rem 0.8rem; }
 .bk-input-group.bk-inline > *:not(:first-child) { margin-left: 0; }
 """
-SMALL: dict[str, Any] = {"label_text_font_size": "12px", "label_height": 17, "glyph_height": 17, "spacing": 0}
-SMALL |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}  # on a narrow window, too, beside the curves
+# A legend so small that it stands beside the curves in a narrow window, too.
+SMALL_LEGEND: dict[str, Any] = {"label_text_font_size": "12px", "label_height": 17, "glyph_height": 17, "spacing": 0}
+SMALL_LEGEND |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}
 
 
-def explorer(data: xr.Dataset) -> Column:
-    """Two plots of one case, and what chooses it; data over case, method and mean_pressure, in memory."""
+def curve_explorer(data: xr.Dataset) -> Column:
+    """Two plots of one case, and the lists and boxes that choose it.
+
+    Parameters
+    ----------
+    data : Dataset
+        In memory, over case, solution_method and mean_pressure.
+
+    """
     labels = {name: _labels(data, name) for name in LABELS}
     methods = data["solution_method"].values.tolist()
     table = {f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()
              for quantity in QUANTITIES for number, method in enumerate(methods)}  # fmt: skip
-    every = ColumnDataSource(table, name="every")
+    all_curves = ColumnDataSource(table, name="all curves")
     sources = [_source(data, number, method) for number, method in enumerate(methods)]
-    solved = [
-        number for number, method in enumerate(methods) if np.isfinite(data["compliance"].values[:, number]).any()
-    ]
-    plots = [_plot(quantity, methods, sources, _second([methods[number] for number in solved]))
-             for quantity in QUANTITIES]  # fmt: skip
+    solved = [number for number in range(len(methods)) if np.isfinite(data["compliance"].values[:, number]).any()]
+    as_points = _less_accurate([methods[number] for number in solved])
+    plots = [_plot(quantity, methods, sources, as_points) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][0]) for name in LABELS]
     stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}
-    boxes = CheckboxGroup(labels=[_name(method) for method in methods], active=solved, name="method", inline=True,
+    boxes = CheckboxGroup(labels=[_label(method) for method in methods], active=solved, name="method", inline=True,
                           stylesheets=[WRAP_BOXES], **stretched)  # fmt: skip
     for plot in plots:
         for number, item in enumerate(plot.legend.items):
-            item.visible = item.renderers[0].visible = _there(data, number)
+            item.visible = item.renderers[0].visible = _has_curve(data, number)
     _fill_options(selects, labels)
     choose = CustomJS(
-        args={"selects": selects, "labels": labels, "every": every, "sources": sources, "methods": methods,
+        args={"selects": selects, "labels": labels, "allCurves": all_curves, "sources": sources, "methods": methods,
               "loads": data.sizes["mean_pressure"], "boxes": boxes, "legends": [plot.legend[0] for plot in plots]},
         code=files("weier.figures.page").joinpath("choose.js").read_text(encoding="utf-8"),
     )  # fmt: skip
@@ -64,42 +70,42 @@ def explorer(data: xr.Dataset) -> Column:
     return column(row(*selects, styles=WRAP, **stretched), boxes, row(*plots, styles=WRAP, **stretched), **stretched)
 
 
-def _there(data: xr.Dataset, number: int) -> bool:
+def _has_curve(data: xr.Dataset, number: int) -> bool:
     """Whether the first case has a curve by this method."""
     return bool(np.isfinite(data["compliance"].values[0, number]).any())
 
 
-def _second(methods: list[str]) -> str | None:
-    """The numerical method that is drawn as points, as in the figures, where a more accurate one is the line."""
-    solved = [method for method in numerical_names() if method in methods]
-    return solved[1] if len(solved) > 1 else None
+def _less_accurate(methods: list[str]) -> list[str]:
+    """The numerical methods that are drawn as points, as in the figures, beside the line of the most accurate one."""
+    return [method for method in numerical_names() if method in methods][1:]
 
 
 def _select(name: str, value: str) -> Select:
-    width = f"{WIDTHS[name]}rem"
-    grow: dict[str, Any] = {"flex": f"{WIDTHS[name]} 1 {width}", "min-width": width}
+    width = f"{MIN_WIDTHS[name]}rem"
+    grow: dict[str, Any] = {"flex": f"{MIN_WIDTHS[name]} 1 {width}", "min-width": width}
     title = TITLES.get(name, name)
     return Select(title=title, name=name, value=value, options=[], sizing_mode="stretch_width", styles=grow)
 
 
 def _labels(data: xr.Dataset, name: str) -> list[str]:
-    """A label of each case as text; the phase of the second term, or all where they differ."""
+    """One label of each case, as text."""
     if name == "key":
         return data["key"].values.tolist()
     if name != "phase":
         return [f"{value:.6g}" for value in data[name].values.tolist()]
-    return [_phase(phase[np.isfinite(phase)]) for phase in data["phase"].values]
+    return [_phase_label(phase[np.isfinite(phase)]) for phase in data["phase"].values]
 
 
-def _phase(phase: Any) -> str:
+def _phase_label(phase: Any) -> str:
+    """The phase of all terms but the first, or all phases where these differ."""
     if phase.size < 2:
         return "any" if phase.size == 0 or phase[0] == 0 else f"{phase[0]:.4g}"
-    alike = phase[0] == 0 and np.ptp(phase[1:]) == 0
-    return f"{phase[1]:.4g}" if alike else ", ".join(f"{value:.3g}" for value in phase)
+    equal = phase[0] == 0 and np.ptp(phase[1:]) == 0
+    return f"{phase[1]:.4g}" if equal else ", ".join(f"{value:.3g}" for value in phase)
 
 
 def _fill_options(selects: list[Select], labels: dict[str, list[str]]) -> None:
-    """What may be chosen first: the labels of the cases that share all labels before with the first case."""
+    """Offer at first the labels of those cases that agree with the first case in all labels further left."""
     rows = list(range(len(labels["D"])))
     for select in selects:
         values = labels[str(select.name)]
@@ -113,27 +119,27 @@ def _source(data: xr.Dataset, number: int, method: str) -> ColumnDataSource:
     return ColumnDataSource({"mean_pressure": data["mean_pressure"].values, **curves}, name=f"curve {method}")
 
 
-def _name(method: str) -> str:
+def _label(method: str) -> str:
     return str(style.line(method)["label"])
 
 
-def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], second: str | None) -> Any:
+def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
     plot = figure(
         height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
         x_axis_label="mean pressure p/p_0*", y_axis_label=QUANTITIES[quantity], tools="pan,wheel_zoom,box_zoom,reset",
         name=quantity, sizing_mode="stretch_width", styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
     )  # fmt: skip
     for method, source in zip(methods, sources, strict=True):
-        line = (_draw_points if method == second else _draw_line)(plot, method, quantity, source)
+        line = (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
         tips = [
-            ("method", _name(method)),
+            ("method", _label(method)),
             ("mean pressure", "@mean_pressure{0.0000e+0}"),
             (quantity, f"@{quantity}{{0.00000}}"),
         ]
         plot.add_tools(HoverTool(renderers=[line], tooltips=tips, mode="mouse"))
     plot.legend.location = LEGENDS[quantity]
-    plot.legend.name = f"names of {quantity}"
-    plot.legend[0].update(**SMALL)
+    plot.legend.name = f"legend of {quantity}"
+    plot.legend[0].update(**SMALL_LEGEND)
     return plot
 
 
@@ -145,9 +151,9 @@ def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) 
 
 
 def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> Any:
-    """Some of the loads, evenly spread, so that circles do not hide what lies below them."""
+    """Points at some of the loads, evenly spread, so that they do not hide what lies below them."""
     count = len(source.data["mean_pressure"])
-    some = CDSView(filter=IndexFilter(indices=list(range(0, count, -(-count // MOST_POINTS)))))
+    view = CDSView(filter=IndexFilter(indices=list(range(0, count, -(-count // MAX_POINTS)))))
     look = style.line(method)
-    return plot.scatter("mean_pressure", quantity, source=source, view=some, legend_label=look["label"],
+    return plot.scatter("mean_pressure", quantity, source=source, view=view, legend_label=look["label"],
                         line_color=look["color"], fill_color="white", size=6)  # fmt: skip

@@ -1,0 +1,43 @@
+"""Closed forms against quadrature in higher precision."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from weier.methods.patches import chebyshev
+
+COEFFICIENTS = np.array([1.0, -0.4, 0.3, 0.2])
+
+
+def phi(s):
+    return mp.fdot(COEFFICIENTS.tolist(), [1, 2 * s, 4 * s**2 - 1, 8 * s**3 - 4 * s])
+
+
+@pytest.mark.parametrize("t", [-1.7, -1.001, -0.6, 0.0, 0.3, 1.01, 4.0])
+def test_integrals_in_closed_form(t):
+    cauchy, slope, potential = chebyshev.integrals(COEFFICIENTS, t)
+    ends = [-1, t, 1] if abs(t) < 1 else [-1, 1]
+    log = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) * mp.log(abs(t - s)), ends)
+    assert potential == pytest.approx(float(log), rel=1e-8)
+    if abs(t) < 1:  # the singular part of the density taken out: int ds/(t-s) = ln((1+t)/(1-t))
+        at_t = mp.sqrt(1 - t * t) * phi(t)
+        rest = mp.quad(lambda s: (mp.sqrt(1 - s * s) * phi(s) - at_t) / (t - s), ends)
+        direct = rest + at_t * mp.log((1 + t) / (1 - t))
+    else:
+        direct = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) / (t - s), ends)
+    assert cauchy == pytest.approx(float(direct), rel=1e-7)
+    step = 1e-5
+    before, after = (chebyshev.integrals(COEFFICIENTS, t + side * step)[0] for side in (-1, 1))
+    assert slope == pytest.approx((after - before) / (2 * step), rel=1e-4)
+
+
+def test_expansion_and_partial_integral():
+    s = chebyshev.nodes(7)
+    values = np.array([float(phi(x)) for x in s])
+    np.testing.assert_allclose(chebyshev.expansion_coefficients(values), [*COEFFICIENTS, 0, 0, 0], atol=1e-14)
+    assert chebyshev.evaluate_expansion(COEFFICIENTS, 0.37) == pytest.approx(float(phi(0.37)))
+    part = mp.quad(lambda x: mp.sqrt(1 - x * x) * phi(x), [-1, 0.37])
+    assert chebyshev.partial_integral(COEFFICIENTS, 0.37) == pytest.approx(float(part))
+    assert chebyshev.weights(7) @ values == pytest.approx(chebyshev.partial_integral(COEFFICIENTS, 1.0))
+    logarithm = chebyshev.integrals(COEFFICIENTS, 0.0)[2]
+    assert chebyshev.log_weights(7) @ values == pytest.approx(logarithm)

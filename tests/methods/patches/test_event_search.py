@@ -1,0 +1,40 @@
+"""Births and merges against the contacts around them, and against symmetry."""
+
+import numpy as np
+import pytest
+
+from tests.profiles import THREE_WAVES, TWIN_CRESTS
+from weier import Profile
+from weier.methods import patches
+
+
+def test_events_are_where_the_contacts_change():
+    events = patches.events(THREE_WAVES, 0.3, 10.0)
+    assert events.patch_count[-1] == 0
+    assert np.all(np.diff(events.mean_pressure) >= 0)
+    each = list(zip(events.mean_pressure, events.patch_count, events.birth, strict=True))
+    for load, count, birth in each[:-1:4]:
+        around = patches.curve(THREE_WAVES, load * np.array([1 - 1e-5, 1 + 1e-5])).patch_count
+        assert around[1] == count
+        assert around[1] - around[0] == (1 if birth else -1)
+
+
+def test_events_of_symmetric_profiles_come_in_pairs():
+    events = patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
+    np.testing.assert_array_equal(events.birth, [True, False, False])
+    np.testing.assert_array_equal(events.patch_count, [2, 1, 0])
+    assert events.x[0] == pytest.approx(0.5, abs=1e-6)
+    assert events.x[1] + events.x[2] == pytest.approx(1)
+    merge = patches.events(TWIN_CRESTS, 1e-3, 1.0)
+    np.testing.assert_array_equal(merge.birth, [False])
+
+
+@pytest.mark.parametrize("phase", [0.0, np.pi])
+def test_events_of_one_load_are_found_together(phase):
+    """z is even: whatever happens beside the axis happens on both sides at once."""
+    events = patches.events(Profile(1.5, 3, 3, (0.0, phase, phase)), 0.1, 1.45)
+    beside = np.minimum(np.abs(events.x % 0.5), 0.5 - events.x % 0.5) > 1e-6
+    load, x = events.mean_pressure[beside], events.x[beside]
+    assert load.size >= 4
+    np.testing.assert_allclose(load[::2], load[1::2], rtol=1e-9)
+    np.testing.assert_allclose(x[::2] + x[1::2], 1, atol=1e-6)

@@ -1,0 +1,84 @@
+"""What is asked for beside a load changes neither its value nor its error: any method, on random subsets of loads."""
+
+import math
+
+import numpy as np
+import pytest
+
+import weier
+from weier import Profile, random_phases, solve
+from weier.methods import bem, error_model, patches, registry
+from weier.methods.hybrid import newton
+
+COARSE = Profile(1.25, 5, 1)
+SHORT = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+LONG = Profile(1.1, 3, math.inf, random_phases(0))
+LOADS = np.geomspace(0.1, 10, 23)
+
+# What iterations leave depends on where they started, which is the load before.
+ITERATED = (
+    2 * error_model.RESIDUAL * bem.error_model.PLANNED_RESIDUAL
+)  # g_0: of two solutions whose residuals are below the tolerance
+TABULATED = (
+    1e-4  # of the layer: tables go as far as the loads, to a relative accuracy of 1e-5; the slope loses a digit
+)
+NEWTON = 2 * newton.TOLERANCE  # g_0: each load starts from the one before; the slope loses three digits
+CHORDS = ITERATED / 1e-4  # of a bound on the resistance: compliances over what no two loads are closer than
+
+# Method, profile, settings, and how far two compliances and two resistances may be apart, over the larger of
+# themselves and 1; 0 is bit for bit.
+CASES = [
+    ("westergaard", COARSE, {}, 0.0, 0.0),
+    ("archard", SHORT, {}, 0.0, 0.0),
+    ("archard", LONG, {}, 0.0, 0.0),
+    ("demelio", SHORT, {}, 0.0, 0.0),
+    ("demelio", LONG, {}, 0.0, 0.0),
+    ("layer", SHORT, {}, TABULATED, 10 * TABULATED),
+    ("hybrid", LONG, {"terms": 2}, NEWTON, 1e3 * NEWTON),
+    ("bem", SHORT, {"points": 2000}, ITERATED, ITERATED),
+    ("patches", SHORT, {}, ITERATED, 2 * patches.error_model.error(1e-10, "resistance")),
+    ("planned", SHORT, {"tolerance": 1e-2}, ITERATED, ITERATED),
+    ("planned", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}, ITERATED, CHORDS),
+    ("planned", LONG, {"tolerance": 0.02}, ITERATED, ITERATED),
+    ("planned", LONG, {"tolerance": 0.3}, ITERATED, ITERATED),
+    ("planned", LONG, {"tolerance": 0.25, "quantity": "resistance"}, ITERATED, CHORDS),
+]
+
+
+def subsets(count):
+    """Random loads of all: a single one, a few, most of them."""
+    random = np.random.default_rng(5)
+    for size in (1, 1, 2, 5, count - 1):
+        yield np.sort(random.choice(count, size, replace=False))
+
+
+def test_every_method_is_here():
+    assert {method for method, *_ in CASES} == set(registry.names())
+
+
+@pytest.mark.parametrize(("method", "profile", "settings", "of_compliance", "of_resistance"), CASES)
+def test_the_numbers_of_a_load_do_not_depend_on_the_others(method, profile, settings, of_compliance, of_resistance):
+    together = solve(profile, LOADS, method, **settings)
+    limits = {"compliance": of_compliance, "resistance": of_resistance}
+    for some in subsets(LOADS.size):
+        alone = solve(profile, LOADS[some], method, **settings)
+        for quantity, limit in limits.items():
+            for name in {quantity, f"{quantity}_error"} & set(together.data_vars):
+                one, other = alone[name].values, together[name].values[some]
+                assert np.all(np.abs(one - other) <= limit * np.maximum(np.abs(other), 1)), (name, one - other)
+        for name in ("planned_method", "planned_terms", "planned_points", "patch_count"):
+            if name in together:
+                np.testing.assert_array_equal(alone[name].values, together[name].values[some])
+
+
+def test_a_plan_for_one_load_is_that_for_many():
+    """Nothing is solved: the same method, terms and points, and the same foreseen error, bit for bit."""
+    for quantity, tolerance in (("compliance", 0.02), ("compliance", 0.3), ("resistance", 0.25)):
+        together = {
+            load: (part.method, part.terms, part.settings, error)
+            for part in weier.plan(LONG, LOADS, tolerance, quantity).segments
+            for load, error in zip(part.mean_pressure, part.error, strict=True)
+        }
+        for load in LOADS:
+            (part,) = weier.plan(LONG, [load], tolerance, quantity).segments
+            assert (part.method, part.terms, part.settings, part.error[0]) == together[load]

@@ -1,0 +1,8 @@
+"""Profiles that several tests look at."""
+
+import numpy as np
+
+from weier import Profile
+
+THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+TWIN_CRESTS = Profile(1.25, 2, 2, (0.0, np.pi))  # even in x, and highest at two positions: contacts come in pairs

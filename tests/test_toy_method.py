@@ -1,0 +1,95 @@
+"""A method defined here, outside the package, and listed: everything else follows from its one object.
+
+The trade between speed and accuracy and the extremes have their own tests of it in tests/accuracy.
+"""
+
+import numpy as np
+import pytest
+
+import weier
+from tests.toy_method import TOY
+from weier import figures, scene
+from weier.data import dataset
+from weier.figures import style
+from weier.methods import registry
+from weier.pipeline import batch
+from weier.pipeline.compile import compile_kernels
+from weier.pipeline.gather import gather
+
+PROFILE = weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+LOADS = np.array([0.01, 0.1, 1.0])
+SCENE = """
+title: A toy
+loads: [0.01, 0.1, 1.0]
+methods: [demelio, toy]
+settings: {toy: {share: 0.25}}
+studies:
+  one: {product: {D: 1.25, gamma: 5, m: [2, 3]}}
+figures:
+  compliance: {draw: compliance, studies: [one]}
+"""
+
+
+@pytest.fixture(autouse=True)
+def listed(monkeypatch):
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, TOY))
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    path = tmp_path / "toy.yaml"
+    path.write_text(SCENE)
+    return scene.load(path)
+
+
+def test_it_is_solved_with_its_settings():
+    curve = weier.solve(PROFILE, LOADS, "toy", share=0.25)
+    assert curve.compliance.values == pytest.approx(0.25 * LOADS)
+    with pytest.raises(ValueError, match=r'"toy" has no setting .points.: it takes share'):
+        weier.solve(PROFILE, LOADS, "toy", points=3)
+
+
+def test_a_profile_that_it_does_not_apply_to_is_refused():
+    with pytest.raises(weier.methods.errors.NotApplicableError, match="the toy is for several waves"):
+        weier.solve(weier.Profile(1.25, 5, 1), LOADS, "toy")
+
+
+def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
+    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
+    assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
+    dataset.write(data, tmp_path / "batch.nc", loaded.title)
+    gather([tmp_path / "batch.nc"], list(loaded.cases), tmp_path / "contact.nc", loaded.title)
+    gathered = dataset.read(tmp_path / "contact.nc")
+    figures.draw("compliance", [gathered], "", tmp_path / "figure.png")
+    drawn = style.line("toy")
+    assert (drawn["label"], drawn["color"]) == ("a toy", TOY.style.color)
+    assert (tmp_path / "figure.png").stat().st_size > 0
+
+
+def test_a_scene_refuses_its_bad_settings(tmp_path):
+    path = tmp_path / "bad.yaml"
+    path.write_text(SCENE.replace("share", "points"))
+    with pytest.raises(scene.SceneError, match="has no setting"):
+        scene.load(path)
+
+
+def test_a_plan_may_choose_it():
+    """It offers itself to loads above 0.05 p_0* as free and exact."""
+    plan = weier.plan(PROFILE, LOADS, tolerance=1e-6)
+    assert [segment.method for segment in plan.segments] == ["patches", "toy"]
+    curve = weier.solve(PROFILE, LOADS, "planned", tolerance=1e-6)
+    assert curve.planned_method.values.tolist() == ["patches", "toy", "toy"]
+    assert curve.compliance.values[1:] == pytest.approx(0.5 * LOADS[1:])
+
+
+def test_it_is_compiled_with_the_others(monkeypatch):
+    solved = []
+    monkeypatch.setattr(
+        "weier.pipeline.compile.solve", lambda profile, loads, method, **settings: solved.append((method, settings))
+    )
+    compile_kernels()
+    assert ("toy", {"share": 0.1}) in solved
+
+
+def test_the_look_of_a_curve_is_that_of_its_method():
+    assert style.line("toy")["linestyle"] == (0, TOY.style.dashes)

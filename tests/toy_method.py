@@ -1,0 +1,59 @@
+"""A method that is not of the package: half of the load for the compliance, exact by its own account."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+from weier.methods.errors import NotApplicableError
+from weier.methods.method import Method, Settings, Style
+from weier.methods.segment import Segment, Solution, Task, segment
+from weier.theory.profile import Profile
+
+MIN_LOAD = 0.05  # p_0*: it offers itself to plans from here on
+
+
+class ToyCurve(NamedTuple):
+    """Compliance in g_0, resistance in g_0/p_0*, each of shape (loads,)."""
+
+    compliance: Array
+    resistance: Array
+
+
+def _solve(profile: Profile, loads: Array, share: float = 0.5) -> ToyCurve:
+    return ToyCurve(share * loads, np.full(loads.size, share))
+
+
+def _applies(profile: Profile) -> None:
+    if profile.m == 1:
+        raise NotApplicableError("the toy is for several waves, got m = 1: take westergaard")
+
+
+def _candidates(task: Task) -> Iterator[Segment]:
+    def solution(loads: Array) -> Solution:
+        none = np.zeros(loads.size)
+        return Solution(*_solve(task.profile, loads), none, none)
+
+    error = np.where(task.mean_pressure >= MIN_LOAD, 0.0, np.inf)
+    yield segment(task, "toy", "it is free", solution, estimate=error)
+
+
+def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
+    for share in (0.25, 0.5):
+        yield f"{share:g}", {"share": share}
+
+
+TOY = Method(
+    name="toy",
+    label="a toy",
+    summary="half of the load; m > 1",
+    solve=_solve,
+    applies=_applies,
+    style=Style("#123456", (7, 2), "p"),
+    algorithms=({}, {"share": 0.1}),
+    variants=_variants,
+    candidates=_candidates,
+)

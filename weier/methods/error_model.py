@@ -1,0 +1,52 @@
+"""What the error and cost models of several methods share.
+
+The constants of these models stand above what the rule `tradeoff` measures (`weier.accuracy.tradeoff.fit` fits them
+again, side by side in results/tradeoff/tradeoff.md). `python -m benchmarks.planned` checks them on random profiles,
+and those of memory come from `python -m benchmarks.memory`. Heights are in g_0, pressures in p_0*, seconds those of
+one core of a 2.5 GHz server, bytes those beyond the interpreter's own. The error of a resistance is relative to the
+larger of itself and 1 g_0/p_0*.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+
+# What misses the contact conditions by a length is exact for a surface as far from the given one, and the bounds
+# theorem holds the compliance to that length: measured 1.25 of it, since it is looked for at every second node.
+RESIDUAL = 2.0
+COMPLIANCE_ROUNDING = 1e-14  # of the total amplitude
+RESISTANCE_ROUNDING = 1e-12  # of itself; also of the compliance while planning
+
+CREST_LOAD = 0.3  # p_0*: at heavier loads single crests of the coarsest wave matter no more, and errors fall
+
+
+def estimate_error(share: float, mean_pressure: Array, D: float, first_contact: float, amplitude: float) -> Array:
+    """Error of h by an estimate that knows nothing of where the crests are, in g_0, shape (loads,).
+
+    At light loads it tends to 0 where the profile tends to first contact, and is off by that much at least.
+
+    Parameters
+    ----------
+    share : float
+        Largest error that was measured, in the amplitude of the terms after the first.
+    mean_pressure : array, shape (loads,)
+        In p_0*.
+    D : float
+        Fractal dimension.
+    first_contact : float
+        Compliance at first contact, in g_0, or a bound above it.
+    amplitude : float
+        Sum of the amplitudes after the first, in g_0.
+    """
+    return max(first_contact, share * amplitude) * partial_share(mean_pressure, CREST_LOAD, D)
+
+
+def partial_share(mean_pressure: Array, full_contact_pressure: float, D: float) -> Array:
+    """Share of the amplitudes that a load leaves in partial contact, where the first has this p*.
+
+    It is g_n where p_n* = p (20), and p*/p at least.
+    """
+    ratio = full_contact_pressure / np.maximum(mean_pressure, full_contact_pressure)
+    return np.asarray(ratio ** min((2 - D) / (D - 1), 1.0))

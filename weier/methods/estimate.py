@@ -1,0 +1,69 @@
+"""What the estimates of a whole series share: how they are run, and how they are offered to a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+from weier.methods.error_model import estimate_error
+from weier.methods.method import Estimate
+from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.theory.profile import Profile
+
+Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # of loads, D, gamma and m
+
+
+def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Array], Estimate]:
+    """How a method is run that has a closed form for both."""
+
+    def solve(profile: Profile, loads: Array) -> Estimate:
+        series = profile.D, float(profile.gamma), profile.m
+        return Estimate(compliance(loads, *series), resistance(loads, *series))
+
+    return solve
+
+
+def offer(
+    task: Task, method: str, share: float, seconds: tuple[float, float], solve: Callable[[Profile, Array], Any]
+) -> Iterator[Segment]:
+    """An estimate of the compliance of a whole series, where its measured error is small enough.
+
+    No estimate knows the resistance of a few crests: errors of 100 % were measured.
+
+    Parameters
+    ----------
+    task : Task
+        Of the plan.
+    method : str
+        The name of the method.
+    share : float
+        Its largest error, in the amplitude of the terms after the first.
+    seconds : float, float
+        What it takes to start, and for each load.
+    solve : callable
+        From a profile and loads to compliance and resistance.
+    """
+    profile = task.profile
+    if task.quantity != COMPLIANCE or np.any(task.truncation > 0):
+        return
+
+    def error(loads: Array) -> Array:
+        return estimate_error(share, loads, profile.D, task.first_contact, profile.total_amplitude - 1)
+
+    def solution(loads: Array) -> Solution:
+        solved = solve(profile, loads)
+        return Solution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
+
+    yield segment(
+        task,
+        method,
+        "an estimate whose measured error is small enough",
+        solution,
+        estimate=error(task.mean_pressure),
+        seconds_start=seconds[0],
+        seconds_load=np.full(task.mean_pressure.size, seconds[1]),
+    )

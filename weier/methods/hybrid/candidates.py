@@ -1,0 +1,61 @@
+"""What resolved terms on the layer offer to a plan: as few terms as some load allows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+from weier.methods.bem.error_model import compliance_error as mesh_error
+from weier.methods.hybrid import error_model
+from weier.methods.hybrid.solver import LOADS, MAX_POINTS, POINTS_PER_WAVE, curve
+from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.theory.profile import Profile
+
+
+def candidates(task: Task) -> Iterator[Segment]:
+    """Estimates of the infinite series with ever more terms, up to the first that does at all loads."""
+    if task.quantity != COMPLIANCE or math.isfinite(task.profile.m):
+        return
+    terms, kept = 1, task.profile.truncated(1)
+    while POINTS_PER_WAVE * kept.wavenumber[-1] <= MAX_POINTS:
+        offer = _resolved(task, kept)
+        if np.any(offer.error <= task.tolerance):
+            yield offer
+        if np.all(offer.error <= task.tolerance):
+            return
+        terms += 1
+        kept = task.profile.truncated(terms)
+
+
+def _resolved(task: Task, kept: Profile) -> Segment:
+    loads, points = task.mean_pressure, POINTS_PER_WAVE * kept.wavenumber[-1]
+    carried = (LOADS[0] <= loads) & (loads <= LOADS[1])
+    estimate = np.where(carried, error_model.compliance_error(loads, kept), np.inf)
+    mesh = np.full(loads.size, mesh_error(kept, points))
+    start, load = error_model.seconds(points)
+    return segment(
+        task,
+        "hybrid",
+        f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all",
+        partial(_solve, task.profile, kept.terms, points),
+        terms=kept.terms,
+        settings={"points": points},
+        discretisation=mesh,
+        estimate=estimate,
+        seconds_start=start,
+        seconds_load=np.full(loads.size, load),
+        memory=error_model.memory(points),
+        whole=True,
+    )
+
+
+def _solve(profile: Profile, terms: int, points: int, loads: Array) -> Solution:
+    """The estimate, with the least of what its error model and its bounds say."""
+    kept, solved = profile.truncated(terms), curve(profile, loads, terms, points)
+    beside = np.maximum(solved.compliance_upper - solved.compliance, solved.compliance - solved.compliance_lower)
+    modelled = error_model.compliance_error(loads, kept) + mesh_error(kept, points)
+    return Solution(solved.compliance, solved.resistance, np.minimum(modelled, beside), np.full(loads.size, np.inf))

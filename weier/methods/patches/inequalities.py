@@ -1,0 +1,202 @@
+"""The inequalities of contact: no tension on the contacts, no overlap outside them.
+
+The equations on the segments say nothing of either. Both are checked between the nodes, too: a violation outside
+shows that a segment is missing there, and one inside that the segment must be cut.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
+from weier.methods.patches.fields import ContactState, complementary_residual_slopes, complementary_residuals
+from weier.methods.patches.segments import distances_to_next
+from weier.methods.patches.surface import CosineSeries, nearest_crests
+
+MIN_PROBES = 12  # between two segments, denser at both ends, as the cosine is
+PROBES_PER_WAVE = 5
+MINIMUM_ACCURACY = 1e-9  # of the position of a minimum between two probes, over their distance
+SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
+GOLDEN_SECTION = 0.6180339887498949
+SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
+NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces
+NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
+MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
+END_DISTANCE = 1e-6  # from the end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits here, as many as the limit has
+
+
+class MissingSegments(NamedTuple):
+    """Where segments are missing, each of shape (missing,).
+
+    crest : index of the nearest crest
+    y : distance from it, in lambda_0
+    half_width : to start from, in lambda_0
+    curvature : second derivative of the complementary residual, in g_0/lambda_0^2 or (dual) p_0*/lambda_0^2
+    """
+
+    crest: Indices
+    y: Array
+    half_width: Array
+    curvature: Array
+
+
+class NegativeIntervals(NamedTuple):
+    """Where on segments the pressure (primal) or the gap (dual) is negative, each of shape (intervals,).
+
+    segment : index of the segment
+    start, end : in its coordinate t, -1..1
+    """
+
+    segment: Indices
+    start: Array
+    end: Array
+
+
+def find_missing_segments(state: ContactState, series: CosineSeries, tolerance: float) -> MissingSegments:
+    """Minima of the complementary residual, outside the segments, that lie below -tolerance."""
+    segments, distance = state.segments, distances_to_next(state.segments, series.period)
+    edge = segments.origin + (segments.centre + segments.half_width)
+    probe, interval = _probe_points(series, edge, distance)
+    slope = complementary_residual_slopes(state, series, probe)
+    bracket = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (interval[:-1] == interval[1:]))
+    bracket = _possibly_negative(state, series, tolerance, probe, slope, bracket)
+    x = np.array([_minimum(state, series, probe[i], probe[i + 1]) for i in bracket])
+    value = complementary_residuals(state, series, x)
+    negative = value < -tolerance
+    x, value, i = x[negative], value[negative], bracket[negative]
+    nearest = _distance_to_neighbours(x, edge[interval[i]], edge[interval[i]] + distance[interval[i]])
+    curvature = np.maximum((slope[i + 1] - slope[i]) / (probe[i + 1] - probe[i]), -value / nearest**2)
+    widening = NEW_GAP_WIDTH if state.dual else NEW_CONTACT_WIDTH
+    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), MAX_NEW_WIDTH * nearest)
+    return MissingSegments(*nearest_crests(series, x), half_width, curvature)
+
+
+def _probe_points(series: CosineSeries, left: Array, distance: Array) -> tuple[Array, Indices]:
+    """Points at shares (1 - cos)/2 of each interval, closer than the finest wave; and the interval of each point."""
+    finest = 2 * np.pi / series.wavenumber[-1]
+    count = MIN_PROBES + np.ceil(0.5 * np.pi * PROBES_PER_WAVE * distance / finest).astype(np.int64)
+    interval = np.repeat(np.arange(distance.size), count)
+    number = np.arange(interval.size) - np.repeat(np.cumsum(count) - count, count)
+    angle = (number + 0.5) * (np.pi / count[interval])
+    return left[interval] + distance[interval] * 0.5 * (1 - np.cos(angle)), interval
+
+
+def _possibly_negative(
+    state: ContactState, series: CosineSeries, tolerance: float, probe: Array, slope: Array, bracket: Indices
+) -> Indices:
+    """The brackets probe[i]..probe[i+1] whose minimum may lie below -tolerance, by a secant step towards it."""
+    width, rise = probe[bracket + 1] - probe[bracket], slope[bracket + 1] - slope[bracket]
+    near = probe[bracket] - slope[bracket] / rise * width
+    max_drop = np.abs(complementary_residual_slopes(state, series, near)) * width
+    return bracket[complementary_residuals(state, series, near) - max_drop < -tolerance]
+
+
+def _minimum(state: ContactState, series: CosineSeries, low: float, high: float) -> float:
+    """The position of the minimum between two probes, where the slope of the complementary residual is 0."""
+
+    def slope(x: float) -> float:
+        return float(complementary_residual_slopes(state, series, np.array([x]))[0])
+
+    return float(scipy.optimize.brentq(slope, low, high, xtol=MINIMUM_ACCURACY * (high - low)))
+
+
+def _distance_to_neighbours(x: Array, left: Array, right: Array) -> Array:
+    """From each new segment to the ends of its interval, or halfway to another new one in the same interval."""
+    between = 0.5 * (x[1:] + x[:-1])
+    to_left = x - np.maximum(left, np.append(-np.inf, between))
+    to_right = np.minimum(right, np.append(between, np.inf)) - x
+    return np.minimum(to_left, to_right)
+
+
+@kernel
+def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIntervals:
+    """Intervals on segments with a pressure (primal) or gap (dual) below -tolerance, over the segment's largest."""
+    first = state.segments.first_node
+    size = SAMPLES_PER_NODE * first[-1] + 2 * first.size
+    segment, start, end = np.zeros(size, np.int64), np.zeros(size), np.zeros(size)
+    count = 0
+    for j in range(first.size - 1):
+        a = state.coefficient[first[j] : first[j + 1]]
+        t, value = _sign_samples(state.dual, a)
+        largest = 0.0
+        for v in value:
+            largest = max(largest, abs(v))
+        i = 0
+        while i < t.size:
+            if value[i] < -tolerance * largest:
+                k = i
+                while k + 1 < t.size and value[k + 1] < 0:
+                    k += 1
+                while i > 0 and value[i - 1] < 0:
+                    i -= 1
+                segment[count] = j
+                start[count] = _sign_change(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
+                end[count] = _sign_change(state.dual, a, t[k], t[k + 1]) if k + 1 < t.size else 1.0
+                count += 1
+                i = k
+            i += 1
+    return NegativeIntervals(segment[:count], start[:count], end[:count])
+
+
+@kernel
+def _sign_samples(dual: bool, a: Array) -> tuple[Array, Array]:
+    """Points t, denser than the nodes, and the sign function there.
+
+    A positive sample below both neighbours moves to the minimum between them, which may be negative.
+    """
+    count = SAMPLES_PER_NODE * a.size + 1
+    t, sample = np.empty(count + 1), np.empty(count + 1)
+    for i in range(count + 1):
+        t[i] = -np.cos(i * (np.pi / count))
+        sample[i] = _sign_function(dual, a, t[i])
+    value = sample.copy()
+    for i in range(1, count):
+        rise = max(sample[i - 1], sample[i + 1]) - sample[i]
+        # The minimum is taken to be positive where it is no lowest sample, or exceeds the rise to its neighbours.
+        if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
+            continue
+        t[i] = _minimise_sign_function(dual, a, t[i - 1], t[i + 1])
+        value[i] = _sign_function(dual, a, t[i])
+    return t, value
+
+
+@kernel
+def _minimise_sign_function(dual: bool, a: Array, low: float, high: float) -> float:
+    """The position of a minimum between low and high, by golden sections."""
+    for _ in range(SEARCH_STEPS):
+        c, d = high - GOLDEN_SECTION * (high - low), low + GOLDEN_SECTION * (high - low)
+        if _sign_function(dual, a, c) < _sign_function(dual, a, d):
+            high = d
+        else:
+            low = c
+    return 0.5 * (low + high)
+
+
+@kernel
+def _sign_function(dual: bool, a: Array, t: float) -> float:
+    """A function that is positive up to the ends where the inequality holds: phi, or gap/(r (1-t^2)^(3/2)) (dual).
+
+    The latter has the limits -phi/3 at t = 1 and phi/3 at t = -1.
+    """
+    if not dual:
+        return evaluate_expansion(a, t)
+    if abs(t) > 1 - END_DISTANCE:
+        return -np.sign(t) * evaluate_expansion(a, np.sign(t)) / 3
+    return partial_integral(a, t) / ((1 - t) * (1 + t)) ** 1.5
+
+
+@kernel
+def _sign_change(dual: bool, a: Array, negative: float, positive: float) -> float:
+    """The point between a negative and a positive sample at which the sign changes, by bisection."""
+    for _ in range(SEARCH_STEPS):
+        middle = 0.5 * (negative + positive)
+        if _sign_function(dual, a, middle) < 0:
+            negative = middle
+        else:
+            positive = middle
+    return positive

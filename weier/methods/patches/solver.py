@@ -1,0 +1,221 @@
+"""What users call: curves over the loads, and solutions under single loads."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.blas import one_thread
+from weier.methods.patches.continuation import states_over_loads
+from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
+from weier.methods.patches.segments import distances_to_next
+from weier.methods.patches.surface import CosineSeries, Surface, surface_of
+from weier.theory.loads import checked_loads
+from weier.theory.profile import Profile
+
+TOLERANCE = 1e-10
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
+MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
+
+
+class Curve(NamedTuple):
+    """Exact curves over the loads, each of shape (loads,).
+
+    compliance : h, in g_0, from the profile whose waves all peak together
+    indentation : the same from first contact, in g_0, with full relative accuracy at light loads
+    resistance : dh/dp, in g_0/p_0*
+    contact_fraction : length in contact per length
+    patch_count : contacts in one period; 0 in full contact
+    residual : largest violation of a contact condition, evaluated without the equations solved, in g_0
+    work : Newton steps
+    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0; padded with NaN
+    """
+
+    compliance: Array
+    indentation: Array
+    resistance: Array
+    contact_fraction: Array
+    patch_count: Indices
+    residual: Array
+    work: Indices
+    contact_edge: Array
+
+
+class Solution(NamedTuple):
+    """Contacts [centre - half_width, centre + half_width] in one period, in lambda_0, from left to right.
+
+    mean_pressure : p, in p_0*
+    centre, half_width : shape (patches,); both empty in full contact
+    edge_strength : shape (patches, 2), at the left and right edges, in p_0*/lambda_0^(1/2): at the distance s
+        from an edge p = A s^(1/2) within and gap = (4 pi/3) A s^(3/2) outside, with no singularity of stress
+    mean_gap : d, in g_0
+    surface, state : the series and the Chebyshev coefficients behind; state is None in full contact
+    """
+
+    mean_pressure: float
+    centre: Array
+    half_width: Array
+    edge_strength: Array
+    mean_gap: float
+    surface: Surface
+    state: ContactState | None
+
+    @property
+    def edges(self) -> Array:
+        """Left and right edges, shape (patches, 2), in lambda_0; a right edge may lie beyond the period."""
+        return np.stack([self.centre - self.half_width, self.centre + self.half_width], axis=1)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """Pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
+        if self.state is None:
+            return self.mean_pressure - _series_at(self.surface.tensions, x)
+        p = pressures(self.state, self.surface.series(self.state.dual), np.ravel(np.asarray(x, float)))
+        return np.maximum(p, 0.0).reshape(np.shape(x))
+
+    def gap(self, x: ArrayLike) -> Array:
+        """Gap between the rigid plane and the surface, in g_0, for x in lambda_0 of any shape; 0 on the contacts."""
+        if self.state is None:
+            return np.zeros(np.shape(x))
+        gap = gaps(self.state, self.surface.series(self.state.dual), np.ravel(np.asarray(x, float)))
+        return np.maximum(gap, 0.0).reshape(np.shape(x))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """Elastic displacement u(x) away from the rigid plane, in g_0, of mean 0: gap = d - z + u."""
+        return self.gap(x) + _series_at(self.surface.heights, x) - self.mean_gap
+
+
+def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
+    return series_values(series, np.ravel(np.asarray(x, float))).reshape(np.shape(x))
+
+
+@one_thread
+def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
+    """Compliance and resistance of a truncated series by contact patches.
+
+    Chebyshev collocation of the singular integral equation on every contact, whose edges are unknowns, or on every
+    gap where that takes fewer nodes. The error falls exponentially with the nodes.
+
+    Parameters
+    ----------
+    profile : Profile
+        With a finite number of terms.
+    mean_pressure : array_like, shape (loads,)
+        Increasing, positive, in p_0*.
+    tolerance : float
+        Relative size of the last Newton step and of the last Chebyshev coefficients.
+
+    Returns
+    -------
+    Curve
+        Arrays over the loads.
+
+    Raises
+    ------
+    ValueError
+        If the loads are not increasing from 1e-300 or above, the tolerance is not within reach, or the waves are
+        too many.
+    ConvergenceError
+        If a load cannot be solved, or its solution fails a check.
+
+    """
+    loads = check_loads(mean_pressure)
+    check_tolerance(tolerance)
+    surface = surface_of(profile)
+    rows, edges = np.empty((loads.size, 7)), []
+    for i, (state, steps) in enumerate(states_over_loads(profile, surface, loads, tolerance)):
+        rows[i] = *_curve_point(surface, state), steps
+        edges.append(make_solution(surface, state, loads[i]).edges)
+    compliance, indentation, resistance, fraction, count, residual, work = rows.T
+    return Curve(
+        compliance,
+        indentation,
+        resistance,
+        fraction,
+        count.astype(np.int64),
+        residual,
+        work.astype(np.int64),
+        _pad_with_nan(edges),
+    )
+
+
+def _pad_with_nan(edges: list[Array]) -> Array:
+    table = np.full((len(edges), max(each.size for each in edges)), np.nan)
+    for row, each in zip(table, edges, strict=True):
+        row[: each.size] = each.ravel()
+    return table
+
+
+def _curve_point(surface: Surface, state: ContactState | None) -> tuple[float, float, float, float, int, float]:
+    """Compliance, indentation, resistance, contact fraction, number of contacts and residual."""
+    total, top = surface.total_amplitude, surface.heights.maximum
+    if state is None:
+        return total, top, 0.0, 1.0, 0, 0.0
+    share = float(2 * state.segments.half_width.sum() / surface.heights.period)
+    count, resistance = state.segments.centre.size, float(state.sensitivity[-1])
+    if state.dual:
+        return total + state.approach, top + state.approach, resistance, 1 - share, count, state.residual
+    return total - top + state.approach, state.approach, resistance, share, count, state.residual
+
+
+def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
+    """The contacts under one mean pressure, and with them the pressure and the gap anywhere.
+
+    The parameters, and what is raised, are those of `curve`, with one load.
+    """
+    return solve_loads(profile, [mean_pressure], tolerance)[0]
+
+
+@one_thread
+def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
+    """The contacts under each of several loads, with the parameters of `curve`."""
+    loads = check_loads(mean_pressure)
+    check_tolerance(tolerance)
+    surface = surface_of(profile)
+    states = states_over_loads(profile, surface, loads, tolerance)
+    return [make_solution(surface, state, load) for load, (state, _) in zip(loads, states, strict=True)]
+
+
+def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
+    """The contacts of a state, whether its segments are contacts or gaps; None stands for full contact."""
+    if state is None:
+        none = np.empty(0)
+        return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
+    segments, period = state.segments, surface.heights.period
+    strength = _end_values(state) * np.sqrt(2 / segments.half_width)[:, None]
+    left = segments.origin + (segments.centre - segments.half_width)
+    half_width, mean_gap = segments.half_width, surface.heights.maximum - state.approach
+    if state.dual:  # contact j lies between gap j and the next
+        left, half_width = left + 2 * half_width, 0.5 * distances_to_next(segments, period)
+        strength = np.stack([-strength[:, 1], np.roll(strength[:, 0], -1)], axis=1) / (2 * np.pi)
+        mean_gap = -state.approach
+    left = left - period * np.floor(left / period)
+    order = np.argsort(left)
+    left, half_width, strength = left[order], half_width[order], strength[order]
+    return Solution(mean_pressure, left + half_width, half_width, strength, mean_gap, surface, state)
+
+
+def _end_values(state: ContactState) -> Array:
+    """phi(-1) and phi(1) of each segment, shape (segments, 2), from U_k(1) = k + 1 and U_k(-1) = (-1)^k (k + 1)."""
+    values = []
+    for a, b in pairwise(state.segments.first_node):
+        coefficient, k = state.coefficient[a:b], np.arange(b - a)
+        values.append((float(coefficient @ ((k + 1) * (-1.0) ** k)), float(coefficient @ (k + 1.0))))
+    return np.array(values)
+
+
+def check_tolerance(tolerance: float) -> None:
+    """ValueError for a tolerance below rounding, or so large that it would not be one."""
+    if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
+        raise ValueError(f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}")
+
+
+def check_loads(mean_pressure: ArrayLike) -> Array:
+    """The loads as an array; ValueError if they do not increase from `MIN_LOAD` or above."""
+    loads = checked_loads(mean_pressure)
+    if loads[0] < MIN_LOAD:
+        raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for contact patches, got {loads[0]:g}")
+    return loads
