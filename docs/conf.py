@@ -1,4 +1,4 @@
-"""How the documentation is built; `snakemake --cores 2 docs` draws its figures and builds it."""
+"""How the documentation is built: `snakemake --cores 2 docs` draws its figures and builds it."""
 
 import os
 import re
@@ -15,7 +15,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # the checkout, not an installed copy
 
 from weier import scene  # noqa: E402 - only now is it found
+from weier.data import markdown  # noqa: E402 - likewise
 from weier.data.provenance import VERSION  # noqa: E402 - likewise
+from weier.data.variables import VARIABLES  # noqa: E402 - likewise
 from weier.figures import style  # noqa: E402 - likewise
 from weier.figures.captions import caption  # noqa: E402 - likewise
 
@@ -80,10 +82,28 @@ class SceneFigures(SphinxDirective):
 
     def picture(self, loaded, name):
         """Picture and caption."""
-        title, text, seen = caption(loaded, name)
+        title, text, alternative = caption(loaded, name)
         path = Path(self.config.scene_figures, f"{name}.png")
         words = nodes.caption("", "", nodes.strong("", f"{title}. "), nodes.Text(text))
-        return nodes.figure("", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=seen, width="28em"), words)
+        return nodes.figure(
+            "", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=alternative, width="28em"), words
+        )
+
+
+class TableOfVariables(SphinxDirective):
+    """All variables of the data, from their one table."""
+
+    def run(self):
+        """A table with a row for each."""
+        head = ["variable", "what it is", "symbol", "normalised by or unit", "dimensions"]
+        return self.parse_text_to_nodes(markdown.table(head, map(self.row, VARIABLES.items())))
+
+    @staticmethod
+    def row(variable):
+        """Its cells, as Markdown."""
+        name, entry = variable
+        cells = entry.long_name, entry.symbol, entry.unit, ", ".join(entry.dims)
+        return [f"`{name}`", *map(markdown.plain, cells)]
 
 
 def before_napoleon(app, what, name, obj, options, lines):
@@ -122,6 +142,7 @@ def setup(app: Sphinx) -> None:
     """What is not in the lists above."""
     app.add_config_value("scene_figures", str(ROOT / "results/paper/figures"), "env", str)
     app.add_directive("scene-figures", SceneFigures)
+    app.add_directive("table-of-variables", TableOfVariables)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     app.connect("doctree-read", mark_numbers)
     app.connect("autodoc-process-docstring", before_napoleon, priority=100)

@@ -1,6 +1,8 @@
 """The documentation: its examples are true, and it builds without a warning."""
 
 import doctest
+import json
+import pkgutil
 import re
 import shutil
 import subprocess
@@ -13,8 +15,10 @@ import pytest
 
 import weier
 from weier import scene
-from weier.data import dataset
-from weier.pipeline import batch
+from weier.data import dataset, variables
+from weier.methods import registry
+from weier.pipeline import batch, curves
+from weier.pipeline.claims import claim, paper
 
 
 def test_the_tutorial_is_true():
@@ -60,6 +64,88 @@ def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
     for printed in opened:
         last = re.findall(r"^[\d. ]+ ([\d.]+)$", printed, re.M)  # of each row
         assert [float(number) for number in last] == pytest.approx(layer, rel=1e-4)
+
+
+def test_the_readme_names_what_there_is():
+    text = Path("README.md").read_text(encoding="utf-8")
+    assert re.findall(r'^\| `"(\w+)"` \|', text, re.M) == registry.names()
+    rooms = {path.parent.name for path in Path("weier").glob("*/__init__.py")}
+    assert set(re.findall(r"^\| `weier/(\w+)/` \|", text, re.M)) == rooms
+    pictures = re.findall(r'src="([^"]*)"', text)
+    assert pictures
+    assert [path for path in pictures if not Path(path).is_file()] == []
+
+
+def examples(language):
+    """The code of CONTRIBUTING.md in one language."""
+    return re.findall(rf"```{language}\n(.*?)```", Path("CONTRIBUTING.md").read_text(encoding="utf-8"), re.S)
+
+
+def test_the_method_of_contributing_is_solved_once_it_is_listed(monkeypatch):
+    (code,) = (code for code in examples("python") if "METHOD = " in code)
+    names = {}
+    exec(compile(code, "CONTRIBUTING.md", "exec"), names)
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, names["METHOD"]))
+    curve = weier.solve(weier.Profile(1.25, 5, 3), [0.5], names["METHOD"].name)
+    assert curve.compliance.item() == pytest.approx(0.5 * (1 + np.log(2)), rel=1e-15)  # (12)
+
+
+@pytest.fixture
+def two_profiles(tmp_path):
+    """A study of two curves by several methods."""
+    (tmp_path / "scene.yaml").write_text(DATA.replace("[demelio, layer]", "[demelio, patches]"))
+    loaded = scene.load(tmp_path / "scene.yaml")
+    return batch.solve_batch(loaded, loaded.studies["one"])[0]
+
+
+def test_the_figure_of_contributing_is_drawn(two_profiles):
+    (code,) = (code for code in examples("python") if "CAPTION = " in code)
+    names = {}
+    exec(compile(code, "CONTRIBUTING.md", "exec"), names)
+    assert "{methods}" in names["CAPTION"]
+    panels = names["draw"]([two_profiles], "").axes
+    assert [axes.get_xscale() for axes in panels] == ["linear"] * two_profiles.sizes["case"]
+    assert all({"Demelio", "contact patches"} <= {line.get_label() for line in axes.lines} for axes in panels)
+
+
+def test_the_claim_of_contributing_is_measured(two_profiles, monkeypatch):
+    (code,) = (code for code in examples("python") if "@claim" in code)
+    monkeypatch.setattr("weier.pipeline.claims.claim.CLAIMS", {})
+    names = dict(vars(paper))
+    exec(compile(code, "CONTRIBUTING.md", "exec"), names)
+    ((name, entered),) = claim.CLAIMS.items()
+    assert entered.measure is names[name]
+    largest = two_profiles["resistance"].sel(solution_method="patches").diff("mean_pressure").max().item()
+    assert entered.measure(curves.cases([two_profiles])) == (
+        f"From one load to the next, the largest change of the numerical resistance is {largest:+.2g} g_0/p_0*.",
+        pytest.approx(largest),
+        True,
+    )
+
+
+def test_rows_of_tables_in_contributing_are_those_of_the_project():
+    (row,) = (code for code in examples("python") if "Variable(" in code)
+    for name, shown in eval(f"{{{row}}}", vars(variables)).items():
+        there = variables.VARIABLES[name]
+        assert (there.dims, there.long_name) == (shown.dims, shown.long_name)
+    (entry,) = examples("json")
+    schema = json.loads(Path("weier/scene/schema.json").read_text(encoding="utf-8"))
+    assert json.loads(f"{{{entry}}}").items() <= schema["$defs"]["profile"]["properties"].items()
+
+
+def test_the_names_in_the_glossary_exist():
+    text = Path("docs/glossary.md").read_text(encoding="utf-8")
+    copper = {"mu_1": 1.0, "mu_2": 1.0, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.0, "rho_2": 1.0}
+    objects = {"Profile": weier.Profile(1.25, 5, 2), "Interface": weier.Interface(**copper, lambda_0=1.0, g_0=1.0)}
+    attributes = re.findall(r"`(Profile|Interface)\.(\w+)`", text)
+    assert len(attributes) > 10
+    assert [name for kind, name in attributes if not hasattr(objects[kind], name)] == []
+    for name in re.findall(r"`(weier(?:\.\w+)+)`", text):
+        pkgutil.resolve_name(name)
+    (rows,) = re.findall(r"\| in the data \|\n(.*?)\n\n", text, re.S)
+    kept = re.findall(r"\| `(\w+)` \|$", rows, re.M)
+    assert len(kept) > 5
+    assert set(kept) <= set(variables.VARIABLES)
 
 
 @pytest.fixture(scope="module")
@@ -114,18 +200,26 @@ def test_all_that_is_public_is_described(site):
     text = page(site, "interface")
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
     public |= {
+        "weier.accuracy.convergence.convergence",
+        "weier.methods.bem.curve",
+        "weier.methods.hybrid.curve",
+        "weier.methods.layer.curve",
+        "weier.methods.method.Method",
+        "weier.methods.patches.curve",
         "weier.methods.planned.plan.Plan",
-        "weier.methods.planned.segment.Part",
+        "weier.methods.planned.solver.curve",
+        "weier.methods.segment.Segment",
         "weier.pipeline.plan.ScenePlan",
         "weier.scene.Scene",
         "weier.scene.load",
     }
-    public |= {
-        "weier.methods.planned.curve.curve",
-        "weier.methods.hybrid.solver",
-        "weier.accuracy.convergence.convergence",
-    }
     assert {name for name in public if f'id="{name}"' not in text} == set()
+
+
+def test_the_glossary_has_all_variables_and_public_names(site):
+    named = set(re.findall(r'<span class="pre">([\w.]+)</span>', page(site, "glossary")))
+    public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
+    assert (public | set(variables.VARIABLES)) - named == set()
 
 
 def test_what_a_class_holds_is_a_list(site):

@@ -71,10 +71,11 @@ def test_an_estimate_is_held_against_its_own_sum_and_a_solution_against_the_cont
 
 def test_nothing_is_known_of_what_takes_too_long():
     infinite = Profile(1.5, 5, math.inf)
-    for name in ("hybrid", "layer"):
-        found = reference_of(name, infinite)
+    for name, profile in (("hybrid", infinite), ("layer", Profile(1.5, 5, 11)), ("bem", Profile(1.5, 1000, 2))):
+        found = reference_of(name, profile)
         assert found.source == ""
         assert np.isnan(np.array(found.compliance, float)).all()
+    assert reference_of("layer", infinite).source == "finer layer"
     assert reference_of("demelio", infinite).source == "mpmath"
     assert not is_in_reach(infinite, LOADS)
     assert not is_in_reach(Profile(1.5, 10, 5), LOADS)  # 10 000 waves

@@ -19,9 +19,6 @@ LOADS = np.geomspace(0.1, 10, 23)
 ITERATED = (
     2 * error_model.RESIDUAL * bem.error_model.PLANNED_RESIDUAL
 )  # g_0: of two solutions whose residuals are below the tolerance
-TABULATED = (
-    1e-4  # of the layer: tables go as far as the loads, to a relative accuracy of 1e-5; the slope loses a digit
-)
 NEWTON = 2 * newton.TOLERANCE  # g_0: each load starts from the one before; the slope loses three digits
 CHORDS = ITERATED / 1e-4  # of a bound on the resistance: compliances over what no two loads are closer than
 
@@ -33,7 +30,8 @@ CASES = [
     ("archard", LONG, {}, 0.0, 0.0),
     ("demelio", SHORT, {}, 0.0, 0.0),
     ("demelio", LONG, {}, 0.0, 0.0),
-    ("layer", SHORT, {}, TABULATED, 10 * TABULATED),
+    ("layer", SHORT, {}, 0.0, 0.0),
+    ("layer", LONG, {}, 0.0, 0.0),
     ("hybrid", LONG, {"terms": 2}, NEWTON, 1e3 * NEWTON),
     ("bem", SHORT, {"points": 2000}, ITERATED, ITERATED),
     ("patches", SHORT, {}, ITERATED, 2 * patches.error_model.error(1e-10, "resistance")),

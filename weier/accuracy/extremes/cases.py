@@ -39,8 +39,6 @@ def extremes() -> Iterator[Comparison]:
     yield _extreme("one wave, loads 1e-300 to 1e300", one, SWEEP)
     yield _extreme("three waves, loads 1e-300 to 1e300", three, SWEEP)
     yield _extreme("m = inf, loads 1e-300 to 1e300", infinite, SWEEP)
-    for load in (SWEEP[0], SWEEP[-1]):
-        yield _extreme(f"m = inf, load {load:.0e}", infinite, np.array([load]))
     yield _extreme("one wave, xi one ulp from 1", one, beside(1.0))
     # p_n* = 1 and 3, g_n = 1 and 1/3, and full contact at 4: numbers that a float has or rounds to.
     yield _extreme("p one ulp from p_n* and full contact", _case(1.5, "9", 2, [0.0, 0.0]), beside(1.0, 3.0, 4.0))
@@ -51,9 +49,9 @@ def extremes() -> Iterator[Comparison]:
         ("gamma = 1e6", 1.5, "1000000"),
     ):
         yield _extreme(f"{text}, m = 3", _case(D, gamma, 3, [0.0, 1.0, 2.0]), USUAL)
-        for m in (1000, math.inf):
-            yield _extreme(f"{text}, m = {m:g}", _case(D, gamma, m), USUAL)
-            yield _extreme(f"{text}, m = {m:g}, one load", _case(D, gamma, m), np.array([0.1]))
+        yield _extreme(f"{text}, m = inf", _case(D, gamma, math.inf), USUAL)
+        yield _extreme(f"{text}, m = 1000", _case(D, gamma, 1000), USUAL)
+        yield _extreme(f"{text}, m = 1000, one load", _case(D, gamma, 1000), np.array([0.1]))  # for slow methods
     yield _extreme("m = 1000, loads 1e-300 to 1e300", _case(1.5, "2", 1000), SWEEP)
     yield _extreme("m = 1000, one load", _case(1.5, "2", 1000), np.array([0.1]))
     yield _extreme("about to merge, just merged", *_with_events([0.0, 1.0, 2.0]))

@@ -14,14 +14,14 @@ from weier.theory.profile import Profile
 
 Array = NDArray[np.float64]
 
-ROWS = 400  # of the law's table
-LIGHTEST, HEAVIEST = 1e-9, 1e3  # loads of the table, in p_k*: beyond, power laws
+SUBDIVISION = 8  # of the layer's own table: between its rows ln p as a cubic in ln s is as good as that table
+HEAVIEST = 1e3  # mean pressure in p_0*
 
 
 class Law(NamedTuple):
     """The layer at a node of self-influence c: ln p over ln(w + c p), and c."""
 
-    log_pressure: scipy.interpolate.PchipInterpolator
+    log_pressure: scipy.interpolate.CubicHermiteSpline
     stiffness: float
 
 
@@ -37,10 +37,12 @@ class Node(NamedTuple):
 def law_of(kept: Profile, stiffness: float) -> Law:
     """The tail's layer, in the units of the first wave."""
     D, gamma, n = kept.D, float(kept.gamma), kept.terms
-    xi = np.geomspace(LIGHTEST, HEAVIEST, ROWS)
-    amplitude, pressure = gamma ** ((D - 2) * n), xi * gamma ** ((D - 1) * n)
-    compression = amplitude * layer.compliance(xi, D, gamma, math.inf)
-    log_pressure = scipy.interpolate.PchipInterpolator(np.log(compression + stiffness * pressure), np.log(pressure))
+    peaks = 1 / math.expm1((D - 1) * math.log(gamma))  # of all resolved waves in full contact, in p_k*, at most
+    log_xi, log_W, power = layer.tail_table(D, gamma, HEAVIEST + peaks, SUBDIVISION)
+    compression, pressure = gamma ** ((D - 2) * n) * np.exp(log_W), gamma ** ((D - 1) * n) * np.exp(log_xi)
+    s = compression + stiffness * pressure
+    slope = s / (power * compression + stiffness * pressure)  # d ln p/d ln s
+    log_pressure = scipy.interpolate.CubicHermiteSpline(np.log(s), np.log(pressure), slope)
     return Law(log_pressure, stiffness)
 
 

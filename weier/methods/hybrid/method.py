@@ -12,7 +12,6 @@ from weier.methods.method import Method, Noise, Style
 from weier.theory.profile import Profile
 
 DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of milliseconds a load
-SECONDS_LAYER, SECONDS_LOAD = 5.0, 0.03  # a layer that does not converge takes so long to say so
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
@@ -41,11 +40,6 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
     )
 
 
-def _seconds(profile: Profile, loads: Array) -> float:
-    """At most: those of the layer, and of the default number of nodes."""
-    return SECONDS_LAYER + SECONDS_LOAD * loads.size
-
-
 METHOD = Method(
     name="hybrid",
     label="resolved on a layer",
@@ -54,7 +48,6 @@ METHOD = Method(
     applies=_applies,
     style=Style("#56B4E9", (4, 1, 1, 1), "D"),
     solution_error=_solution_error,
-    seconds=_seconds,
     noise=Noise(1e-8, 1e-4),  # a residual of 1e-9; the slope of the layer between the rows of its table
     candidates=candidates,
 )

@@ -17,6 +17,7 @@ MAX_STEPS = 60
 STEP_ACCURACY, RATE_ACCURACY = 1e-6, 1e-9  # relative residuals of the linear equations of a step, of dh/dp
 DIRECTIONS, RESTARTS = 80, 10  # of GMRES: some tens of directions reach these residuals
 TOLERANCE = 1e-9  # of the residual, in g_0
+LOAD_TOLERANCE = 1e-7  # of the load, relative to itself: light loads would drown in the other one
 
 
 class Problem(NamedTuple):
@@ -63,7 +64,7 @@ def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, flo
             node.compression + displacement - problem.height + state[-1], node.pressure.mean() - load
         )
         residual = float(np.max(np.abs(violation)))
-        if residual <= TOLERANCE:
+        if residual <= TOLERANCE and abs(violation[-1]) <= LOAD_TOLERANCE * load:
             return state, residual
         state = state - _linear_solution(problem, node, violation, STEP_ACCURACY)
     raise ConvergenceError(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
-from weier.methods.layer.stack import ACCURACY, MOST_LEVELS, POINTS, TOLERANCE, Curve, curve
+from weier.methods.layer.curve import ACCURACY, POINTS, TOLERANCE, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.segment import Segment, Task
 from weier.theory.profile import Profile
@@ -16,7 +17,7 @@ REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leav
 MAX_REFERENCE_SCALES = 10  # more take minutes
 LARGEST_ERROR = 0.5  # of the compliance, in the amplitude of the terms after the first
 SECONDS = 0.06, 3e-4  # to start, and for each load
-MAX_SECONDS_SCALE = 0.003  # of a scale, for each load
+MAX_SECONDS_SCALE = 0.006  # of a scale, for each load: 1000 scales near D = 2
 
 
 def _solve(
@@ -36,15 +37,15 @@ def _candidates(task: Task) -> Iterator[Segment]:
 
 def _reference(profile: Profile, loads: Array) -> Reference | None:
     """A layer of twice the points."""
-    if profile.m > MAX_REFERENCE_SCALES:
+    if MAX_REFERENCE_SCALES < profile.m < math.inf:
         return None
     finer = _solve(profile, loads, REFERENCE_POINTS, REFERENCE_ACCURACY)
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
-    """At most: an infinite series may take as many scales as there can be."""
-    return MAX_SECONDS_SCALE * min(profile.m, MOST_LEVELS) * loads.size
+    """At most: a finite series of which every scale differs has tables of its own for each; an infinite one has one."""
+    return MAX_SECONDS_SCALE * profile.m * loads.size if math.isfinite(profile.m) else 0.0
 
 
 METHOD = Method(

@@ -1,4 +1,4 @@
-"""One wave on a half-plane through a layer: a single level of the non-linear layer model (4.3).
+"""One wave on a half-plane through a layer: a single scale of the non-linear layer model (4.3).
 
 Lengths along x are in the wavelength, heights in the amplitude, pressures in p* (7) of this wave. xi is the mean
 pressure, w(p) the compression of the layer. In the contact, -a < x < a,
@@ -25,33 +25,32 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.layer.law import STEEPEST, Layer, compression, log_pressure_of
+from weier.methods.layer.closure import MAX_PRESSURE_STEP, Closure, compression, log_pressure_of
 
-Array = NDArray[np.float64]
-
-NEWTON_STEPS = 60  # a first guess takes 4-10, a neighbouring load 2 or 3
-LONGEST_STEP = 2.0  # of a logarithm: further away the tangents of exponentials mislead
-STRIDE = 1.0  # longest in ln xi from one load to the next
-SHORTEST_STRIDE = 1e-3
-GUESSED = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
-GUESSES = 60  # halvings of the error of ln sin^2(pi a) in the first guess
-NEARLY_CLOSED = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
+MAX_NEWTON_STEPS = 60  # from a neighbouring load; 2 or 3 are usual
+MAX_DIRECT_STEPS = 20  # from a first guess; 4-10 are usual
+MAX_STEP = 2.0  # of a logarithm: further away the tangents of exponentials mislead
+MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # of ln xi, from one load to the next
+MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
+GUESS_HALVINGS = 16  # of the error of ln sin^2(pi a) in the first guess, which is 700 at most
+LOG_ROUNDING = 1e-15  # of ln p, relative to itself: a few units in the last place
+MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
 
 
 class Mesh(NamedTuple):
     """The midpoints in phi.
 
     rise : sin^2(phi/2), shape (M,): height of the wave above its edge, in 2 sin^2(pi a)
-    sinking : u - u(edge) at node i for exp(y_j) - 1 at node j, in xi, shape (M, M)
-    sinking_edge : u(edge) + xi ln sin^2(pi a) likewise, shape (M,)
+    influence : u - u(edge) at node i for exp(y_j) - 1 at node j, in xi, shape (M, M)
+    edge_influence : u(edge) + xi ln sin^2(pi a) likewise, shape (M,)
     """
 
     rise: Array
-    sinking: Array
-    sinking_edge: Array
+    influence: Array
+    edge_influence: Array
 
 
 class Balance(NamedTuple):
@@ -69,22 +68,26 @@ class Balance(NamedTuple):
     depth: float
 
 
-class Place(NamedTuple):
-    """A state, its derivative by ln xi, and how far that is trusted: each of shape (M + 1,)."""
+class Point(NamedTuple):
+    """A solution, its derivative by ln xi, and how far that is trusted: each of shape (M + 1,)."""
 
     state: Array
     tangent: Array
     trust: Array
 
 
-class Trace(NamedTuple):
-    """Answers along the loads: h, dh/dxi, relative residual, Newton steps, shape (loads,), and the states."""
+class Solutions(NamedTuple):
+    """Solutions at the loads: h, dh/d ln xi, relative residual and Newton steps, of shape (loads,), and the states.
+
+    The states and their derivatives by ln xi have the shape (loads, M + 1).
+    """
 
     compliance: Array
-    resistance: Array
+    rate: Array
     residual: Array
-    work: NDArray[np.int64]
+    work: Indices
     state: Array
+    tangent: Array
 
 
 def midpoints(points: int) -> Mesh:
@@ -103,9 +106,9 @@ def depth_of(edge: float) -> tuple[float, float, float]:
     return log_sine, trough, 2 * math.exp(log_sine) + trough
 
 
-def depths(traced: Trace) -> Array:
+def depths(solutions: Solutions) -> Array:
     """The depth of each load: what residuals are relative to, shape (loads,)."""
-    return np.array([depth_of(edge)[2] for edge in traced.state[:, -1]])
+    return np.array([depth_of(edge)[2] for edge in solutions.state[:, -1]])
 
 
 @kernel
@@ -128,7 +131,7 @@ def excesses(state: Array) -> tuple[Array, float]:
 
 
 @kernel
-def _balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance:
+def _balance(state: Array, log_load: float, closure: Closure, mesh: Mesh) -> Balance:
     """Equations of a state, from those of the header less their values at the edge.
 
     Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge. Row M: the mean of q is xi/(2 pi).
@@ -142,19 +145,19 @@ def _balance(state: Array, log_load: float, layer: Layer, mesh: Mesh) -> Balance
     excess, mean = excesses(state)
     for i in range(points):
         factor, slope = log_pressure_factor(edge, mesh.rise[i])
-        w, stiffness = compression(layer, log_load + state[i] + factor)
-        height, sinking = 2 * sine_squared * mesh.rise[i], 0.0
+        w, rate = compression(closure, log_load + state[i] + factor)
+        height, displacement = 2 * sine_squared * mesh.rise[i], 0.0
         for j in range(points):
-            sinking += load * mesh.sinking[i, j] * excess[j]
-            jacobian[i, j] = load * mesh.sinking[i, j] * (1 + excess[j])
-        residual[i] = w + sinking - height - trough
-        drift[i] = stiffness + sinking
-        jacobian[i, i] += stiffness
-        jacobian[i, points] = stiffness * slope - (height if edge < 0 else 1.0)
+            displacement += load * mesh.influence[i, j] * excess[j]
+            jacobian[i, j] = load * mesh.influence[i, j] * (1 + excess[j])
+        residual[i] = w + displacement - height - trough
+        drift[i] = rate + displacement
+        jacobian[i, i] += rate
+        jacobian[i, points] = rate * slope - (height if edge < 0 else 1.0)
         jacobian[points, i] = (1 + excess[i]) / (points * (1 + mean))
-        trust[i] = LONGEST_STEP * max(1.0, w / max(stiffness, w / STEEPEST))
+        trust[i] = MAX_STEP * max(1.0, w / max(rate, w / MAX_PRESSURE_STEP))
     residual[points] = math.log1p(mean)
-    trust[points] = LONGEST_STEP * max(1.0, edge)
+    trust[points] = MAX_STEP * max(1.0, edge)
     return Balance(residual, jacobian, drift, trust, depth)
 
 
@@ -201,48 +204,75 @@ def _move(state: Array, direction: Array, stride: float, trust: Array) -> None:
     """Add stride times the direction, no component further than trusted; pressures above the mean rise slowly."""
     last = state.size - 1
     for i in range(state.size):
-        rise = trust[i] if i == last else max(min(trust[i], -state[i]), LONGEST_STEP)
+        rise = trust[i] if i == last else max(min(trust[i], -state[i]), MAX_STEP)
         state[i] += min(max(stride * direction[i], -trust[i]), rise)
 
 
 @kernel
-def _settle(state: Array, log_load: float, layer: Layer, mesh: Mesh, tolerance: float) -> tuple[Balance, float, int]:
+def _newton(
+    state: Array, log_load: float, closure: Closure, mesh: Mesh, tolerance: float, most: int
+) -> tuple[Balance, float, int]:
     """Newton's method in place: the equations where it stopped, their error, the steps taken."""
-    equations = _balance(state, log_load, layer, mesh)
+    equations = _balance(state, log_load, closure, mesh)
     reached, steps = _error(equations), 0
-    while reached > tolerance and reached < math.inf and steps < NEWTON_STEPS:
+    while reached > tolerance and reached < math.inf and steps < most:
         _move(state, _eliminate(equations.jacobian, equations.residual), -1.0, equations.trust)
-        equations = _balance(state, log_load, layer, mesh)
+        equations = _balance(state, log_load, closure, mesh)
         reached, steps = _error(equations), steps + 1
     return equations, reached, steps
 
 
 @kernel
 def _compliance(state: Array, log_load: float, mesh: Mesh, tangent: Array) -> tuple[float, float]:
-    """Compliance h and dh/dxi of a state whose derivative by ln xi is the tangent: both from the edge."""
-    points = mesh.rise.size
-    edge, load = state[points], math.exp(log_load)
+    """Compliance h and dh/d ln xi of a state whose derivative by ln xi is the tangent: both from the edge."""
+    edge, load = state[-1], math.exp(log_load)
     log_sine, _, depth = depth_of(edge)
-    sinking, growth = -log_sine, -log_sine
-    for j in range(points):
+    displacement, growth = -log_sine, -log_sine
+    for j in range(mesh.rise.size):
         excess = math.expm1(state[j])
-        sinking += mesh.sinking_edge[j] * excess
-        growth += mesh.sinking_edge[j] * (excess + (1 + excess) * tangent[j])
-    deepening = tangent[points] * (1.0 if edge >= 0 else depth - load)
-    return depth + load * sinking, max(growth + deepening / load, 0.0)
+        displacement += mesh.edge_influence[j] * excess
+        growth += mesh.edge_influence[j] * (excess + (1 + excess) * tangent[j])
+    deepening = tangent[-1] * _deepening(edge, load, depth)
+    return depth + load * displacement, max(load * growth + deepening, 0.0)
 
 
 @kernel
-def _first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
+def _deepening(edge: float, load: float, depth: float) -> float:
+    """Derivative of h by the edge, at fixed q."""
+    return 1.0 if edge >= 0 else depth - load
+
+
+@kernel
+def shares(state: Array, log_load: float, closure: Closure, mesh: Mesh, h: float) -> tuple[Array, Array]:
+    """How much a relative error of w at each node changes h, relative to h, shape (M,); and ln p there.
+
+    The residuals of the nodes rise with w, so that h changes by the solution of the transposed equations.
+    """
+    points, edge, load = mesh.rise.size, state[-1], math.exp(log_load)
+    gradient, share, log_pressure = np.empty(points + 1), np.empty(points), np.empty(points)
+    for j in range(points):
+        gradient[j] = load * mesh.edge_influence[j] * math.exp(state[j])
+    gradient[points] = _deepening(edge, load, depth_of(edge)[2])
+    transposed = _balance(state, log_load, closure, mesh).jacobian.T.copy()
+    weight = _eliminate(transposed, gradient)
+    for j in range(points):
+        factor, _ = log_pressure_factor(edge, mesh.rise[j])
+        log_pressure[j] = log_load + state[j] + factor
+        share[j] = -weight[j] * compression(closure, log_pressure[j])[0] / h
+    return share, log_pressure
+
+
+@kernel
+def _first_guess(log_load: float, closure: Closure, mesh: Mesh) -> Array:
     """A state near enough for Newton: depth of the edge 2 sin^2(pi a) = 2 xi + w, and p of what yields more alone."""
     points, load = mesh.rise.size, math.exp(log_load)
     sine_squared, w, crowding = min(1.0, load), 0.0, 0.0
-    for _ in range(GUESSES):
+    for _ in range(GUESS_HALVINGS):
         crowding = max(0.0, math.log(math.pi / (2 * math.sqrt(sine_squared))))
-        w, _ = compression(layer, log_load + crowding)
+        w, _ = compression(closure, log_load + crowding)
         sine_squared = math.sqrt(sine_squared) * math.sqrt(min(1.0, load + w / 2))  # their product may underflow
     state = np.zeros(points + 1)
-    if sine_squared > NEARLY_CLOSED:
+    if sine_squared > MIN_CLOSED_SINE:
         state[points] = w
         return state
     state[points] = math.log(sine_squared)
@@ -250,7 +280,7 @@ def _first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
     for j in range(points - 1, -1, -1):
         state[j] = math.log(2 * mesh.rise[j])  # Westergaard's q
         if w > 2 * load:
-            log_p = log_pressure_of(layer, math.log(w * mesh.rise[j]), log_p)
+            log_p = log_pressure_of(closure, math.log(w * mesh.rise[j]), log_p)
             state[j] = log_p - log_load - log_pressure_factor(state[points], mesh.rise[j])[0]
         total += math.exp(state[j])
     for j in range(points):
@@ -259,26 +289,52 @@ def _first_guess(log_load: float, layer: Layer, mesh: Mesh) -> Array:
 
 
 @kernel
-def _onwards(
-    start: Place, stride: float, log_load: float, layer: Layer, mesh: Mesh, tolerance: float
-) -> tuple[Place, float, int]:
-    """One stride along the tangent, to this load: the place reached, its error, Newton's steps."""
-    state = start.state.copy()
-    _move(state, start.tangent, stride, start.trust)
-    equations, reached, steps = _settle(state, log_load, layer, mesh, tolerance)
-    return Place(state, _eliminate(equations.jacobian, -equations.drift), equations.trust), reached, steps
+def _point(equations: Balance, state: Array) -> Point:
+    """A solution with its tangent, from the equations there; the jacobian is overwritten."""
+    return Point(state, _eliminate(equations.jacobian, -equations.drift), equations.trust)
 
 
 @kernel
-def trace(log_load: Array, layer: Layer, mesh: Mesh, tolerance: float) -> Trace:
-    """Follow the wave from the lightest load up, each load from the tangent of the one before.
+def _approach(log_load: float, closure: Closure, mesh: Mesh, tolerance: float) -> tuple[Point, float, int]:
+    """The solution at a load whose first guess fails: from a lighter one upwards, in strides along the tangent."""
+    here, stride = min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE, MAX_STRIDE
+    state = _first_guess(here, closure, mesh)
+    equations, reached, work = _newton(state, here, closure, mesh, tolerance, MAX_NEWTON_STEPS)
+    at = _point(equations, state)
+    while here < log_load and reached <= tolerance:
+        stride = min(stride, log_load - here)
+        ahead = at.state.copy()
+        _move(ahead, at.tangent, stride, at.trust)
+        equations, missed, steps = _newton(ahead, here + stride, closure, mesh, tolerance, MAX_NEWTON_STEPS)
+        work += steps
+        if missed <= tolerance:
+            at, here = _point(equations, ahead), log_load if stride == log_load - here else here + stride
+            reached, stride = missed, MAX_STRIDE
+        elif stride > MIN_STRIDE:
+            stride /= 2
+        else:
+            reached = missed if missed > tolerance else math.inf
+    return at, reached, work
+
+
+@kernel
+def attainable(log_load: float, tolerance: float) -> float:
+    """The tolerance, or what the rounding of ln p leaves of a residual, if that is more."""
+    return max(tolerance, LOG_ROUNDING * abs(log_load))
+
+
+@kernel
+def solve_waves(log_load: Array, guess: Array, closure: Closure, mesh: Mesh, tolerance: float) -> Solutions:
+    """Solve the wave under each load, independently of the other loads.
 
     Parameters
     ----------
     log_load : array, shape (loads,)
-        ln xi, increasing.
-    layer : Layer
-        In the units of this wave.
+        ln xi.
+    guess : array, shape (loads, M + 1)
+        States to start from; where the first number is NaN the wave makes its own guess.
+    closure : Closure
+        Of the layer, in the units of this wave.
     mesh : Mesh
         Of `midpoints`.
     tolerance : float
@@ -286,32 +342,25 @@ def trace(log_load: Array, layer: Layer, mesh: Mesh, tolerance: float) -> Trace:
 
     Returns
     -------
-    Trace
-        Where a load does not converge, its residual is above the tolerance or NaN, and all beyond is NaN.
+    Solutions
+        Where a load does not converge its residual is above the tolerance or NaN.
 
     """
     n, size = log_load.size, mesh.rise.size + 1
-    answer = Trace(
-        np.full(n, np.nan), np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, np.int64), np.zeros((n, size))
+    found = Solutions(
+        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros((n, size)), np.zeros((n, size))
     )
-    here = min(log_load[0], GUESSED)
-    at = Place(_first_guess(here, layer, mesh), np.zeros(size), np.zeros(size))
     for i in range(n):
-        longest, arrived = STRIDE, False
-        while not arrived:
-            stride = min(longest, log_load[i] - here)
-            there, reached, steps = _onwards(at, stride, here + stride, layer, mesh, tolerance)
-            answer.work[i] += steps
-            answer.residual[i] = reached
-            if reached <= tolerance:
-                arrived = stride == log_load[i] - here
-                at, here = there, here + stride
-            elif stride > SHORTEST_STRIDE:
-                longest = stride / 2
-            else:
-                return answer
-        here = log_load[i]
+        y, limit = log_load[i], attainable(log_load[i], tolerance)
+        state = guess[i].copy() if math.isfinite(guess[i, 0]) else _first_guess(y, closure, mesh)
+        equations, reached, steps = _newton(state, y, closure, mesh, limit, MAX_DIRECT_STEPS)
+        if reached <= limit:
+            at = _point(equations, state)
+        else:
+            at, reached, further = _approach(y, closure, mesh, limit)
+            steps += further
+        found.residual[i], found.work[i] = reached, steps
         for j in range(size):
-            answer.state[i, j] = at.state[j]
-        answer.compliance[i], answer.resistance[i] = _compliance(at.state, here, mesh, at.tangent)
-    return answer
+            found.state[i, j], found.tangent[i, j] = at.state[j], at.tangent[j]
+        found.compliance[i], found.rate[i] = _compliance(at.state, y, mesh, at.tangent)
+    return found

@@ -19,21 +19,12 @@ def method(among: Callable[[], tuple[Method, ...]]) -> Method:
     def solve(profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
         return curve(profile, loads, among(), tolerance, quantity)
 
-    def seconds(profile: Profile, loads: Array) -> float:
-        """Of an infinite series those of the slowest other method; a finite one is truncated if that is cheaper."""
-        if math.isfinite(profile.m):
-            return 0.0
-        return max(
-            other.seconds(profile, loads) for other in among() if other.solve is not solve and other.takes(profile)
-        )
-
     return Method(
         name="planned",
         label="planned",
         summary="whichever of these meets a tolerance, as weier.plan chooses and explains; any m",
         solve=solve,
         style=Style("#56B4E9", (3, 0.8), "X"),
-        seconds=seconds,
         variants=lambda profile: (),  # it runs those of the others
         noise=Noise(TOLERANCE, math.inf),  # segments of several methods; asked for the compliance alone
     )

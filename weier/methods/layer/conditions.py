@@ -1,7 +1,7 @@
-"""The certificate of a wave: its contact conditions on a freshly applied operator, in contact and outside.
+"""The contact conditions of a wave, checked in contact and outside on a freshly applied operator.
 
-What a state of `weier.methods.layer.wave` stands for is summed again as a cosine series, with none of the mesh's
-matrices.
+The displacements of a state of `weier.methods.layer.wave` are summed again as a cosine series, without the matrices
+of the mesh.
 """
 
 from __future__ import annotations
@@ -9,35 +9,33 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.layer.law import Layer, compression
-from weier.methods.layer.wave import Trace, depth_of, excesses, log_pressure_factor
+from weier.methods.layer.closure import Closure, compression
+from weier.methods.layer.wave import Solutions, depth_of, excesses, log_pressure_factor
 
-Array = NDArray[np.float64]
-
-POINTS_OUTSIDE = 8  # where the gap is checked
+POINTS_OUTSIDE = 8  # of the gap where it is checked
 
 
 @kernel
-def violations(traced: Trace, log_load: Array, layer: Layer) -> Array:
+def violations(solutions: Solutions, log_load: Array, closure: Closure) -> Array:
     """`violation` of every load, shape (loads,)."""
-    worst, cosine = np.zeros(log_load.size), cosines(traced.state.shape[1] - 1)
+    worst, cosine = np.zeros(log_load.size), cosines(solutions.state.shape[1] - 1)
     for i in range(log_load.size):
-        worst[i] = violation(traced.state[i], log_load[i], layer, traced.compliance[i], cosine)
+        worst[i] = violation(solutions.state[i], log_load[i], closure, solutions.compliance[i], cosine)
     return worst
 
 
 @kernel
-def violation(state: Array, log_load: float, layer: Layer, h: float, cosine: Array) -> float:
+def violation(state: Array, log_load: float, closure: Closure, h: float, cosine: Array) -> float:
     """Largest breach of a contact condition, on a freshly applied operator; relative to the depth and the load.
 
     The conditions: u + w = h - 2 sin^2(pi x) in contact and at its edge, no less beyond it, and the mean pressure.
     """
     excess, mean = excesses(state)
     series = _series(excess, math.exp(log_load), cosine)
-    inside = _inside(state, log_load, layer, h, series, cosine)
+    inside = _inside(state, log_load, closure, h, series, cosine)
     outside = _outside(state, log_load, h, series)
     return max(inside, outside) / depth_of(state[-1])[2] + abs(mean)
 
@@ -64,7 +62,7 @@ def _series(excess: Array, load: float, cosine: Array) -> Array:
 
 
 @kernel
-def _inside(state: Array, log_load: float, layer: Layer, h: float, series: Array, cosine: Array) -> float:
+def _inside(state: Array, log_load: float, closure: Closure, h: float, series: Array, cosine: Array) -> float:
     """Largest deviation of u + w from h - 2 sin^2(pi x) at the nodes."""
     points, edge = series.size, state[-1]
     log_sine, _, _ = depth_of(edge)
@@ -75,7 +73,7 @@ def _inside(state: Array, log_load: float, layer: Layer, h: float, series: Array
     for j in range(points):
         rise = math.sin((j + 0.5) * (math.pi / (2 * points))) ** 2
         factor, _ = log_pressure_factor(edge, rise)
-        w, _ = compression(layer, log_load + state[j] + factor)
+        w, _ = compression(closure, log_load + state[j] + factor)
         worst = max(worst, abs(displacement[j] + w + 2 * math.exp(log_sine) * (1 - rise) - h))
     return worst
 

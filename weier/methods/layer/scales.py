@@ -1,0 +1,149 @@
+"""The scales of a series: each wave bears through a layer that stands for all finer waves (4.3).
+
+W(xi) is the compliance of a wave together with all finer ones, in that wave's units. To the next coarser wave it is
+the closure of a layer, w(p) = gamma^(D-2) W(gamma^(1-D) p) in the coarser units. A scale is a map T from W to the
+next coarser W, and it is the same map at every wavelength. So m waves have W = T^(m-1) W_1, from Westergaard's W_1
+(12), and the infinite series has the fixed point of T. Between scales ln W is a table over ln xi, with slopes.
+
+T passes errors on without increasing them. If W changes by a constant, T W changes by gamma^(D-2) times as much. If W
+is off by no more than some share of itself, so is T W. So the errors of m - 1 tables add up to their sum at most, and
+each table has an equal share of the accuracy.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.methods.errors import ConvergenceError
+from weier.methods.layer.closure import POSITION_SCALE, Closure
+from weier.methods.layer.conditions import violations
+from weier.methods.layer.rows import Rows, lattice, log_load_at, position_of, tabulate
+from weier.methods.layer.wave import LOG_ROUNDING, Mesh, Solutions, depths, solve_waves
+
+ROUNDING = 1e-13  # of the freshly applied operator
+
+
+class Scaling(NamedTuple):
+    """Of the next finer wave: ln gamma^(D-1), its p*, and ln gamma^(D-2), its g, in units of this one."""
+
+    log_pressure: float
+    log_height: float
+
+    @staticmethod
+    def of(D: float, gamma: float) -> Scaling:
+        """The scaling of a series."""
+        return Scaling((D - 1) * math.log(gamma), (D - 2) * math.log(gamma))
+
+
+class Waves(NamedTuple):
+    """A wave with all finer ones: W(xi), its limit, and ln xi where it gets there."""
+
+    rows: Rows
+    amplitude: float
+    log_full: float
+
+
+class Answer(NamedTuple):
+    """h, dh/d ln xi, residual in g and Newton steps of a wave under each load, of shape (loads,)."""
+
+    compliance: Array
+    rate: Array
+    residual: Array
+    work: Indices
+
+
+@dataclass(frozen=True)
+class Scale:
+    """One scale: a wave on the layer of all finer ones.
+
+    closure : of that layer, in the units of this wave
+    amplitude, log_full : the limit of W, and ln xi where it gets there
+    """
+
+    closure: Closure
+    amplitude: float
+    log_full: float
+    mesh: Mesh
+    tolerance: float
+
+    def rows(self, position: Array, guess: Array | None) -> Rows:
+        """W at these positions, which are not beyond full contact, from waves that start at the guessed states."""
+        found = self._solved(log_load_at(position), guess)
+        h, stretch = np.minimum(found.compliance, self.amplitude), POSITION_SCALE * np.cosh(position)
+        return Rows(position, np.log(h), found.rate / h * stretch, found.state, found.tangent * stretch[:, None])
+
+    def solve(self, log_load: Array) -> Answer:
+        """The wave under increasing loads. Its contact conditions are checked on a freshly applied operator."""
+        n = log_load.size
+        answer = Answer(np.full(n, self.amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64))
+        partial = int(np.searchsorted(log_load, self.log_full))  # beyond: full contact, exactly
+        if partial:
+            loads = log_load[:partial]
+            found = self._solved(loads, None)
+            violation = violations(found, loads, self.closure)
+            self._check_residual(loads, violation, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
+            answer.compliance[:partial] = np.minimum(found.compliance, self.amplitude)
+            answer.rate[:partial] = found.rate
+            answer.residual[:partial] = violation * depths(found)
+            answer.work[:partial] = found.work
+        return answer
+
+    def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
+        if guess is None:
+            guess = np.full((log_load.size, self.mesh.rise.size + 1), np.nan)
+        found = solve_waves(log_load, guess, self.closure, self.mesh, self.tolerance)
+        self._check_residual(log_load, found.residual, np.maximum(self.tolerance, LOG_ROUNDING * np.abs(log_load)))
+        return found
+
+    def _check_residual(self, log_load: Array, residual: Array, limit: Array) -> None:
+        over = np.flatnonzero(~(residual <= limit))
+        if over.size:
+            worst = float(residual[over[0]])
+            raise ConvergenceError(
+                f"a wave of the layer model stopped at a relative residual of {worst:.1e} under the mean pressure "
+                f"{math.exp(log_load[over[0]]):.6g} in its own p*, above the tolerance {self.tolerance:.1e}; try "
+                "other points or a larger tolerance",
+                worst,
+            )
+
+
+def scale_on(finer: Waves, scaling: Scaling, mesh: Mesh, tolerance: float) -> Scale:
+    """The next coarser wave on these."""
+    amplitude = 1 + math.exp(scaling.log_height) * finer.amplitude
+    log_full = float(np.logaddexp(0, scaling.log_pressure + finer.log_full))  # trough pressure xi - 1 is enough
+    return Scale(coarser_units(finer.rows.closure, scaling), amplitude, log_full, mesh, tolerance)
+
+
+def coarser_units(closure: Closure, scaling: Scaling) -> Closure:
+    """W of a wave as the closure of the layer under the next coarser one, in the units of that one."""
+    log_compression, origin = closure.log_compression + scaling.log_height, closure.origin + scaling.log_pressure
+    return closure._replace(log_compression=log_compression, origin=origin)
+
+
+def finest_wave(bottom: float, top: float, accuracy: float) -> Waves:
+    """Westergaard's wave (12)."""
+
+    def waves(position: Array, _: Array | None) -> Rows:
+        y = np.minimum(log_load_at(position), 0)
+        slope, nothing = -y / (1 - y) * POSITION_SCALE * np.cosh(position), np.zeros((y.size, 0))
+        return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
+
+    return Waves(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
+
+
+def finer_waves(
+    m: int, bottom: float, top: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
+) -> Waves:
+    """The waves finer than the first of m, in the units of the second, on tables between these positions."""
+    share = accuracy / (m - 1)
+    waves = finest_wave(bottom, top, share)
+    for _ in range(m - 2):
+        scale = scale_on(waves, scaling, mesh, tolerance)
+        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
+        waves = Waves(rows, scale.amplitude, scale.log_full)
+    return waves
