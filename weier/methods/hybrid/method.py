@@ -48,6 +48,6 @@ METHOD = Method(
     applies=_applies,
     style=Style("#56B4E9", (4, 1, 1, 1), "D"),
     solution_error=_solution_error,
-    noise=Noise(1e-8, 1e-4),  # a residual of 1e-9; the slope of the layer between the rows of its table
+    noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
     candidates=candidates,
 )

@@ -44,7 +44,7 @@ def _reference(profile: Profile, loads: Array) -> Reference | None:
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
-    """At most: a finite series of which every scale differs has tables of its own for each; an infinite one has one."""
+    """At most: in a finite series each scale may have a table of its own, in the infinite one all share theirs."""
     return MAX_SECONDS_SCALE * profile.m * loads.size if math.isfinite(profile.m) else 0.0
 
 
