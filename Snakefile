@@ -1,4 +1,4 @@
-"""config -> solve -> gather -> bounds -> figures -> claims. What a rule does stands in weier; when, stands here."""
+"""config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
 
 import sys
 
@@ -7,7 +7,9 @@ sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
 from snakemake.utils import validate
 
 from weier.data.files import bring_to_present, check_writable, remove_leftovers
+from weier.kernels.jit import cache_folder
 from weier.kernels.sources import sources
+from weier.pipeline.dependencies import batch_digest, claims_digest, figure_digest
 
 
 configfile: "config/config.yaml"
@@ -18,7 +20,6 @@ validate(config, "config/config.schema.json")
 
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
-    study=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
     batch=r"[A-Za-z0-9_+-]+",
 
@@ -29,7 +30,7 @@ include: "rules/scenes.smk"
 onstart:
     check_writable("results")
     remove_leftovers("results")
-    bring_to_present("results", "weier", "config")
+    bring_to_present("results", "config")
 
 
 rule all:
@@ -41,24 +42,9 @@ rule all:
         ],
 
 
-# Once, so that no two jobs compile the same kernel side by side.
-rule compile:
-    input:
-        sources("weier.methods.solve"),
-    output:
-        touch("results/.kernels"),
-    log:
-        "results/logs/compile.log",
-    conda:
-        "rules/environment.yaml"
-    shell:
-        "python -m weier compile 2>&1 | tee {log}"
-
-
+# A job runs again when what it depends on has changed, in the program or in the scene: digests tell. A batch
+# finds compiled kernels or compiles them itself: as an input, they would make all batches depend on all methods.
 rule solve:
-    input:
-        source=sources("weier.pipeline.batch"),
-        kernels="results/.kernels",
     output:
         data="results/{scene}/batches/{batch}.nc",
         cost="results/{scene}/cost/{batch}.nc",
@@ -69,51 +55,15 @@ rule solve:
     threads: 1
     params:
         digest=lambda w: scene(w.scene).digest(w.batch),
+        program=lambda w: batch_digest(scene(w.scene).methods_of(w.batch)),
     shell:
         "python -m weier batch --threads {threads}"
         " config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output} 2>&1 | tee {log}"
 
 
-# From the folder of batches: the names of some thousands fit no command.
-rule gather:
-    input:
-        source=sources("weier.pipeline.gather", "weier.data.dataset"),
-        data=lambda w: expand(
-            "results/{{scene}}/batches/{b}.nc", b=scene(w.scene).batches_of(w.study)
-        ),
-    output:
-        temp("results/{scene}/gathered/{study}.nc"),
-    log:
-        "results/logs/{scene}/gather/{study}.log",
-    conda:
-        "rules/environment.yaml"
-    params:
-        text=lambda w: scene(w.scene).text,
-    shell:
-        "python -m weier gather config/scenes/{wildcards.scene}.yaml"
-        " {wildcards.study} {output} results/{wildcards.scene}/batches 2>&1 | tee {log}"
-
-
-rule bounds:
-    input:
-        source=sources("weier.pipeline.gather", "weier.data.dataset"),
-        data="results/{scene}/gathered/{study}.nc",
-    output:
-        "results/{scene}/studies/{study}.nc",
-    log:
-        "results/logs/{scene}/bounds/{study}.log",
-    conda:
-        "rules/environment.yaml"
-    shell:
-        "python -m weier bounds {input.data} {output} 2>&1 | tee {log}"
-
-
 rule figure:
     input:
-        source=lambda w: sources(
-            f"weier.figures.{scene(w.scene).figures[w.figure].draw}"
-        ),
-        data=studies(lambda w: scene(w.scene).figures[w.figure].studies),
+        data=batches(lambda w: scene(w.scene).figures[w.figure].studies),
     output:
         multiext("results/{scene}/figures/{figure}", pdf=".pdf", svg=".svg", png=".png"),
     log:
@@ -122,15 +72,18 @@ rule figure:
         "rules/environment.yaml"
     params:
         figure=lambda w: repr(scene(w.scene).figures[w.figure]),
+        cases=lambda w: scene(w.scene).digest_of_cases(
+            *scene(w.scene).figures[w.figure].studies
+        ),
+        program=lambda w: figure_digest(scene(w.scene).figures[w.figure].draw),
     shell:
         "python -m weier figure config/scenes/{wildcards.scene}.yaml"
-        " {wildcards.figure} {output.png} {input.data} 2>&1 | tee {log}"
+        " {wildcards.figure} {output.png} results/{wildcards.scene}/batches 2>&1 | tee {log}"
 
 
 rule claims:
     input:
-        source=sources("weier.pipeline.claims", "weier.data.dataset"),
-        data=studies(lambda w: scene(w.scene).studies),
+        data=batches(lambda w: scene(w.scene).studies),
     output:
         data="results/{scene}/contact.nc",
         table="results/{scene}/claims.md",
@@ -140,8 +93,24 @@ rule claims:
         "rules/environment.yaml"
     params:
         text=lambda w: scene(w.scene).text,
+        program=claims_digest(),
     shell:
-        "python -m weier claims config/scenes/{wildcards.scene}.yaml {output} {input.data} 2>&1 | tee {log}"
+        "python -m weier claims config/scenes/{wildcards.scene}.yaml {output}"
+        " results/{wildcards.scene}/batches 2>&1 | tee {log}"
+
+
+# For the rules that measure seconds, so that none of them are spent on compiling.
+rule compile:
+    output:
+        touch("results/.kernels"),
+    log:
+        "results/logs/compile.log",
+    conda:
+        "rules/environment.yaml"
+    params:
+        kernels=cache_folder().name,  # a digest of their sources
+    shell:
+        "python -m weier compile 2>&1 | tee {log}"
 
 
 include: "rules/accuracy.smk"

@@ -1,3 +1,6 @@
+from weier.pipeline.dependencies import page_digest
+
+
 # One HTML page a scene, to look through: snakemake --cores 2 report --config scenes=paper
 rule report:
     input:
@@ -9,7 +12,6 @@ rule report:
 
 rule page:
     input:
-        source=[*sources("weier.figures.page"), "weier/figures/page/choose.js"],
         contact="results/{scene}/contact.nc",
         figures=lambda w: expand(
             "results/{{scene}}/figures/{f}.png", f=scene(w.scene).figures
@@ -25,6 +27,7 @@ rule page:
         "environment.yaml"
     params:
         figures=lambda w: repr(scene(w.scene).figures),
+        program=page_digest(),
     shell:
         "python -m weier page config/scenes/{wildcards.scene}.yaml {output}"
         " {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"

@@ -10,20 +10,24 @@ from weier.pipeline.claims import check_names
 
 @cache
 def scene(name):
-    loaded = scenes.named(name)
+    loaded = scenes.load_named(name)
     check_kinds(loaded)
     check_names(loaded)
     return loaded
 
 
-def studies(wanted):
-    return lambda w: expand("results/{{scene}}/studies/{s}.nc", s=wanted(w))
+def batches(studies):
+    """The files that hold the cases of some studies, of the scene that the wildcards name."""
+    return lambda w: [
+        f"results/{w.scene}/batches/{batch}.nc"
+        for batch in scene(w.scene).batches_of(*studies(w))
+    ]
 
 
 def products(name):
     kinds, path = ["pdf", "svg", "png"], f"results/{name}/figures/{{f}}.{{e}}"
-    figures = expand(path, f=scene(name).figures, e=kinds)
-    return [whole(f"results/{name}/contact.nc"), f"results/{name}/claims.md", *figures]
+    drawn = expand(path, f=scene(name).figures, e=kinds)
+    return [whole(f"results/{name}/contact.nc"), f"results/{name}/claims.md", *drawn]
 
 
 def whole(path):

@@ -18,7 +18,6 @@ from weier.accuracy.convergence import convergence
 from weier.data import dataset, provenance, variables
 from weier.methods import demelio
 from weier.pipeline import batch, claims
-from weier.pipeline import gather as study
 
 SCENE = """
 title: Ünïcode waves
@@ -59,13 +58,9 @@ def folder(tmp_path_factory):
     loaded = scene.load(folder / "waves.yaml")
     (name,) = loaded.batches
     data, cost = batch.solve_batch(loaded, loaded.batches[name])
-    dataset.write(data, folder / "batch.nc", loaded.title, "solved", loaded.text)
+    dataset.write(data, folder / f"{name}.nc", loaded.title, "solved", loaded.text)
     dataset.write(cost, folder / "cost.nc", loaded.title, "solved", loaded.text)
-    keys = [case.key for case in loaded.studies["waves"]]
-    study.gather([folder / "batch.nc"], keys, folder / "gathered.nc", loaded.title, scene=loaded.text)
-    options = {"step": "bounded", "scene": loaded.text, "change": study.add_bounds}
-    study.gather([folder / "gathered.nc"], keys, folder / "study.nc", loaded.title, **options)
-    claims.write(loaded, {"waves": folder / "study.nc"}, folder / "contact.nc", folder / "claims.md")
+    claims.write(loaded, folder, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
     infinite = convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
     dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
@@ -96,7 +91,7 @@ def complaints(answer):
 
 
 def test_cf_strict_finds_nothing(files, tmp_path):
-    assert len(files) == 7
+    assert len(files) == 5
     answers = checked(files, "cf:1.11", tmp_path)
     assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
     assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())
@@ -131,7 +126,7 @@ def dataset_is_of_a_checkout(name):
 
 def test_the_checker_would_complain(folder, tmp_path):
     """The two tests above are worth something."""
-    shutil.copy(folder / "study.nc", tmp_path / "bad.nc")
+    shutil.copy(folder / "contact.nc", tmp_path / "bad.nc")
     with netCDF4.Dataset(tmp_path / "bad.nc", "a") as file:
         file["compliance"].units = "nonsense"
         file.delncattr("summary")
@@ -184,7 +179,7 @@ def test_the_settings_of_each_solution_are_there(folder):
 def test_history_names_every_step_and_no_time(folder):
     with netCDF4.Dataset(folder / "contact.nc") as file:
         steps = [line.split(" by weier ")[0] for line in file.history.splitlines()]
-        assert steps == ["solved", "gathered", "bounded", "checked against the paper"]
+        assert steps == ["solved", "checked against the paper"]
         assert not re.search(r"\d\d:\d\d", file.history)
         assert "doi:10.1016/j.jmps.2003.12.002" in file.references
 

@@ -215,7 +215,7 @@ def test_yaml_that_means_harm(folder, text, message):
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a/b", "..", "a\n", "", "ü", "-x", "a" * 65, "minimal.yaml"])
 def test_a_scene_name_leads_nowhere_else(name):
     with pytest.raises(scene.SceneError, match="letters, digits"):
-        scene.named(name)
+        scene.load_named(name)
 
 
 def test_many_cases_want_an_explicit_word(tmp_path):

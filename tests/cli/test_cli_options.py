@@ -8,15 +8,15 @@ SOLVE = ["solve", "-D", "1.25", "--gamma", "5", "-m", "2"]
 
 
 def test_loads_in_equal_ratios():
-    assert options.parsed_loads("0.01:1:3") == pytest.approx([0.01, 0.1, 1])
+    assert options.parse_loads("0.01:1:3") == pytest.approx([0.01, 0.1, 1])
 
 
 def test_phases():
-    assert options.parsed_phases("0, 1e-3,-2") == [0.0, 1e-3, -2.0]
+    assert options.parse_phases("0, 1e-3,-2") == [0.0, 1e-3, -2.0]
 
 
 def test_settings_by_method():
-    assert options.parsed_settings(["bem.points=512", "bem.solver=direct", "layer.points=6"]) == {
+    assert options.parse_settings(["bem.points=512", "bem.solver=direct", "layer.points=6"]) == {
         "bem": {"points": 512, "solver": "direct"},
         "layer": {"points": 6},
     }

@@ -45,14 +45,15 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
 
 
 def test_a_truncated_file_is_one_sentence(scene_file, tmp_path):
-    whole, cost, part = tmp_path / "data.nc", tmp_path / "cost.nc", tmp_path / "bounded.nc"
-    weier("batch", scene_file, "one-0", whole, cost)
+    whole, contact, table = tmp_path / "one-0.nc", tmp_path / "contact.nc", tmp_path / "claims.md"
+    weier("batch", scene_file, "one-0", whole, tmp_path / "cost.nc")
     whole.write_bytes(whole.read_bytes()[:3000])
-    done = weier("bounds", whole, part)
+    done = weier("claims", scene_file, contact, table, tmp_path)
     assert done.returncode == 1
     assert "not a whole netCDF file: if weier made it, delete it" in done.stderr
     assert done.stderr.count("\n") == 1
-    assert not part.exists()
+    assert not contact.exists()
+    assert not table.exists()
 
 
 def test_an_unknown_batch_is_refused(scene_file, tmp_path):
@@ -61,13 +62,10 @@ def test_an_unknown_batch_is_refused(scene_file, tmp_path):
     assert "no batch 'two-0'" in done.stderr
 
 
-@pytest.mark.parametrize("arguments", [("gather", "two", "a.nc", "."), ("figure", "two", "a.png")])
-def test_an_unknown_study_or_figure_is_refused(scene_file, arguments):
-    command, *others = arguments
-    done = weier(command, scene_file, *others)
+def test_an_unknown_figure_is_refused(scene_file):
+    done = weier("figure", scene_file, "two", "a.png", ".")
     assert done.returncode == 1
-    assert "has no" in done.stderr
-    assert "'two'" in done.stderr
+    assert "has no figure 'two'" in done.stderr
 
 
 @pytest.fixture
@@ -79,10 +77,8 @@ def solved(run, scene_file, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["bounds", "cost.nc", "x.nc"], 1, "cost.nc has no curves: take a file of `weier gather`"),
-        (["bounds", "none.nc", "x.nc"], 1, "there is no file none.nc: make it first"),
-        (["gather", "test.yaml", "one", "x.nc", "test.yaml"], 1, "there is no file test.yaml/one-0.nc"),
-        (["claims", "test.yaml", "x.nc", "x.md"], 2, "a file for each of 1 studies, got 0"),
+        (["claims", "test.yaml", "x.nc", "x.md", "none"], 1, "there is no file none/one-0.nc: make it first"),
+        (["claims", "test.yaml", "x.nc", "x.md"], 2, "Missing argument 'BATCHES'"),
         (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "work_precision", "x.png", "data.nc"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "extremes", "x.png", "data.nc"], 1, "drawn from one file, that of `weier extremes`"),

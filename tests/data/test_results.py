@@ -9,7 +9,6 @@ import xarray as xr
 
 import weier
 from weier.data import dataset
-from weier.pipeline import gather as study
 
 METHODS = ["demelio", "bem"]
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -100,12 +99,12 @@ MEMORY_KEYS = 3e-4  # MB a case: where each key belongs
 GATHER = """
 import resource, sys
 from pathlib import Path
-from weier.pipeline import gather as study
+from weier.pipeline.gather import gather
 folder, count = Path(sys.argv[1]), int(sys.argv[2])
 files = sorted(folder.glob("part*.nc"))
-study.gather(files, [f"{key:06}" for key in range(100)], folder / "few.nc", "few", change=study.add_bounds)
+gather(files, [f"{key:06}" for key in range(100)], folder / "few.nc", "few")
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-study.gather(files, [f"{key:06}" for key in range(count)], folder / "many.nc", "many", change=study.add_bounds)
+gather(files, [f"{key:06}" for key in range(count)], folder / "many.nc", "many")
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
 
@@ -166,10 +165,3 @@ def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
             data[name].nbytes for name in data.data_vars if data[name].ndim == 3 and data[name].dtype.kind == "f"
         )
         assert raw > 2 * MEMORY * 2**20
-
-
-def test_cases_may_come_in_any_order(many, tmp_path):
-    keys = ["000999", "000003", "000500", "000501", "000002"]
-    study.gather(sorted(many.glob("part*.nc")), keys, tmp_path / "some.nc", "some")
-    found = dataset.read(tmp_path / "some.nc")["D"].values
-    assert found.tolist() == dimensions(0, 1000)[[999, 3, 500, 501, 2]].tolist()

@@ -2,12 +2,12 @@
 
 import pytest
 
-from weier.data import yaml as plain_yaml
+from weier.data.yaml import number, parse_yaml
 
 
 def test_plain_values_and_merged_keys_are_read():
     text = "base: &b {D: 1.5, m: 2}\nother: {<<: *b, m: 3}\nlist: [1, .inf, 5/2]"
-    found = plain_yaml.load(text)
+    found = parse_yaml(text)
     assert found["other"] == {"D": 1.5, "m": 3}
     assert found["list"] == [1, float("inf"), "5/2"]
 
@@ -20,7 +20,7 @@ def test_plain_values_and_merged_keys_are_read():
     ],
 )
 def test_numbers_are_those_of_people(text, value):
-    found = plain_yaml.load(f"a: {text}")["a"]
+    found = parse_yaml(f"a: {text}")["a"]
     assert found == value
     assert type(found) is type(value)
 
@@ -35,15 +35,15 @@ def test_numbers_are_those_of_people(text, value):
 )
 def test_what_is_not_plain_is_refused(text, message):
     with pytest.raises(ValueError, match=message):
-        plain_yaml.load(text)
+        parse_yaml(text)
 
 
 @pytest.mark.parametrize("value", ["1e-3", 0.001, "0.001"])
 def test_a_number_may_be_written_as_text(value):
-    assert plain_yaml.number("D", value) == 0.001
+    assert number("D", value) == 0.001
 
 
 @pytest.mark.parametrize("value", ["x", None, [], 10**400])
 def test_what_is_no_number_is_refused_by_name(value):
     with pytest.raises(ValueError, match="D must be a number, got"):
-        plain_yaml.number("D", value)
+        number("D", value)

@@ -133,7 +133,7 @@ def test_kill_of_a_worker(checkout, undisturbed, tmp_path):
 @pytest.mark.slow
 def test_kill_of_a_job(checkout, undisturbed, tmp_path):
     """The shell dies, its worker does not know and finishes."""
-    forget(checkout, *PRODUCTS, "batches/one-0.nc", "studies/one.nc")
+    forget(checkout, *PRODUCTS, "batches/one-0.nc")
     with paused(checkout, "batches/one-0.nc", tmp_path) as (snakemake, worker):
         os.kill(parent(worker), signal.SIGKILL)
         assert snakemake.wait(PATIENCE) != 0
@@ -309,7 +309,7 @@ def test_a_clock_that_was_ahead(checkout, undisturbed):
 def test_a_clock_that_goes_back_within_a_run(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
     with paused(checkout, "contact.nc", tmp_path) as (snakemake, _):
-        date(checkout / "results/test/studies", 9e5)
+        date(checkout / "results/test/batches", 9e5)
     assert snakemake.returncode != 0
     assert "clock skew" in (tmp_path / "said").read_text()
     assert_the_next_run_is_undisturbed(checkout, undisturbed)

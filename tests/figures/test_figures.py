@@ -25,7 +25,7 @@ from weier.figures.captions import caption
 from weier.methods import registry
 from weier.methods.method import Style
 from weier.pipeline import batch, curves
-from weier.pipeline import gather as study
+from weier.pipeline.gather import batch_file, read_study
 from weier.scene import Scene, SceneError
 
 SCENE = """
@@ -49,15 +49,9 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     folder = tmp_path_factory.mktemp("scene")
     (folder / "small.yaml").write_text(SCENE)
     loaded = scene.load(folder / "small.yaml")
-    parts = {folder / f"{name}.nc": batch.solve_batch(loaded, cases)[0] for name, cases in loaded.batches.items()}
-    for path, data in parts.items():
-        dataset.write(data, path, "small")
-    gathered = {}
-    for name, cases in loaded.studies.items():
-        keys = [case.key for case in cases]
-        study.gather(list(parts), keys, folder / "study.nc", name, change=study.add_bounds)
-        gathered[name] = dataset.read(folder / "study.nc")
-    return gathered
+    for name, cases in loaded.batches.items():
+        dataset.write(batch.solve_batch(loaded, cases)[0], batch_file(folder, name), "small")
+    return {name: read_study(loaded, name, folder) for name in loaded.studies}
 
 
 def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.Dataset:

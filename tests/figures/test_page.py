@@ -10,7 +10,7 @@ import pytest
 from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
-from weier import plan, scene
+from weier import scene
 from weier.data import dataset, provenance
 from weier.data.dataset import Status
 from weier.figures import kinds, page, style
@@ -29,15 +29,6 @@ studies:
   one: {product: {D: 1.25, gamma: 5, m: 2}}
 figures:
   figure_1: {draw: profiles, studies: [one], title: Rough & <i>smooth</i>}
-"""
-PLANNED = """
-title: test
-loads: [0.02, 0.3, 1.5]
-methods: [patches]
-tolerance: 1.0e-4
-studies:
-  one: {product: {D: 1.5, gamma: 2, m: [1, 3], phase: 1.0}}
-  far: {product: {D: 1.95, gamma: 2, m: inf}}
 """
 
 
@@ -117,7 +108,7 @@ def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
     data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
-    assert "<td>bem</td><td>0</td><td>2</td><td>0</td><td>0</td><td>3.0e-11</td><td>7.0e-05</td><td>inf</td>" in (
+    assert "<td>bem</td><td>0</td><td>2</td><td>0</td><td>0</td><td>7.0e-05</td><td>inf</td><td>3.0e-11</td>" in (
         page._errors(data)
     )
     assert "<td>demelio</td><td>0</td><td>2</td><td>0</td><td>0</td><td></td><td></td><td></td>" in page._errors(data)
@@ -176,46 +167,49 @@ def test_the_page_says_what_its_date_is(folder):
 
 
 @pytest.fixture
-def planned(tmp_path):
-    """A scene with a tolerance, solved with errors and seconds that are known."""
-    loaded = load(tmp_path, PLANNED)
-    cases = [case for study in loaded.studies.values() for case in study]
-    methods, terms, _ = loaded.layout
-    data = dataset.blank(3, methods, loaded.loads, terms)
-    cost = dataset.blank_cost(3, methods)
+def planned():
+    """What a scene with a tolerance leaves, with errors and seconds that are known; the last case is out of reach."""
+    data = dataset.blank(3, ["patches", "planned"], LOADS, 3)
+    cost = dataset.blank_cost(3, ["patches", "planned"])
     for each in (data, cost):
-        each["key"].values[:] = [case.key for case in cases]
+        each["key"].values[:] = "one", "two", "three"
+    data["settings"].values[:, 1] = '{"quantity": "compliance", "tolerance": 0.0001}'
+    data["status"].values[:, 1] = Status.solved, Status.solved, Status.not_applicable
+    data["planned_method"].values[:2] = ["westergaard"] * LOADS.size, ["bem"] * (LOADS.size - 1) + ["full contact"]
+    data["planned_seconds"].values[:2] = 0.25, 2.0
+    data["planned_error"].values[:2] = 2e-5, 6e-5
     data["compliance"].values[:2] = 0.5
-    data["compliance"].values[:2, methods.index("planned"), 1] += [3e-5, -7e-5]
-    cost["seconds"].values[:2, methods.index("planned")] = [0.5, 1.5]
-    return loaded, data, cost
+    data["compliance"].values[:2, 1, 1] += [3e-5, -7e-5]
+    cost["seconds"].values[:2, 1] = 0.5, 1.5
+    return data, cost
 
 
 def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
-    loaded, data, cost = planned
-    made = [plan(case.profile, loaded.loads, 1e-4) for case in loaded.studies["one"]]
-    methods = [" and ".join(dict.fromkeys(segment.method for segment in each.segments)) for each in made]
-    assert len(set(methods)) == 2
-    table = plans.rows(loaded, data, [cost])
-    assert [row[0] for row in table] == [*methods, "out of reach", "all"]
-    assert [row[1] for row in table] == [1, 1, 1, 3]
-    assert [row[3] for row in table] == ["0.5", "1.5", "0", "2"]
-    assert [row[7] for row in table] == ["3.0e-05", "7.0e-05", "unknown", "7.0e-05"]
-    for row, each, took in zip(table, made, (0.5, 1.5), strict=False):
-        assert row[2] == f"{each.seconds:.3g}"
-        assert float(row[4]) == pytest.approx(took / each.seconds, rel=0.05)
-        assert "e" not in row[4]
-        assert row[5:7] == ["1.0e-04", f"{each.error:.1e}"]
+    data, cost = planned
+    assert plans.rows(data, [cost]) == [
+        ["westergaard", 1, "0.25", "0.5", "2", "1.0e-04", "2.0e-05", "3.0e-05"],
+        ["bem and full contact", 1, "2", "1.5", "0.75", "1.0e-04", "6.0e-05", "7.0e-05"],
+        ["out of reach", 1, "0", "0", "", "1.0e-04", "unknown", "unknown"],
+        ["all", 3, "2.25", "2", "0.89", "1.0e-04", "6.0e-05", "7.0e-05"],
+    ]
 
 
 def test_an_error_is_unknown_where_nothing_measured_it(planned):
-    loaded, data, cost = planned
-    assert {row[7] for row in plans.rows(loaded, data.sel(solution_method=["planned"]), [cost])} == {"unknown"}
+    data, cost = planned
+    assert {row[7] for row in plans.rows(data.sel(solution_method=["planned"]), [cost])} == {"unknown"}
 
 
-def test_a_scene_without_a_tolerance_has_no_plans(planned, tmp_path):
-    _, data, cost = planned
-    assert plans.rows(load(tmp_path, SCENE), data, [cost]) == []
+def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):
+    data, cost = planned
+    data["settings"].values[:, 1] = '{"quantity": "resistance", "tolerance": 0.0001}'
+    data["resistance"].values[0] = [[4.0] * LOADS.size, [4.004] * LOADS.size]
+    data["resistance"].values[1] = [[0.5] * LOADS.size, [0.502] * LOADS.size]
+    assert [row[7] for row in plans.rows(data, [cost])[:2]] == ["1.0e-03", "2.0e-03"]
+
+
+def test_a_scene_without_a_tolerance_has_no_plans():
+    data = dataset.blank(1, METHODS, LOADS, 3)
+    assert plans.rows(data, [dataset.blank_cost(1, METHODS)]) == []
 
 
 # The page is driven as a user drives it: a drop-down list is set and tells the page so. The lists stand in the shadow

@@ -4,10 +4,16 @@ from weier.kernels.sources import PACKAGE, sources
 
 
 def test_a_module_depends_on_all_that_it_imports():
-    found = sources("weier.pipeline.gather")
-    assert "weier/pipeline/gather.py" in found
+    found = sources("weier.pipeline.bounds")
+    assert "weier/pipeline/bounds.py" in found
     assert "weier/theory/bounds.py" in found
     assert not any("scene" in path for path in found)
+
+
+def test_an_import_that_is_left_out_is_not_followed():
+    found = sources("weier.methods.solve", without=["registry"])
+    assert "weier/methods/settings.py" in found
+    assert not any("registry" in path or "archard" in path for path in found)
 
 
 def test_solving_depends_on_every_kernel_and_on_no_figure():

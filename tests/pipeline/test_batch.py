@@ -1,9 +1,16 @@
-"""A batch: the same rows however many threads solve them."""
+"""A batch: the same rows however many threads solve them, with whatever a method returns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from weier import scene
+from weier.methods import registry
+from weier.methods.registry import PLANNED
 from weier.pipeline import batch
 
 SCENE = """\
@@ -16,23 +23,49 @@ studies:
 
 
 @pytest.fixture(scope="module")
-def loaded(tmp_path_factory):
+def threaded(tmp_path_factory):
     path = tmp_path_factory.mktemp("scene") / "test.yaml"
     path.write_text(SCENE)
     return scene.load(path)
 
 
-def test_the_data_do_not_depend_on_the_threads(loaded):
-    cases = loaded.studies["one"]
-    (one, _), (many, cost) = batch.solve_batch(loaded, cases), batch.solve_batch(loaded, cases, threads=4)
+def test_the_data_do_not_depend_on_the_threads(threaded):
+    cases = threaded.studies["one"]
+    (one, _), (many, cost) = batch.solve_batch(threaded, cases), batch.solve_batch(threaded, cases, threads=4)
     assert one.identical(many)
     assert np.all(cost.seconds > 0)
 
 
-def test_what_a_thread_raises_reaches_the_caller(loaded, monkeypatch):
+def test_what_a_thread_raises_reaches_the_caller(threaded, monkeypatch):
     def broken(*arguments):
         raise MemoryError("no room")
 
-    monkeypatch.setattr(batch, "answer", broken)
+    monkeypatch.setattr(batch, "solve_checked", broken)
     with pytest.raises(MemoryError, match="no room"):
-        batch.solve_batch(loaded, loaded.studies["one"], threads=2)
+        batch.solve_batch(threaded, threaded.studies["one"], threads=2)
+
+
+class Planned(NamedTuple):
+    """What a plan may return: arrays over the loads, and what it expected as numbers."""
+
+    compliance: np.ndarray
+    resistance: np.ndarray
+    planned_seconds: float
+    planned_error: float
+
+
+def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
+    def solve(profile, loads, tolerance: float = 1e-3, quantity: str = "compliance"):
+        return Planned(loads, 1 / loads, 2.5, 1e-4 * profile.m)
+
+    planned = replace(registry.method_named(PLANNED), solve=solve)
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], planned))
+    path = tmp_path / "planned.yaml"
+    path.write_text(
+        "{title: t, loads: [0.1, 1], tolerance: 0.01, studies: {one: {product: {D: 1.5, gamma: 3, m: [1, 2]}}}}"
+    )
+    loaded = scene.load(path)
+    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
+    assert data["planned_seconds"].values.tolist() == [2.5, 2.5]
+    assert data["planned_error"].values == pytest.approx([1e-4, 2e-4])
+    assert data["compliance"].values[0, 0].tolist() == [0.1, 1.0]

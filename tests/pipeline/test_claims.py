@@ -200,12 +200,12 @@ def test_without_the_curves_a_claim_is_not_measured(name: str) -> None:
     assert measured.text.startswith("Not measured: ")
 
 
-def test_unknown_claim() -> None:
+def test_unknown_claim(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"no claim 'everything'.*twelve_elements, phase_spread"):
         claims.evaluate("everything", [])
     with pytest.raises(SceneError, match=r"scene test: claims: there is no claim 'everything'.*twelve_elements"):
-        claims.check_names(scene_of(archard_above=("a",), everything=("a",)))
-    claims.check_names(scene_of(**dict.fromkeys(claims.CLAIMS, ("a",))))
+        claims.check_names(scene_of(tmp_path, {}, archard_above=("a",), everything=("a",)))
+    claims.check_names(scene_of(tmp_path, {}, **dict.fromkeys(claims.CLAIMS, ("a",))))
 
 
 def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -217,9 +217,9 @@ def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: p
         error = max(float(np.abs(readings.curve(each, "layer") - readings.numerical(each)).max()) for each in cases)
         return claim.judge(f"The largest error is {error:.2g} g_0.", error, [(error < 1e-6, "that is not exact")])
 
-    scene = scene_of(layer_exact=("smooth",))
+    scene = scene_of(tmp_path, {"smooth": estimate(0.1)}, layer_exact=("smooth",))
     claims.check_names(scene)
-    claims.write(scene, files_of(tmp_path, smooth=estimate(0.1)), tmp_path / "contact.nc", tmp_path / "claims.md")
+    claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["claim_statement"][:].tolist() == ["The layer is exact."]
         assert data["claim_measured"][0] == (
@@ -233,20 +233,26 @@ def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: p
     assert claims.evaluate("layer_exact", [estimate(0.0)]).holds
 
 
-def scene_of(**names: tuple[str, ...]) -> Scene:
-    return cast(Scene, SimpleNamespace(name="test", title="A scene", text="title: A scene", claims=names))
-
-
-def files_of(folder: Path, **studies: xr.Dataset) -> dict[str, Path]:
+def scene_of(folder: Path, studies: dict[str, xr.Dataset], **names: tuple[str, ...]) -> Scene:
+    """A scene with these claims, whose studies are in the folder, each in a batch of its own name."""
     for name, data in studies.items():
-        dataset.write(data, folder / "studies" / f"{name}.nc", name)
-    return {name: folder / "studies" / f"{name}.nc" for name in studies}
+        dataset.write(data, folder / f"{name}.nc", name)
+    keys = {name: data["key"].values.tolist() for name, data in studies.items()}
+    return cast(
+        Scene,
+        SimpleNamespace(
+            name="test", title="A scene", text="title: A scene", claims=names, batches=studies,
+            cases=dict.fromkeys(key for each in keys.values() for key in each),
+            study_named=lambda name: [SimpleNamespace(key=key) for key in keys[name]], batches_of=lambda name: [name],
+        ),
+    )  # fmt: skip
 
 
 def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
-    studies = files_of(tmp_path, smooth=estimate(0.1), rough=estimate(-0.1, D=1.5), again=estimate(0.1))
+    studies = {"smooth": estimate(0.1), "rough": estimate(-0.1, D=1.5), "again": estimate(0.1)}
     names = {"archard_above": ("smooth", "rough"), "demelio_below": ("again",), "phase_spread": ("again",)}
-    claims.write(scene_of(**names), studies, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
+    scene = scene_of(tmp_path, studies, **names)
+    claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["D"][:].tolist() == [1.25, 1.5]  # each case once
         assert list(data["claim"][:]) == list(names)
@@ -265,14 +271,15 @@ def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
 
 
 def test_scene_without_claims(tmp_path: Path) -> None:
-    studies = files_of(tmp_path, smooth=estimate(0.1))
-    claims.write(scene_of(), studies, tmp_path / "contact.nc", tmp_path / "claims.md")
+    scene = scene_of(tmp_path, {"smooth": estimate(0.1)})
+    claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
     assert "claim" not in dataset.read(tmp_path / "contact.nc").sizes
     assert "no claims" in (tmp_path / "claims.md").read_text()
 
 
 def test_unknown_claim_writes_nothing(tmp_path: Path) -> None:
-    studies = files_of(tmp_path / "made", a=estimate(0))
+    made = tmp_path / "made"
+    scene = scene_of(made, {"a": estimate(0)}, everything=("a",))
     with pytest.raises(ValueError, match="no claim 'everything'"):
-        claims.write(scene_of(everything=("a",)), studies, tmp_path / "contact.nc", tmp_path / "claims.md")
+        claims.write(scene, made, tmp_path / "contact.nc", tmp_path / "claims.md")
     assert [path.name for path in tmp_path.iterdir()] == ["made"]

@@ -4,10 +4,12 @@ import ast
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from weier.kernels.sources import PACKAGE
+from weier.pipeline import compile
 from weier.pipeline.compile import compile_kernels
 
 # As plain Python, which shows what is called.
@@ -55,3 +57,27 @@ def test_nothing_is_run_where_nothing_is_compiled(monkeypatch):
     monkeypatch.setattr("weier.kernels.jit.disabled", lambda: True)
     monkeypatch.setattr("weier.pipeline.compile.solve", lambda *_: pytest.fail("solved"))
     compile_kernels()
+
+
+def test_one_process_compiles_and_the_others_find_it_done(tmp_path, monkeypatch):
+    compiled = []
+
+    def compile_all():
+        compiled.append(1)
+        (tmp_path / "cache" / compile.COMPLETE).touch()
+
+    monkeypatch.setattr("weier.kernels.jit.disabled", lambda: False)
+    monkeypatch.setattr("weier.kernels.jit.cache_folder", lambda: tmp_path / "cache")
+    monkeypatch.setattr(compile, "compile_kernels", compile_all)
+    with ThreadPoolExecutor(4) as pool:
+        for _ in pool.map(lambda _: compile.compile_once(), range(4)):
+            pass
+    assert compiled == [1]
+
+
+def test_a_cache_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setattr("weier.kernels.jit.disabled", lambda: False)
+    monkeypatch.setattr("weier.kernels.jit.cache_folder", lambda: tmp_path / "file" / "cache")
+    monkeypatch.setattr(compile, "compile_kernels", lambda: pytest.fail("compiled"))
+    compile.compile_once()

@@ -1,15 +1,15 @@
 """Scene files: what they expand to, and what is said about a bad one."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
-from weier import figures, scene
-from weier.kernels.sources import PACKAGE
-from weier.pipeline import claims
+from tests.toy_method import TOY
+from weier import scene
+from weier.methods import registry
+from weier.scene.file import schema
 
 SCENES = sorted(Path("config/scenes").glob("*.yaml"))
 
@@ -40,12 +40,18 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
     assert set(solved) == {case.key for cases in loaded.studies.values() for case in cases}
 
 
-def test_the_schema_knows_every_figure_and_claim():
-    schema = json.loads((PACKAGE / "scene" / "schema.json").read_text())
-    assert schema["$defs"]["figure"]["properties"]["draw"]["enum"] == [
-        name for name, kind in figures.kinds().items() if not kind.command
-    ]
-    assert schema["properties"]["claims"]["propertyNames"]["enum"] == list(claims.CLAIMS)
+def test_the_schema_knows_every_method(monkeypatch):
+    assert schema()["$defs"]["method"]["enum"] == registry.names()
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, TOY))
+    assert schema()["$defs"]["method"]["enum"][-1] == TOY.name
+
+
+def test_figures_and_claims_may_have_any_name(tmp_path):
+    """Which there are, the figures and the claims know."""
+    changes = {"figures": {"f": {"draw": "anything", "studies": ["one"]}}, "claims": {"anything": ["one"]}}
+    loaded = scene.load(write(tmp_path, **changes))
+    assert loaded.figures["f"].draw == "anything"
+    assert loaded.claims == {"anything": ("one",)}
 
 
 def test_the_sweep_has_some_hundreds_of_cases():
@@ -91,6 +97,16 @@ def test_a_case_of_two_studies_is_solved_once_and_a_study_needs_only_its_batches
     assert len(loaded.batches_of("one")) == 1
     assert len(loaded.batches_of("two")) == 2
     assert loaded.batches_of("three") == ["three-0"]
+    assert loaded.batches_of("two", "one", "two") == loaded.batches_of("two")
+
+
+def test_the_digest_of_cases_follows_which_there_are_and_their_order(tmp_path):
+    def digest(*terms):
+        study = {"product": {"D": 1.25, "gamma": 5, "m": list(terms)}}
+        return scene.load(write(tmp_path, studies={"one": study})).digest_of_cases("one")
+
+    assert digest(1, 2) == digest(1, 2)
+    assert len({digest(1, 2), digest(2, 1), digest(1, 3)}) == 3
 
 
 def test_batches_are_no_larger_than_asked(tmp_path):
@@ -127,7 +143,8 @@ def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
         ({"loads": [float("nan")]}, "loads: mean_pressure must be finite"),
         ({"loads": []}, "loads"),
         ({"loads": "heavy"}, "loads"),
-        ({"methods": ["bme"]}, "studies.one: method must be one of .*bem.*'bme'"),
+        ({"methods": ["bme"]}, "methods.0: 'bme' is not one of .*'bem'"),
+        ({"settings": {"bme": {"points": 3}}}, "settings: 'bme' is not one of .*'bem'"),
         ({"settings": {"demelio": {"points": 3}}}, "studies.one: .*no setting 'points'"),
         (product(D=2.5), r"studies.one: D must lie in \(1, 2\), got 2.5"),
         (product(m=0), "studies.one: m must be"),
@@ -139,11 +156,8 @@ def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
             "figures.f: there is no study 'two', only one",
         ),
         ({"claims": {"fourth_term": ["two"]}}, "claims.fourth_term: there is no study 'two'"),
-        ({"claims": {"c": ["one"]}}, "claims: 'c' is not one of"),
-        (
-            {"figures": {"f": {"draw": "complience", "studies": ["one"]}}},
-            "figures.f.draw: 'complience' is not one of",
-        ),
+        ({"claims": {"../c": ["one"]}}, r"claims: '\.\./c' does not match"),
+        ({"figures": {"f": {"draw": "../f", "studies": ["one"]}}}, r"figures.f.draw: '\.\./f' does not match"),
         ({"batch": 0}, "batch"),
     ],
 )

@@ -19,7 +19,7 @@ from weier.kernels.sources import PACKAGE
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method, Variant
 from weier.methods.registry import method_named
-from weier.methods.solve import answer
+from weier.methods.solve import solve_checked
 from weier.theory.profile import Profile
 
 REPEAT = 3  # and keep the least: what disturbs a run only adds to its time, even to its processor time,
@@ -66,7 +66,7 @@ class Run(NamedTuple):
 def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     """The curve of a variant; raises what `weier.solve` raises."""
     method, start = method_named(variant.method), process_time()
-    solved, _ = answer(profile, loads, method.name, variant.settings)
+    solved, _ = solve_checked(profile, loads, method, variant.settings)
     seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)

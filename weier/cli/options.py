@@ -9,8 +9,8 @@ from typing import Any
 import click
 import numpy as np
 
-from weier.data import yaml as plain_yaml
 from weier.data.files import check_target
+from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import infinite_names, names
 from weier.theory.loads import MAX_LOADS, checked_loads
@@ -21,7 +21,7 @@ Option = Callable[[Command], Command]
 LOADS = "1e-3:4:40"
 
 
-def parsed_loads(text: str) -> Array:
+def parse_loads(text: str) -> Array:
     """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40".
 
     Raises
@@ -45,7 +45,7 @@ def parsed_loads(text: str) -> Array:
     return checked_loads(np.geomspace(*ends, number))
 
 
-def parsed_phases(text: str) -> list[float]:
+def parse_phases(text: str) -> list[float]:
     """Phases from "0,1,2".
 
     Raises
@@ -60,7 +60,7 @@ def parsed_phases(text: str) -> list[float]:
         raise ValueError(f'phases must read "0,1,2", got {text!r:.80}') from None
 
 
-def parsed_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
+def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Settings of methods from texts such as "bem.points=512".
 
     Raises
@@ -69,17 +69,17 @@ def parsed_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
         If a text does not read so.
 
     """
-    found: dict[str, dict[str, Any]] = {}
+    settings: dict[str, dict[str, Any]] = {}
     for text in texts:
         name, _, value = text.partition("=")
         method, _, setting = name.partition(".")
         if not (method and setting and value):
             raise ValueError(f'a setting must read "method.name=value", such as bem.points=512, got {text!r:.80}')
         try:
-            found.setdefault(method, {})[setting] = plain_yaml.load(value)
+            settings.setdefault(method, {})[setting] = parse_yaml(value)
         except ValueError:
             raise ValueError(f"the value of a setting must be a number or a word, got {value!r:.80}") from None
-    return found
+    return settings
 
 
 def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Parameter, Any], Any]:
@@ -123,7 +123,7 @@ def output(name: str, *suffixes: str) -> Option:
 
 def loads(default: str | None, help: str) -> Option:
     """The option for mean pressures."""
-    return click.option("--loads", default=default, show_default=True, callback=_read(parsed_loads), help=help)
+    return click.option("--loads", default=default, show_default=True, callback=_read(parse_loads), help=help)
 
 
 def _series(required: bool) -> tuple[Option, ...]:
@@ -136,7 +136,7 @@ def _series(required: bool) -> tuple[Option, ...]:
             help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}.",
         ),
         click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
-        click.option("--phases", callback=_read(parsed_phases), help="Phases of all m waves, as 0,1,2."),
+        click.option("--phases", callback=_read(parse_phases), help="Phases of all m waves, as 0,1,2."),
         click.option("--seed", type=int, help="Seed of random phases."),
     )  # fmt: skip
 
@@ -148,7 +148,7 @@ _SOLVED = (
         help="Once for each method [default: bem; plot: archard, demelio, layer and bem].",
     ),
     click.option(
-        "--set", "settings", multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parsed_settings),
+        "--set", "settings", multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
         help="A setting, such as bem.points=512.",
     ),
 )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from weier import scene
-from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parsed_loads
+from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parse_loads
 from weier.kernels.arrays import Array
 from weier.methods.planned.plan import Plan
 from weier.methods.segment import QUANTITIES
@@ -62,7 +62,7 @@ def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | 
     missing = [option for option, name in NEEDED.items() if series[name] is None]
     if missing:
         raise click.UsageError(f"a profile takes -D, --gamma and -m, got no {' and no '.join(missing)}")
-    pressures = parsed_loads(LOADS) if loads is None else loads
+    pressures = parse_loads(LOADS) if loads is None else loads
     return single.plan_one(parameters(**series), pressures, tolerance, quantity)
 
 

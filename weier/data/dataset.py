@@ -1,6 +1,6 @@
-"""The data in memory, and their way to files and back.
+"""The data in memory, and how they are written to files and read back.
 
-A file holds `case` x `method` x `mean_pressure`; what describes a case (D, gamma, m, phase) are coordinates.
+A file holds `case` x `solution_method` x `mean_pressure`; what describes a case (D, gamma, m, phase) are coordinates.
 Where a number is missing, `status` says why.
 """
 
@@ -23,7 +23,7 @@ from weier.kernels.arrays import Array
 
 __all__ = [
     "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
-    "curve", "open_lazily", "read", "reading", "widened", "write",
+    "curve", "open_lazily", "read", "reading", "widen", "write",
 ]  # fmt: skip
 
 
@@ -59,29 +59,30 @@ def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: i
 def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset:
     """The seconds and settings of each case and method, with nothing in it yet."""
     sizes = {"case": cases, "solution_method": len(methods), "term": terms}
-    data = xr.Dataset({name: variables.blank(name, sizes) for name in COST})
-    data = data.set_coords([name for name in COST if name in COORDINATES])
+    names = variables.kept_in(COST)
+    data = xr.Dataset({name: variables.blank(name, sizes) for name in names})
+    data = data.set_coords([name for name in names if name in COORDINATES])
     return data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method"))
     )
 
 
-def widened(data: xr.Dataset, methods: Sequence[str], terms: int, edges: int) -> xr.Dataset:
+def widen(data: xr.Dataset, methods: Sequence[str], terms: int, edges: int) -> xr.Dataset:
     """The same cases over more methods, terms and edges of contact: blank where they were not asked for."""
     own = data["solution_method"].values.tolist()
     if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
         return data
     wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges)
-    places: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
-    places["solution_method"] = [list(methods).index(method) for method in own]
+    position: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
+    position["solution_method"] = [list(methods).index(method) for method in own]
     for name in data.variables.keys() - data.sizes.keys():
         values = data.variables[name]
-        wide.variables[name][{dim: places.get(dim, slice(None)) for dim in values.dims}] = values.values
+        wide.variables[name][{dim: position.get(dim, slice(None)) for dim in values.dims}] = values.values
     return wide
 
 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
-    """Write a netCDF file whole or not at all: beside its place first, then renamed.
+    """Write a netCDF file whole or not at all: under another name beside it first, then renamed.
 
     Parameters
     ----------

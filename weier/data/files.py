@@ -60,7 +60,7 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def check_target(path: str | Path) -> None:
-    """Refuse a file that cannot be, such as one in the place of a folder or of a device, or in no folder.
+    """Refuse a path that no file can have, such as that of a folder or a device, or one below a file.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def check_target(path: str | Path) -> None:
     """
     path = Path(path)
     try:
-        folder = next(place for place in path.absolute().parents if place.exists())
+        folder = next(parent for parent in path.absolute().parents if parent.exists())
         if path.is_dir():
             wrong = "it is a folder"
         elif path.exists() and not path.is_file():
@@ -102,8 +102,8 @@ def check_writable(folder: str | Path) -> None:
 def remove_leftovers(folder: str | Path) -> None:
     """Remove what processes of this machine that were killed had half written below a folder."""
     for path in Path(folder).rglob(".*"):
-        found = LEFTOVER.fullmatch(path.name)
-        if found and found["host"] == _host() and not _runs(int(found["process"])):
+        leftover = LEFTOVER.fullmatch(path.name)
+        if leftover and leftover["host"] == _host() and not _runs(int(leftover["process"])):
             path.unlink(missing_ok=True)
 
 

@@ -24,7 +24,7 @@ PAPER = (
 )
 SUMMARY = (
     "Elastic compliance and electrical contact resistance against mean pressure of a Weierstrass profile pressed on "
-    "a plane: closed-form estimates, numerical solutions, and bounds on the endless series, for each case and method."
+    "a plane: closed-form estimates, numerical solutions, and bounds on the infinite series, by case and method."
 )
 KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surface, fractal, Weierstrass profile"
 DEVELOPERS = "The weier developers"
@@ -69,7 +69,7 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
     made = commit()
     software = f"weier {VERSION}" + (f", commit {made.name}" if made.name else "")
     lines = dict.fromkeys(line for history in before for line in history.splitlines())
-    found = {
+    fixed = {
         "Conventions": "CF-1.11, ACDD-1.3",
         "title": title,
         "summary": SUMMARY,
@@ -101,7 +101,7 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
     }
     dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), made.date)
-    return found | (dates if made.date else {}) | ({"scene": scene} if scene else {})
+    return fixed | (dates if made.date else {}) | ({"scene": scene} if scene else {})
 
 
 @cache

@@ -1,4 +1,4 @@
-"""A file of curves, opened to be looked into by its labels: D, gamma, m, phase, method and mean pressure."""
+"""A file of curves, from which cases are selected by D, gamma, m, phase, method of solution and mean pressure."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 from weier.data import dataset
 
 CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
-SHOWN = 10  # values that a message lists
+MAX_LISTED = 10  # values that a message lists
 
 Ratio = int | float | str | Fraction
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Curves over case, method and mean_pressure, read from the file where they are asked for.
+    """Curves over case, solution_method and mean_pressure, read from the file where they are asked for.
 
     Its `sel` also selects cases by what describes them (D, gamma, m, phase), which are no index of an xarray Dataset,
     and takes gamma as a fraction. What it selects is a Contact again; `data` is the xarray Dataset, and
@@ -170,8 +170,8 @@ def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
     near = np.isclose(first, expected, rtol=CLOSE, atol=CLOSE)
     if wanted.ndim == 0:
         near |= np.isnan(first)  # a number is the phase of as many terms as there are
-    endless = np.isinf(data["m"].values)  # has no phases
-    fits = endless | (near.all(axis=1) & ~rest.any(axis=1))
+    infinite = np.isinf(data["m"].values)  # has no phases
+    fits = infinite | (near.all(axis=1) & ~rest.any(axis=1))
     if not fits.any():
         raise ValueError(f"no case has phase = {wanted.tolist()}: the phases are in the coordinate phase(case, term)")
     return data.isel(case=np.flatnonzero(fits))
@@ -191,4 +191,4 @@ def _row(labels: NDArray[Any], label: Any, name: str) -> int:
 
 def _some(values: NDArray[Any]) -> str:
     texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values.tolist()]
-    return ", ".join(texts[:SHOWN]) + (", ..." if len(texts) > SHOWN else "")
+    return ", ".join(texts[:MAX_LISTED]) + (", ..." if len(texts) > MAX_LISTED else "")

@@ -1,4 +1,7 @@
-"""The one table of variables: dimensions, meaning, unit, symbol of the paper and range of each."""
+"""The one table of variables: what each means, and which steps and figures show it.
+
+To add a variable, add a row: batches, files, figures and pages find it here.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,9 @@ RUN = ("case", "solution_method")
 LOADS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # a difference of heights that is 0 may come out this much below
-QUALITY, ASIDE, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
+QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
+COST, TRADEOFF, EXTREMES = "cost", "tradeoff", "extremes"  # files beside those of a scene that keep some variables
+MEASURED = (TRADEOFF, EXTREMES)
 
 
 class Status(IntEnum):
@@ -34,7 +39,11 @@ class Variable(NamedTuple):
     dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
     content : what kind of thing it is, in the words of ISO 19115
     only_with : a method, if no other has it
-    apart : whether it differs from run to run, and so is kept in a file of its own
+    files : which files beside those of a scene keep it
+    apart : whether it differs from run to run, and so is kept in files of its own
+    axis : its name on an axis of a figure, in mathtext
+    plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
+    largest : its name in a page's table of the largest errors of each method, if it stands there
     """
 
     dims: tuple[str, ...]
@@ -47,61 +56,114 @@ class Variable(NamedTuple):
     flags: type[IntEnum] | None = None
     content: str = "modelResult"
     only_with: str = ""
+    files: tuple[str, ...] = ()
     apart: bool = False
+    axis: str = ""
+    plot: str = ""
+    largest: str = ""
 
 
 # Text has a fixed width, so that files of many cases can be joined, compressed and read by any netCDF library.
 VARIABLES = {
     "solution_method": Variable(("solution_method",), "method of solution", dtype="U16", content=LABEL),
-    "mean_pressure": Variable(("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL),
-    "key": Variable(("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL),
-    "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL),
-    "gamma": Variable(("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL),
-    "m": Variable(("case",), "number of terms of the series", symbol="m", least=1, content=LABEL),
-    "phase": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
-    "total_amplitude": Variable(("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0),
-    "tail_amplitude": Variable(("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0),
-    "first_contact": Variable(("case",), "compliance at first contact", "g_0", least=-ROUNDING),
-    "compliance": Variable(CURVE, "compliance from the profile whose waves peak together", "g_0", "h", least=0),
+    "mean_pressure": Variable(
+        ("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL,
+        axis=r"mean pressure $\bar{p}/p_0^{*}$", plot="mean pressure p/p_0*",
+    ),
+    "key": Variable(
+        ("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL, files=(COST,)
+    ),
+    "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL, files=(COST,)),
+    "gamma": Variable(
+        ("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL, files=(COST,)
+    ),
+    "m": Variable(
+        ("case",), "number of terms of the series", symbol="m", least=1, content=LABEL, files=(COST,)
+    ),
+    "phase": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL, files=(COST,)),
+    "total_amplitude": Variable(
+        ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=MEASURED
+    ),
+    "tail_amplitude": Variable(
+        ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=MEASURED
+    ),
+    "first_contact": Variable(
+        ("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED
+    ),
+    "compliance": Variable(
+        CURVE, "compliance from the profile whose waves peak together", "g_0", "h", least=0, files=MEASURED,
+        axis="compliance $h/g_0$", plot="compliance h/g_0",
+    ),
     "resistance": Variable(
-        CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0
+        CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0, files=MEASURED,
+        axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": Variable(
-        CURVE, "lower bound on the compliance of the endless series, from where all its waves peak together", "g_0"
+        CURVE, "lower bound on the compliance of the infinite series, from where all its waves peak together", "g_0"
     ),
     "compliance_upper": Variable(
-        CURVE, "upper bound on the compliance of the endless series, from where all its waves peak together", "g_0"
+        CURVE, "upper bound on the compliance of the infinite series, from where all its waves peak together", "g_0"
     ),
-    "resistance_lower": Variable(CURVE, "lower bound on the resistance of the endless series", "g_0/p_0*", least=0),
-    "resistance_upper": Variable(CURVE, "upper bound on the resistance of the endless series", "g_0/p_0*", least=0),
-    "compliance_error": Variable(CURVE, "error of the compliance, estimated or measured", "g_0", least=0),
-    "resistance_error": Variable(CURVE, "error of the resistance, estimated or measured", "g_0/p_0*", least=0),
+    "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
+    "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
+    "compliance_error": Variable(
+        CURVE, "error of the compliance, estimated or measured", "g_0", least=0, files=MEASURED,
+        largest="expected error of h, g_0",
+    ),
+    "resistance_error": Variable(
+        CURVE, "error of the resistance, estimated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),
+        largest="expected error of R, g_0/p_0*",
+    ),
     "indentation": Variable(CURVE, "compliance from first contact", "g_0", least=-ROUNDING),
-    "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1),
-    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0),
-    "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", least=0, content=QUALITY),
-    "work": Variable(CURVE, "pairs of FFTs, dense solutions or Newton steps", least=0, content=ASIDE),
-    "points": Variable(RUN, "nodes in one period", least=1, content=ASIDE),
-    "settings": Variable(
-        RUN, "settings of the solution, those not given at their defaults, as JSON", dtype="U240", content=ASIDE
+    "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
+    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,)),
+    "residual": Variable(
+        CURVE, "largest violation of a contact condition", "g_0", least=0, content=QUALITY, files=(TRADEOFF,),
+        largest="residual, g_0",
     ),
-    "status": Variable(RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY),
+    "work": Variable(
+        CURVE, "pairs of FFTs, dense solutions or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,)
+    ),
+    "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=MEASURED),
+    "settings": Variable(
+        RUN, "settings of the solution, those not given at their defaults, as JSON", dtype="U240", content=AUXILIARY,
+        files=(COST, *MEASURED),
+    ),
+    "status": Variable(
+        RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY, files=(TRADEOFF,)
+    ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn, by method patches", "lambda_0"),
     "planned_method": Variable(
-        LOADS, "method that the plan took at this load, for method planned", dtype="U16", content=ASIDE,
+        LOADS, "method that the plan took at this load, for method planned", dtype="U16", content=AUXILIARY,
         only_with="planned",
     ),
     "planned_terms": Variable(
-        LOADS, "terms that it modelled, for method planned", least=1, content=ASIDE, only_with="planned"
+        LOADS, "terms that it modelled, for method planned", least=1, content=AUXILIARY, only_with="planned"
     ),
     "planned_points": Variable(
-        LOADS, "nodes of its grid in one period, for method planned", least=1, content=ASIDE, only_with="planned"
+        LOADS, "nodes of its grid in one period, for method planned", least=1, content=AUXILIARY, only_with="planned"
     ),
-    "seconds": Variable(RUN, "time to solve all loads", "s", least=0, content=ASIDE, apart=True),
+    "planned_seconds": Variable(
+        ("case",), "time that the plan expected all loads to take on one core, for method planned", "s", least=0,
+        content=AUXILIARY, only_with="planned",
+    ),
+    "planned_error": Variable(
+        ("case",),
+        "largest error that the plan expected, in g_0 of the compliance, of the resistance relative to the larger of "
+        "itself and 1 g_0/p_0*, for method planned",
+        least=0, content=AUXILIARY, only_with="planned",
+    ),
+    "seconds": Variable(
+        RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(COST, TRADEOFF), apart=True
+    ),
 }  # fmt: skip
 
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
-COST = ("key", "D", "gamma", "m", "phase", "settings", "seconds")
+
+
+def kept_in(file: str) -> list[str]:
+    """The variables that a file of seconds (COST), of the trade (TRADEOFF) or of the extremes (EXTREMES) keeps."""
+    return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 
 def of_curves(methods: Collection[str], edges: bool) -> list[str]:
@@ -128,16 +190,16 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
     """The attributes of a variable in a file, by the CF conventions."""
     entry = table[name]
     normalised = entry.unit not in ("1", "rad", "s")
-    found: dict[str, Any] = {"long_name": entry.long_name, "units": "1" if normalised else entry.unit}
-    found["coverage_content_type"] = entry.content
+    known: dict[str, Any] = {"long_name": entry.long_name, "units": "1" if normalised else entry.unit}
+    known["coverage_content_type"] = entry.content
     if normalised:
-        found["normalised_by"] = entry.unit
+        known["normalised_by"] = entry.unit
     if entry.symbol:
-        found["symbol"] = entry.symbol
+        known["symbol"] = entry.symbol
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:
-            found[attribute] = float(limit)
-    return found | (flags(entry.flags) if entry.flags else {})
+            known[attribute] = float(limit)
+    return known | (flags(entry.flags) if entry.flags else {})
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from typing import Any
 
 import yaml
 
-MOST_TEXT = 10**6  # characters of a file
-MOST_NODES = 10**6  # values of one, after each alias is written out
+MAX_CHARACTERS = 10**6  # characters of a file
+MAX_VALUES = 10**6  # values of one, after each alias is written out
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
 
 
@@ -21,7 +21,7 @@ _Loader.add_implicit_resolver(
 )
 
 
-def load(text: str) -> Any:
+def parse_yaml(text: str) -> Any:
     """A YAML text as plain values: no objects, no keys given twice, no alias that grows without bound.
 
     Raises
@@ -30,8 +30,8 @@ def load(text: str) -> Any:
         If it is not YAML, or not plain.
 
     """
-    if len(text) > MOST_TEXT:
-        raise ValueError(f"a scene must have at most {MOST_TEXT} characters, got {len(text)}")
+    if len(text) > MAX_CHARACTERS:
+        raise ValueError(f"a scene must have at most {MAX_CHARACTERS} characters, got {len(text)}")
     try:
         node = yaml.compose(text, _Loader)
         if node is not None:
@@ -55,8 +55,8 @@ def number(name: str, value: Any) -> float:
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
-        shown = f"{value!s:.40}" if not isinstance(value, int) else "a number of too many digits"
-        raise ValueError(f"{name} must be a number, got {shown!r}") from None
+        text = f"{value!s:.40}" if not isinstance(value, int) else "a number of too many digits"
+        raise ValueError(f"{name} must be a number, got {text!r}") from None
 
 
 def _size(node: yaml.Node, known: dict[int, int]) -> int:
@@ -64,8 +64,8 @@ def _size(node: yaml.Node, known: dict[int, int]) -> int:
     if id(node) not in known:
         children = _children(node)
         known[id(node)] = 1 + sum(_size(child, known) for child in children)
-    if known[id(node)] > MOST_NODES:
-        raise ValueError(f"the scene must have at most {MOST_NODES} values, each alias written out: got more")
+    if known[id(node)] > MAX_VALUES:
+        raise ValueError(f"the scene must have at most {MAX_VALUES} values, each alias written out: got more")
     return known[id(node)]
 
 

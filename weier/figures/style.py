@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from weier.data.variables import VARIABLES
 from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
@@ -62,9 +63,7 @@ RC: dict[str, Any] = {
 LABELS = {
     "x": r"$x/\lambda_0$",
     "height": r"height $z/g_0$",
-    "mean_pressure": r"mean pressure $\bar{p}/p_0^{*}$",
-    "compliance": r"compliance $h/g_0$",
-    "resistance": r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
+    **{name: entry.axis for name, entry in VARIABLES.items() if entry.axis},
 }
 
 # Okabe and Ito's colours, told apart by colour-blind readers; the dashes tell them apart in grey.

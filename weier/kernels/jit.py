@@ -28,10 +28,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def kernel_sources() -> list[Path]:
-    """The files of the package that define kernels, and all that they import, sorted."""
+    """The files of the package that define kernels, and all that they import, sorted.
+
+    But for modules called `method`: these gather what the program knows of a method, and kernels know arrays only.
+    """
     kernels = [path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8")]
     modules = [".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts) for path in kernels]
-    return [PACKAGE.parent / path for path in sources(*modules)]
+    return [PACKAGE.parent / path for path in sources(*modules, without=["method"])]
 
 
 def cache_folder() -> Path:

@@ -1,34 +1,39 @@
 """Which files of the package a module is made of: its own and all that it imports.
 
-Snakemake reruns a job when an input changes, and knows nothing of imports; the Snakefile lists these.
+The folder of compiled kernels is named by them. Snakemake reruns a job when an input changes, and knows nothing of
+imports; rules list them.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 
 
-def sources(*modules: str) -> list[str]:
-    """Paths, from the folder of the project, of modules such as "weier.theory.bounds" and of what they import."""
-    found: set[Path] = set()
+def sources(*modules: str, without: Collection[str] = ()) -> list[str]:
+    """Paths, from the folder of the project, of modules such as "weier.theory.bounds" and of what they import.
+
+    Imports of modules whose last name is in `without`, such as "registry", are not followed.
+    """
+    reached: set[Path] = set()
     pending = [path for module in modules for path in _files(module)]
     while pending:
         path = pending.pop()
-        if path not in found:
-            found.add(path)
-            pending += [file for module in _imports(path) for file in _files(module)]
-    return sorted(str(path.relative_to(PACKAGE.parent)) for path in found)
+        if path not in reached:
+            reached.add(path)
+            followed = [module for module in _imports(path) if module.rpartition(".")[2] not in without]
+            pending += [file for module in followed for file in _files(module)]
+    return sorted(str(path.relative_to(PACKAGE.parent)) for path in reached)
 
 
 def _files(module: str) -> list[Path]:
     """The file of a module, or of a package; the bare package `weier` stands for what a line takes from it."""
-    place = PACKAGE.parent.joinpath(*module.split("."))
-    files = [place.with_suffix(".py"), place / "__init__.py"]
+    base = PACKAGE.parent.joinpath(*module.split("."))
+    files = [base.with_suffix(".py"), base / "__init__.py"]
     return [path for path in files if path.exists() and path != PACKAGE / "__init__.py"]
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.kernels.jit import compiling_seconds
+from weier.methods.method import Method
 from weier.methods.registry import METHODS, method_named
 from weier.methods.settings import check_names
 from weier.theory.loads import checked_loads
@@ -56,22 +57,21 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     array([0.0706, 0.4208, 1.3527])
 
     """
-    loads = checked_loads(mean_pressure)
-    found, seconds = answer(profile, loads, method, settings)
-    return dataset.curve(loads, found._asdict(), {"method": method, **settings, "seconds": seconds})
+    loads, solver = checked_loads(mean_pressure), method_named(method)
+    check_names(solver, settings)
+    solution, seconds = solve_checked(profile, loads, solver, settings)
+    return dataset.curve(loads, solution._asdict(), {"method": method, **settings, "seconds": seconds})
 
 
-def answer(profile: Profile, loads: Array, method: str, settings: Mapping[str, Any]) -> tuple[Any, float]:
+def solve_checked(profile: Profile, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
     """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds without compiling.
 
-    For `loads` that are checked; raises what `solve` raises.
+    Loads and names of settings are checked already.
     """
-    solver = method_named(method)
-    check_names(solver, settings)
-    solver.applies(profile)
+    method.applies(profile)
     start, compiling = perf_counter(), compiling_seconds()
-    found = solver.solve(profile, loads, **settings)
-    return found, perf_counter() - start - (compiling_seconds() - compiling)
+    solution = method.solve(profile, loads, **settings)
+    return solution, perf_counter() - start - (compiling_seconds() - compiling)
 
 
 def _summaries(indent: str) -> str:

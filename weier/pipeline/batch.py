@@ -15,12 +15,16 @@ from numpy.typing import NDArray
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.variables import VARIABLES
+from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.method import Method
 from weier.methods.registry import method_named
 from weier.methods.settings import all_settings
-from weier.methods.solve import answer
+from weier.methods.solve import solve_checked
+from weier.pipeline.bounds import first_contact, infinite_series_bounds
 from weier.scene.cases import Case, Scene
 from weier.theory.limits import resolvable
+from weier.theory.profile import Profile
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -40,7 +44,8 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
     Returns
     -------
     data : Dataset
-        Over case, method, mean_pressure and term; what could not be solved is NaN, and status says why.
+        Over case, method, mean_pressure and term, with bounds on the infinite series; what could not be solved is
+        NaN, and status says why.
     cost : Dataset
         Seconds for each case and method: apart, since they differ from run to run.
 
@@ -55,7 +60,8 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         case = cases[number]
         describe_case(data, number, case)
         for method in case.methods:
-            _solve_into(curves, costs, {"case": number, "solution_method": methods.index(method)}, case, method)
+            position = {"case": number, "solution_method": methods.index(method)}
+            _solve_into(curves, costs, position, case, method_named(method))
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
         seconds = np.nansum(costs["seconds"][number])
@@ -74,39 +80,52 @@ def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
     if np.isfinite(profile.m):
         if resolvable(profile):
-            values["first_contact"] = profile.total_amplitude - profile.crest[1]
+            values["first_contact"] = first_contact(profile)
         data["phase"].values[number, : profile.terms] = profile.phase
     for name, value in values.items():
         data[name].values[number] = value
 
 
-def _fitting(text: str) -> str:
-    width = dataset.VARIABLES["settings"].dtype.removeprefix("U")
+def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case: Case, method: Method) -> None:
+    """Write one curve, or why there is none, into its row of each array.
+
+    Whatever a method returns is stored if the table of variables knows it, as arrays over the loads or as one number:
+    so a plan brings along what it expected, `planned_seconds` and `planned_error`.
+    """
+    run = _row("status", position)
+    given = case.settings.get(method.name, {})
+    curves["settings"][run] = _settings_text(all_settings(method, given))
+    try:
+        solution, seconds = solve_checked(case.profile, curves["mean_pressure"], method, given)
+    except (NotApplicableError, ConvergenceError) as error:
+        print(f"{case.profile.describe()}, {method.name}: {error}", file=sys.stderr)
+        failed = isinstance(error, ConvergenceError)
+        curves["status"][run] = Status.not_converged if failed else Status.not_applicable
+        return
+    bounds = _bounds(case.profile, curves["mean_pressure"], method, solution)
+    for name, values in (solution._asdict() | bounds).items():
+        if name in curves:
+            curves[name][_row(name, position, np.shape(values))] = values
+    curves["status"][run] = Status.solved
+    costs["seconds"][run] = seconds
+
+
+def _bounds(profile: Profile, loads: Array, method: Method, solution: Any) -> dict[str, Array]:
+    """Bounds on the infinite series, from the curve of a method whose error is known."""
+    if method.solution_error is None:
+        return {}
+    return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(profile, solution))
+
+
+def _settings_text(settings: Mapping[str, Any]) -> str:
+    text = json.dumps(settings, sort_keys=True)
+    width = VARIABLES["settings"].dtype.removeprefix("U")
     if len(text) > int(width):
         raise ValueError(f"settings must be at most {width} characters long, got {len(text)}: {text}")
     return text
 
 
-def _solve_into(curves: Arrays, costs: Arrays, place: Mapping[str, int], case: Case, method: str) -> None:
-    """One curve, or why there is none, into its row of each array."""
-    run = _row("status", place)
-    given = case.settings.get(method, {})
-    curves["settings"][run] = _fitting(json.dumps(all_settings(method_named(method), given), sort_keys=True))
-    try:
-        found, seconds = answer(case.profile, curves["mean_pressure"], method, given)
-    except (NotApplicableError, ConvergenceError) as error:
-        print(f"{case.profile.describe()}, {method}: {error}", file=sys.stderr)
-        missed = isinstance(error, ConvergenceError)
-        curves["status"][run] = Status.not_converged if missed else Status.not_applicable
-        return
-    for name, values in found._asdict().items():
-        if name in curves:
-            curves[name][_row(name, place, np.shape(values))] = values
-    curves["status"][run] = Status.solved
-    costs["seconds"][run] = seconds
-
-
-def _row(name: str, place: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:
+def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:
     """Where values of this shape go in the array of a variable: the first of those of a case and method."""
     sizes = iter(shape)
-    return tuple(place[dim] if dim in place else slice(next(sizes, None)) for dim in VARIABLES[name].dims)
+    return tuple(position[dim] if dim in position else slice(next(sizes, None)) for dim in VARIABLES[name].dims)

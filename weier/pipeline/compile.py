@@ -1,12 +1,15 @@
-"""All kernels compiled, once for all later runs: `weier compile`."""
+"""All kernels compiled, once for all later runs: `weier compile`, and before a batch is solved."""
 
 from __future__ import annotations
 
+import fcntl
+import hashlib
 from contextlib import suppress
 
 import numpy as np
 
 from weier.kernels import jit
+from weier.kernels.sources import PACKAGE
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.fields import events, fields
@@ -14,6 +17,28 @@ from weier.methods.solve import solve
 from weier.theory.profile import Profile
 
 LOADS = np.geomspace(1e-3, 10, 12)  # few contacts and few gaps: the patches have a problem of their own for each
+# Files in the folder of compiled kernels, where each copy of the package has its own.
+COPY = hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:16]
+COMPLETE, LOCK = f"complete-{COPY}", f"lock-{COPY}"
+
+
+def compile_once() -> None:
+    """Compile all kernels unless the cache holds them, in one process while the others wait for it.
+
+    So no two jobs compile the same kernel side by side.
+    """
+    folder = jit.cache_folder()
+    if jit.disabled() or (folder / COMPLETE).exists():
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = (folder / LOCK).open("w")
+    except OSError:  # closed to writing: numba compiles each kernel when it is called
+        return
+    with lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # until it is closed, or the process ends
+        if not (folder / COMPLETE).exists():
+            compile_kernels()
 
 
 def compile_kernels() -> None:
@@ -27,3 +52,4 @@ def compile_kernels() -> None:
                 solve(profile, LOADS, method.name, **settings)
     fields(profile, 0.1)
     events(profile, LOADS[0], LOADS[-1])
+    (jit.cache_folder() / COMPLETE).touch()

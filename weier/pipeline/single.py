@@ -25,7 +25,11 @@ from weier.pipeline.plan import plan
 from weier.scene import Case, Scene
 from weier.theory.loads import check_range
 
-PROFILE = ("D", "gamma", "m", "phase", "total_amplitude", "tail_amplitude", "first_contact")
+PROFILE = tuple(
+    name
+    for name, entry in VARIABLES.items()
+    if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.only_with
+)
 WHY = {
     Status.not_applicable: "does not apply, as said above: choose another one",
     Status.not_converged: "missed its tolerance, as said above: move the loads or the tolerance",
@@ -116,8 +120,8 @@ def as_json(data: xr.Dataset) -> str:
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
     units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
-    found = {"title": data.attrs["title"], "normalisation": dataset.NORMALISED, "units": units, **parameters}
-    return json.dumps(found | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
+    header = {"title": data.attrs["title"], "normalisation": dataset.NORMALISED, "units": units, **parameters}
+    return json.dumps(header | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
 
 
 def _of(case: xr.Dataset, method: str) -> xr.Dataset:
@@ -129,7 +133,7 @@ def _of(case: xr.Dataset, method: str) -> xr.Dataset:
 def _curves(run: xr.Dataset) -> dict[str, Any]:
     """What a method has, but what belongs to the profile."""
     own = [name for name, values in run.items() if values.dtype.kind == "f" and name not in PROFILE]
-    own += [name for name in run.data_vars if name == "planned_method"]
+    own += [name for name, values in run.items() if values.dtype.kind == "U" and values.dims == ("mean_pressure",)]
     numbers = {str(name): _plain(run[name].values) for name in own if run[name].notnull().any()}
     return numbers | {"settings": json.loads(str(run["settings"].values))}
 

@@ -23,9 +23,9 @@ from weier.theory.profile import Profile
 Item = TypeVar("Item")
 
 # What a scene or a command may ask for, so that a slip of the pen ends in a sentence and not in a lost night.
-MOST_TERMS = 1000  # of a finite series: the closed forms add them one by one
-MOST_GAMMA = 10**6
-MOST_PHASE = 1e6  # radians: a float of more has lost the digits that matter
+MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
+MAX_GAMMA = 10**6
+MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
 
 
 class SceneError(ValueError):
@@ -66,15 +66,15 @@ class Case:
             If it has too many terms or waves, or is no series at all.
         """
         profile = self.profile
-        if profile.gamma > MOST_GAMMA:
-            raise ValueError(f"gamma must be at most {MOST_GAMMA}, got {_short(profile.gamma)}")
+        if profile.gamma > MAX_GAMMA:
+            raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {_short(profile.gamma)}")
         if math.isinf(profile.m):
             return
-        if profile.m > MOST_TERMS:
-            raise ValueError(f"m must be at most {MOST_TERMS}, or inf, got {profile.m:g}")
+        if profile.m > MAX_TERMS:
+            raise ValueError(f"m must be at most {MAX_TERMS}, or inf, got {profile.m:g}")
         drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
-        if not drawn and (largest := np.abs(profile.phase).max()) > MOST_PHASE:
-            raise ValueError(f"phases must lie in [-{MOST_PHASE:g}, {MOST_PHASE:g}], got {largest:g}")
+        if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
+            raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
         if any(method_named(method).numerical for method in self.methods):
             check_resolvable(profile)
 
@@ -149,7 +149,7 @@ class Scene:
         SceneError
             If there is no such study.
         """
-        return self._found("study", self.studies, name)
+        return self._item("study", self.studies, name)
 
     def figure_named(self, name: str) -> Figure:
         """What a figure draws.
@@ -159,7 +159,7 @@ class Scene:
         SceneError
             If there is no such figure.
         """
-        return self._found("figure", self.figures, name)
+        return self._item("figure", self.figures, name)
 
     @cached_property
     def batches(self) -> dict[str, tuple[Case, ...]]:
@@ -185,23 +185,34 @@ class Scene:
         SceneError
             If there is no such batch.
         """
-        return self._found("batch", self.batches, name)
+        return self._item("batch", self.batches, name)
 
-    def _found(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
+    def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
         if name not in table:
             raise SceneError(f"scene {self.name} has no {kind} {name!r}, only {', '.join(table) or 'none':.300}")
         return table[name]
 
-    def batches_of(self, study: str) -> list[str]:
-        """Names of the batches that hold the cases of a study."""
-        keys = {case.key for case in self.studies[study]}
+    def batches_of(self, *studies: str) -> list[str]:
+        """Names of the batches that hold the cases of some studies, each once."""
+        keys = {case.key for study in studies for case in self.study_named(study)}
         return [name for name, cases in self.batches.items() if cases[0].key in keys]
 
+    def methods_of(self, batch: str) -> tuple[str, ...]:
+        """The methods that a batch runs."""
+        return self.layout_of(self.batch_named(batch)).methods
+
     def digest(self, batch: str) -> str:
-        """A digest of all that the numbers of a batch depend on: its own cases, the loads, what is kept."""
+        """A digest of all that the scene says of the numbers of a batch: its own cases, the loads, what is kept."""
         cases = [case.definition for case in self.batch_named(batch)]
-        definition = json.dumps([self.loads.tolist(), self.contact_edges, cases])
-        return hashlib.sha256(definition.encode()).hexdigest()
+        return _digest([self.loads.tolist(), self.contact_edges, cases])
+
+    def digest_of_cases(self, *studies: str) -> str:
+        """A digest of which cases some studies have, and in which order."""
+        return _digest([[case.key for case in self.study_named(study)] for study in studies])
+
+
+def _digest(values: Any) -> str:
+    return hashlib.sha256(json.dumps(values).encode()).hexdigest()
 
 
 def _short(ratio: Fraction) -> str:

@@ -13,18 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.data import yaml as plain_yaml
 from weier.data.variables import of_curves
-from weier.data.yaml import number
-from weier.methods.registry import PLANNED, method_named
+from weier.data.yaml import number, parse_yaml
+from weier.methods.registry import PLANNED, method_named, names
 from weier.methods.settings import checked_settings
 from weier.scene.cases import Case, Figure, Scene, SceneError
-from weier.scene.products import MOST_CASES, axis, check_count, combinations
+from weier.scene.products import MAX_CASES, axis, check_count, combinations
 from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 BATCH = 25  # cases a job: some seconds of work for one or two of start-up
-MOST_BYTES = 4 * 2**30  # of one batch
+MAX_BATCH_BYTES = 4 * 2**30  # of one batch
 
 Raw = Mapping[str, Any]  # of the file, as the schema has it
 
@@ -41,14 +40,14 @@ def load(path: str | Path) -> Scene:
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
-        raw = plain_yaml.load(text)
+        raw = parse_yaml(text)
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
     _check_schema(raw, path)
     return _scene(raw, text, path)
 
 
-def named(name: str) -> Scene:
+def load_named(name: str) -> Scene:
     """The scene of this name in config/scenes.
 
     Raises
@@ -62,26 +61,32 @@ def named(name: str) -> Scene:
     return load(Path("config/scenes", f"{name}.yaml"))
 
 
-def _check_schema(raw: Any, path: Path) -> None:
-    import jsonschema  # takes longer than the rest of a scene, and no one needs it but a scene
+def schema() -> dict[str, Any]:
+    """The JSON schema of scene files, with the names of all methods there are."""
+    loaded = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
+    loaded["$defs"]["method"]["enum"] = names()
+    return loaded
 
-    schema = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(raw))
+
+def _check_schema(raw: Any, path: Path) -> None:
+    import jsonschema  # takes longer than the rest of a scene, and nothing else needs it
+
+    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema()).iter_errors(raw))
     if error is not None:
         where = ".".join(str(part) for part in error.absolute_path) or "the top level"
         raise SceneError(f"{path}: {where}: {_one_line(error.message)}")
 
 
 def _scene(raw: Raw, text: str, path: Path) -> Scene:
-    with _naming(path, "loads"):
+    with _in_file(path, "loads"):
         loads = _loads(raw)
-    with _naming(path, "studies"):
-        check_count(raw["studies"], int(raw.get("most_cases", MOST_CASES)))
-    with _naming(path, "tolerance"):
+    with _in_file(path, "studies"):
+        check_count(raw["studies"], int(raw.get("most_cases", MAX_CASES)))
+    with _in_file(path, "tolerance"):
         plan = _plan(raw)
     studies = {}
     for name, study in raw["studies"].items():
-        with _naming(path, f"studies.{name}"):
+        with _in_file(path, f"studies.{name}"):
             studies[name] = tuple(_cases(study, raw, plan))
     scene = Scene(
         name=path.stem,
@@ -95,7 +100,7 @@ def _scene(raw: Raw, text: str, path: Path) -> Scene:
         text=text,
     )
     _check_references(scene, path)
-    with _naming(path, "batch"):
+    with _in_file(path, "batch"):
         _check_memory(scene)
     return scene
 
@@ -149,16 +154,16 @@ def _check_memory(scene: Scene) -> None:
     methods, _, edges = scene.layout
     cases = max(map(len, scene.batches.values()))
     needed = 8 * cases * scene.loads.size * (len(methods) * len(of_curves(methods, edges=False)) + edges)
-    if needed > MOST_BYTES:
+    if needed > MAX_BATCH_BYTES:
         raise ValueError(
-            f"a batch must fit into {MOST_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, fewer loads, "
-            "or contact_edges: false"
+            f"a batch must fit into {MAX_BATCH_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, "
+            "fewer loads, or contact_edges: false"
         )
 
 
 @contextmanager
-def _naming(path: Path, where: str) -> Iterator[None]:
-    """What is found wrong meanwhile is told with the file and the key."""
+def _in_file(path: Path, where: str) -> Iterator[None]:
+    """Turn a ValueError into a SceneError that names the file and the key."""
     try:
         yield
     except ValueError as error:

@@ -11,8 +11,8 @@ import numpy as np
 
 from weier.data.yaml import number
 
-MOST_CASES = 10_000  # by default
-MOST_RANGE = 10**6
+MAX_CASES = 10_000  # by default
+MAX_RANGE_VALUES = 10**6
 
 Product = Mapping[str, Any]
 
@@ -62,8 +62,8 @@ def axis(values: Any) -> list[Any]:
         return values
     if not isinstance(values, dict):
         return [values]
-    if values["count"] > MOST_RANGE:
-        raise ValueError(f"a range must have at most {MOST_RANGE} values, got {values['count']}")
+    if values["count"] > MAX_RANGE_VALUES:
+        raise ValueError(f"a range must have at most {MAX_RANGE_VALUES} values, got {values['count']}")
     ends = number("from", values["from"]), number("to", values["to"])
     if values.get("spacing") == "log" and not min(ends) > 0:
         raise ValueError(f"a range in equal ratios must lie above 0, got {min(ends):g}")

@@ -101,10 +101,10 @@ def test_table_figure_and_data(measured, tmp_path):
 
 def test_a_planned_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
     """Three waves at light loads, planned for the compliance: the resistance of a grid, with its own error."""
-    answer = runner.answer
+    solve_checked = runner.solve_checked
 
     def overconfident(*arguments):
-        solved, seconds = answer(*arguments)
+        solved, seconds = solve_checked(*arguments)
         if "resistance_error" in solved._fields:
             solved = solved._replace(resistance_error=solved.resistance_error / 100)
         return solved, seconds
@@ -112,7 +112,7 @@ def test_a_planned_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
     case = Case({"D": 1.25, "gamma": "5", "m": 3, "phases": [0.0, 1.0, 2.0]}, (), {})
     some = [Comparison("light", case, np.geomspace(1e-12, 1e-4, 5), (Variant("planned", "planned", {}),))]
     assert extremes.failures(extremes.measure(some)) == []
-    monkeypatch.setattr(runner, "answer", overconfident)
+    monkeypatch.setattr(runner, "solve_checked", overconfident)
     assert extremes.failures(extremes.measure(some)) == ["light, planned: not within stated error"]
 
 

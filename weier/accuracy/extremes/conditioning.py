@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.linalg import circulant
 
 from weier.data import variables
-from weier.data.variables import ASIDE, LABEL, Variable
+from weier.data.variables import AUXILIARY, LABEL, Variable
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 
 NODES = np.array([3, *(2**k for k in range(2, 21))])
@@ -15,7 +15,7 @@ MAX_DENSE = 1024  # nodes of a matrix that is decomposed: seconds
 OWN = {
     "nodes": Variable(("nodes",), "nodes in one period", content=LABEL),
     **{
-        f"condition_{name}": Variable(("nodes",), f"condition number of the {text}", least=1.0, content=ASIDE)
+        f"condition_{name}": Variable(("nodes",), f"condition number of the {text}", least=1.0, content=AUXILIARY)
         for name, text in (
             ("operator", "influence matrix on pressures of mean 0"),
             ("full", "dense equations in full contact"),

@@ -21,16 +21,13 @@ from weier.data import dataset
 from weier.data.check import Check
 from weier.data.dataset import Status
 from weier.data.files import write_text
+from weier.data.variables import VARIABLES
 from weier.figures.captions import caption
 from weier.figures.page import plans
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.scene import Scene
 
-ERRORS = {
-    "residual": "largest residual, g_0",
-    "compliance_error": "largest expected error of h, g_0",
-    "resistance_error": "largest expected error of R, g_0/p_0*",
-}
+ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
 NUMBERS = "numbers"  # the class of tables whose columns are numbers
 EXPLORER_ID = ID("curves")
 EXPLORER = f"""<div id="{EXPLORER_ID}" role="group"
@@ -56,7 +53,7 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
     Parameters
     ----------
     scene : Scene
-        What the figures show, and what was planned.
+        What the figures show.
     contact : path
         The dataset of the scene.
     figures : sequence of path
@@ -94,7 +91,7 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequen
         "Claims": _claims(data),
         "Errors": _errors(data),
         "Cost": _costs(data, costs),
-        **_plans(scene, data, costs),
+        **_plans(data, costs),
         "Provenance": _provenance(data),
     }
     body = "\n".join(f"<h2>{heading}</h2>\n{content}" for heading, content in sections.items())
@@ -181,9 +178,9 @@ def _digits(value: float, count: int) -> str:
     return f"{float(f'{value:.{count}g}'):g}"
 
 
-def _plans(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:
-    """The section that compares plans with what came of them, for scenes with a tolerance."""
-    rows = plans.rows(scene, data, costs)
+def _plans(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:
+    """The section that compares plans with what came of them, where something was planned."""
+    rows = plans.rows(data, costs)
     return {"Plan and cost": f"<p>{escape(plans.NOTE)}</p>{_table(plans.HEADER, rows, NUMBERS)}"} if rows else {}
 
 

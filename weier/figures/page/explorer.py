@@ -12,6 +12,7 @@ from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, HoverTool,
 from bokeh.models.widgets import CheckboxGroup, Select
 from bokeh.plotting import figure
 
+from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 from weier.methods.registry import numerical_names
 
@@ -19,8 +20,8 @@ MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each th
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last distinguishes cases of different settings
 TITLES = {"phase": "phase, rad"}
 MIN_WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "key": 9}  # of the drop-down lists, in rem
-QUANTITIES = {"compliance": "compliance h/g_0", "resistance": "resistance (dh/dp) p_0*/g_0"}
-LEGENDS: dict[str, Any] = {"compliance": "top_left", "resistance": "bottom_left"}  # where no curve goes
+QUANTITIES = {name: entry.plot for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE}
+LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
 MAX_POINTS = 30  # of a curve that is drawn as points
 LINE_WIDTH = 2  # pixels
 WRAP: dict[str, Any] = {"flex-wrap": "wrap", "gap": "0.5rem 1rem"}
@@ -126,8 +127,9 @@ def _label(method: str) -> str:
 def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
     plot = figure(
         height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
-        x_axis_label="mean pressure p/p_0*", y_axis_label=QUANTITIES[quantity], tools="pan,wheel_zoom,box_zoom,reset",
-        name=quantity, sizing_mode="stretch_width", styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
+        x_axis_label=VARIABLES["mean_pressure"].plot, y_axis_label=QUANTITIES[quantity],
+        tools="pan,wheel_zoom,box_zoom,reset", name=quantity, sizing_mode="stretch_width",
+        styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
     )  # fmt: skip
     for method, source in zip(methods, sources, strict=True):
         line = (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
@@ -137,7 +139,7 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as
             (quantity, f"@{quantity}{{0.00000}}"),
         ]
         plot.add_tools(HoverTool(renderers=[line], tooltips=tips, mode="mouse"))
-    plot.legend.location = LEGENDS[quantity]
+    plot.legend.location = LEGENDS.get(quantity, "top_left")
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(**SMALL_LEGEND)
     return plot

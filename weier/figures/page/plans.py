@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from weier.methods.errors import OutOfReachError
+from weier.data.dataset import Status
 from weier.methods.registry import PLANNED
-from weier.methods.segment import QUANTITIES
-from weier.pipeline.plan import plan
-from weier.scene import Scene
 
 REFERENCE = "patches"  # against it errors are measured, where a scene runs it beside its plans
 NOTE = (
@@ -22,7 +20,7 @@ NOTE = (
     f"{REFERENCE} beside its plans."
 )
 HEADER = ("planned", "cases", "planned, s", "took, s", "took/planned", "allowed error", "expected", "measured")
-OUT_OF_REACH = "out of reach"
+UNSOLVED = {Status.not_applicable: "out of reach", Status.not_converged: "not converged"}
 
 
 class Outcome(NamedTuple):
@@ -39,29 +37,34 @@ class Outcome(NamedTuple):
     measured: float
 
 
-def rows(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[list[object]]:
+def rows(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[list[object]]:
     """A row of the table for each combination of methods that was planned, and one for all cases.
 
-    Scenes without a tolerance have no rows.
+    There are none where nothing was planned.
     """
-    outcomes = list(_outcomes(scene, data, costs))
+    outcomes = list(_outcomes(data, costs))
     combinations = list(dict.fromkeys(each.methods for each in outcomes))
     table = [_row(methods, [each for each in outcomes if each.methods == methods]) for methods in combinations]
     return [*table, _row("all", outcomes)] if len(combinations) > 1 else table
 
 
-def _outcomes(scene: Scene, data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[Outcome]:
+def _outcomes(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[Outcome]:
+    if PLANNED not in data["solution_method"].values:
+        return
     seconds = {key: took for cost in costs for key, took in _seconds(cost)}
-    numbers = {key: number for number, key in enumerate(data["key"].values.tolist())}
-    planned = any(PLANNED in case.methods for case in scene.cases.values())
-    for key, made in plan(scene).cases.items() if planned else ():
-        wanted = scene.cases[key].settings[PLANNED]
-        measured = _error(data.isel(case=numbers[key]), wanted.get("quantity", QUANTITIES[0]))
-        if isinstance(made, OutOfReachError):
-            yield Outcome(OUT_OF_REACH, np.nan, np.nan, wanted["tolerance"], np.nan, np.nan)
-        else:
-            methods = " and ".join(dict.fromkeys(segment.method for segment in made.segments))
-            yield Outcome(methods, made.seconds, seconds.get(key, np.nan), made.tolerance, made.error, measured)
+    planned = data.sel(solution_method=PLANNED)
+    for number in np.flatnonzero(planned["status"].values != Status.not_requested):
+        case = planned.isel(case=number)
+        status, wanted = Status(int(case["status"])), json.loads(str(case["settings"].values))
+        took = seconds.get(str(case["key"].values), np.nan) if status == Status.solved else np.nan
+        yield Outcome(
+            UNSOLVED.get(status) or " and ".join(dict.fromkeys(case["planned_method"].values.tolist())),
+            float(case["planned_seconds"]),
+            took,
+            wanted["tolerance"],
+            float(case["planned_error"]),
+            _error(data.isel(case=number), wanted["quantity"]),
+        )
 
 
 def _seconds(cost: xr.Dataset) -> Iterator[tuple[str, float]]:

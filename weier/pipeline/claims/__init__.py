@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from weier.data import dataset, markdown
+from weier.data import markdown
 from weier.data.check import Check
 from weier.data.files import write_text
 from weier.data.variables import flags
@@ -16,7 +16,7 @@ from weier.pipeline import curves
 from weier.pipeline.claims.claim import CLAIMS, Claim, Measured
 from weier.pipeline.claims.paper import CRITERIA
 from weier.pipeline.claims.readings import MissingError
-from weier.pipeline.gather import gather, keys_of
+from weier.pipeline.gather import batch_file, gather, read_study
 from weier.scene import Scene, SceneError
 
 __all__ = ["CLAIMS", "Claim", "Measured", "check_names", "evaluate", "write"]
@@ -42,15 +42,15 @@ def _unknown(name: str) -> str:
     return f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}"
 
 
-def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: str | Path) -> None:
+def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> None:
     """Evaluate the claims of a scene; write its whole dataset with them, and a Markdown table of them.
 
     Parameters
     ----------
     scene : Scene
         Names the claims, and the studies each looks at.
-    studies : mapping of path
-        The files of all studies of the scene by name.
+    batches : path
+        The folder of all its batches.
     path, table : path
         The netCDF file and the Markdown file to write.
 
@@ -62,12 +62,12 @@ def write(scene: Scene, studies: Mapping[str, Path], path: str | Path, table: st
     """
     # Only the studies of one claim are in memory at a time, and a sweep that no claim looks at never is.
     measured = {
-        name: evaluate(name, [dataset.read(studies[study]) for study in names])
+        name: evaluate(name, [read_study(scene, study, batches) for study in names])
         for name, names in scene.claims.items()
     }
-    files = list(studies.values())
+    files = [batch_file(batches, batch) for batch in scene.batches]
     step = "checked against the paper" if measured else "gathered"
-    gather(files, keys_of(files), path, scene.title, step=step, scene=scene.text, more=_columns(measured))
+    gather(files, list(scene.cases), path, scene.title, step=step, scene=scene.text, more=_columns(measured))
     write_text(table, _markdown(scene.title, measured))
 
 

@@ -1,0 +1,81 @@
+"""What in the program each step of the pipeline depends on: digests, which Snakemake compares with the last ones.
+
+Every step asks the registry for its methods, and the registry lists all of them. To follow that list would solve a
+scene again for a change of a method that it does not use, or of a model that only plans ask. So it is left out, and
+what a step does use of a method is added: a batch the functions that it calls, other steps what is said of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from weier.kernels.definitions import definitions, modules_of
+from weier.kernels.sources import PACKAGE
+from weier.methods import registry
+from weier.methods.registry import PLANNED, method_named
+
+BATCH = ("weier.pipeline.batch.solve_batch", "weier.data.dataset.write")
+STUDY = "weier.pipeline.gather.read_study"
+LISTED = "weier.methods.registry.METHODS"
+
+
+def batch_digest(methods: Iterable[str]) -> str:
+    """Of all that the numbers of a batch by these methods depend on."""
+    return _batch_digest(tuple(sorted(methods)))
+
+
+@cache
+def _batch_digest(methods: tuple[str, ...]) -> str:
+    return _digest(batch_definitions(methods))
+
+
+def batch_definitions(methods: Iterable[str]) -> dict[str, str]:
+    """The text of all that the numbers of a batch by these methods depend on, by name."""
+    used = [method_named(name) for name in methods]
+    if any(method.name == PLANNED for method in used):  # which runs any of the others
+        return definitions(*BATCH)
+    functions = [each for method in used for each in (method.solve, method.applies, method.solution_error) if each]
+    return definitions(*BATCH, *(name for each in functions for name in _names(each)), without=[LISTED])
+
+
+def _names(function: Callable[..., Any]) -> Iterator[str]:
+    """The name of a function, or of the one that made it, and those of the functions it was made with."""
+    defined = function if hasattr(function, "__qualname__") else type(function)  # an instance that can be called
+    yield f"{defined.__module__}.{defined.__qualname__.partition('.')[0]}"
+    for cell in getattr(function, "__closure__", None) or ():
+        if callable(cell.cell_contents):
+            yield from _names(cell.cell_contents)
+
+
+@cache
+def figure_digest(kind: str) -> str:
+    """Of all that a kind of figure depends on."""
+    return _step_digest("weier.figures.draw", f"weier.figures.{kind}", STUDY)
+
+
+@cache
+def claims_digest() -> str:
+    """Of all that the claims and the dataset of a scene depend on."""
+    return _step_digest(*modules_of("weier.pipeline.claims"))
+
+
+@cache
+def page_digest() -> str:
+    """Of all that a page depends on; captions stand with each figure."""
+    scripts = sorted((PACKAGE / "figures").rglob("*.js"))
+    return _step_digest(*modules_of("weier.figures"), files=scripts)
+
+
+def _step_digest(*names: str, files: Iterable[Path] = ()) -> str:
+    """Of steps that solve nothing: of a method, what is said of it."""
+    said = {each.name: repr((each.label, each.numerical, each.style)) for each in registry.METHODS}
+    texts = {path.name: path.read_text(encoding="utf-8") for path in files}
+    return _digest(definitions(*names, without=[LISTED]) | said | texts)
+
+
+def _digest(texts: dict[str, str]) -> str:
+    return hashlib.sha256(repr(sorted(texts.items())).encode()).hexdigest()
