@@ -115,5 +115,4 @@ rule compile:
 
 include: "rules/accuracy.smk"
 include: "rules/docs.smk"
-include: "rules/extremes.smk"
 include: "rules/page.smk"

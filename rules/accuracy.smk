@@ -1,10 +1,29 @@
-# Speed against accuracy: measured on its own, since other jobs beside it would disturb the seconds.
-rule tradeoff:
-    input:
-        "results/tradeoff/tradeoff.nc",
-        expand("results/tradeoff/work_precision.{e}", e=["pdf", "svg", "png"]),
+# What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
+for study, figure in {
+    "tradeoff": "work_precision",
+    "convergence": "convergence",
+    "extremes": "extremes",
+}.items():
+
+    rule:
+        name:
+            study
+        input:
+            source=sources(f"weier.figures.{figure}"),
+            data=f"results/{study}/{study}.nc",
+        output:
+            multiext(f"results/{study}/{figure}", pdf=".pdf", svg=".svg", png=".png"),
+        log:
+            f"results/logs/{study}/draw.log",
+        conda:
+            "environment.yaml"
+        params:
+            figure=figure,
+        shell:
+            "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee {log}"
 
 
+# On its own, since other jobs beside it would disturb the seconds.
 rule measure_tradeoff:
     input:
         source=sources("weier.accuracy.tradeoff"),
@@ -22,53 +41,34 @@ rule measure_tradeoff:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee {log}"
 
 
-rule draw_tradeoff:
+rule measure_convergence:
     input:
-        source=sources("weier.figures.work_precision"),
-        data="results/tradeoff/tradeoff.nc",
-    output:
-        multiext("results/tradeoff/work_precision", pdf=".pdf", svg=".svg", png=".png"),
-    log:
-        "results/logs/tradeoff/draw.log",
-    conda:
-        "environment.yaml"
-    shell:
-        "python -m weier draw work_precision {output.png} {input.data} 2>&1 | tee {log}"
-
-
-rule endless:
-    input:
-        "results/endless/endless.nc",
-        expand("results/endless/endless.{e}", e=["pdf", "svg", "png"]),
-
-
-rule solve_endless:
-    input:
-        source=sources("weier.methods.hybrid"),
+        source=sources("weier.accuracy.convergence"),
         kernels="results/.kernels",
-        scene="config/scenes/endless.yaml",
+        scene="config/scenes/infinite.yaml",
     output:
-        "results/endless/endless.nc",
+        "results/convergence/convergence.nc",
     log:
-        "results/logs/endless/solve.log",
+        "results/logs/convergence/measure.log",
     conda:
         "environment.yaml"
     shell:
-        "python -m weier endless {input.scene} {output} 2>&1 | tee {log}"
+        "python -m weier convergence {input.scene} {output} 2>&1 | tee {log}"
 
 
-rule draw_endless:
+rule measure_extremes:
     input:
-        source=sources("weier.figures.endless"),
-        data="results/endless/endless.nc",
+        source=sources("weier.accuracy.extremes"),
+        kernels="results/.kernels",
     output:
-        multiext("results/endless/endless", pdf=".pdf", svg=".svg", png=".png"),
+        data="results/extremes/extremes.nc",
+        table="results/extremes/extremes.md",
     log:
-        "results/logs/endless/draw.log",
+        "results/logs/extremes/measure.log",
     conda:
         "environment.yaml"
     shell:
-        "python -m weier draw endless {output.png} {input.data} 2>&1 | tee {log}"
+        "python -m weier extremes {output} 2>&1 | tee {log}"
 
 
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned

@@ -85,7 +85,7 @@ def solved(run, scene_file, tmp_path):
         (["draw", "../x", "x.png", "data.nc"], 1, "there is no figure '../x': choose from"),
         (["page", "test.yaml", "x.html", "data.nc", "none.png"], 1, "has no figure 'none'"),
         (["page", "test.yaml", "x.html", "data.nc", "data.nc"], 1, "data.nc has no seconds: take the file of costs"),
-        (["endless", "test.yaml", "x.nc", "--terms", "0"], 2, "0 is not in the range"),
+        (["convergence", "test.yaml", "x.nc", "--terms", "0"], 2, "0 is not in the range"),
         (["batch", "test.yaml", "one-0", "x.nc", "y.nc", "--threads", "0"], 2, "0 is not in the range"),
     ],
 )

@@ -1,14 +1,12 @@
 """The infinite series: the layer model where one term is resolved, and closing in on the truth as more are."""
 
 import math
-import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from weier import Profile, figures, random_phases
-from weier.accuracy import convergence as study
+from weier import Profile, random_phases
 from weier.methods import bem, hybrid, layer, patches
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.solver import LOADS as CARRIED
@@ -32,52 +30,6 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
     assert errors[-1] < 1.5 / 128**2 + 1e-5  # the layer's own tables
     # The slope of both curves, where neither is close to 0.
     assert found.resistance[:-1] == pytest.approx(exact.resistance[:-1], rel=0.05)
-
-
-@pytest.fixture(scope="module")
-def convergence():
-    return study.convergence([PROFILE], LOADS, 6).isel(case=0)
-
-
-def test_estimates_lie_within_all_bounds_and_close_in(convergence):
-    h = convergence["compliance"].values
-    low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
-    mesh = bem.error_model.COMPLIANCE / 32**2  # of the estimate's grid, in g_0
-    assert np.all((low - mesh <= h) & (h <= high + mesh))
-    # The last estimate lies within the bounds of every shorter series: they are about the same infinite one.
-    assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
-    off = np.abs(h[:-1] - h[-1]).max(axis=1)
-    assert off[-1] < off[0] / 3
-    # Far better than the certificate, which is half as wide as the bounds.
-    assert np.all(off < 0.75 * (high - low)[:-1].max(axis=1) / 2)
-
-
-def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
-    """Against five terms more, whose own tail may move them by a tenth of that of the four."""
-    long = Profile(1.25, 2, 9, random_phases(2))
-    truth = bem.curve(long, LOADS, points=16 * long.wavenumber[-1]).compliance + long.tail_amplitude
-    h, low, high = (convergence[name].values[3] for name in ("compliance", "compliance_lower", "compliance_upper"))
-    estimate, middle = np.abs(h - truth).mean(), np.abs((low + high) / 2 - truth).mean()
-    assert estimate < middle / 2
-
-
-def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
-    """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
-    monkeypatch.setattr(study, "MAX_POINTS", 300)
-    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
-    data = study.convergence([Profile(1.25, 5, math.inf, random_phases(1))], LOADS[::2], 5)
-    found = data.isel(case=0)
-    assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
-    assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
-    low, high = (found[f"compliance_{side}"].values[:4] for side in ("lower", "upper"))
-    assert np.all(low.max(axis=0) <= high.min(axis=0))
-    assert np.all(high <= float(found["total_amplitude"]))
-    figures.draw("endless", [data], "", tmp_path / "endless.png")
-
-
-def test_bad_loads_are_not_taken_for_too_many_points():
-    with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\]"):
-        study.convergence([PROFILE], [1e-9, 1.0], 2)
 
 
 class OnePlace(RandomPhases):
@@ -131,10 +83,3 @@ def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
     assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
     assert np.all(found.resistance >= 0)
-
-
-def test_the_figure(convergence, tmp_path):
-    figures.draw("endless", [convergence.expand_dims("case")], "", tmp_path / "endless.png")
-    assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
-    with pytest.raises(ValueError, match="resolve more terms"):
-        figures.draw("endless", [convergence.isel(solution_method=[0]).expand_dims("case")], "", tmp_path / "one.png")

@@ -1,14 +1,18 @@
-"""How the estimate and the bounds close in on the endless series with the number of resolved terms."""
+"""How estimate and bounds of the infinite series converge with the number of its terms that are resolved."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.data import dataset
+from weier.data import dataset, variables
+from weier.data.dataset import Status
+from weier.data.variables import LABEL, Variable
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
@@ -16,8 +20,12 @@ from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
+OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
+KEPT = ("total_amplitude", "tail_amplitude", "compliance", "resistance", "compliance_lower", "compliance_upper",
+        "residual", "points", "status")  # fmt: skip
 
-def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_terms: int) -> xr.Dataset:
+
+def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, max_terms: int) -> xr.Dataset:
     """The estimate and its bounds with 1, 2, ... resolved terms.
 
     Parameters
@@ -26,51 +34,52 @@ def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, most_term
         With m = inf.
     mean_pressure : array_like, shape (loads,)
         Increasing, in p_0*.
-    most_terms : int
+    max_terms : int
         Waves to resolve in the last of them.
 
     Returns
     -------
     Dataset
-        As that of a scene, with "1 resolved", "2 resolved" ... for methods. Where only the bounds are within reach
-        there is no estimate, and where neither is, the status says so.
+        As that of a scene, over resolved_terms instead of methods. Where only the bounds are within reach there is no
+        estimate, and where neither is, the status says so.
 
     Raises
     ------
     ValueError
-        If a series ends, or a load lies outside [1e-6, 1e3].
+        If a series is finite, or a load lies outside [1e-6, 1e3].
 
     """
     loads = checked_loads(mean_pressure)
-    names = [f"{count} resolved" for count in range(1, most_terms + 1)]
-    data = dataset.blank(len(profiles), names, loads, most_terms)
+    data = _blank(len(profiles), loads, max_terms)
     for case, profile in enumerate(profiles):
         values = {"D": profile.D, "gamma": float(profile.gamma), "m": profile.m, "tail_amplitude": 0.0}
         for name, value in {**values, "total_amplitude": profile.total_amplitude}.items():
             data[name].values[case] = value
-        data["phase"].values[case] = profile.truncated(most_terms).phase
-        for row in range(most_terms):
-            _resolve_into(data, (case, row), profile, loads)
+        data["phase"].values[case] = profile.truncated(max_terms).phase
+        for terms in range(1, max_terms + 1):
+            for name, value in _solve(profile, loads, terms).items():
+                data[name].values[case, terms - 1] = value
     return data
 
 
-def _resolve_into(data: xr.Dataset, place: tuple[int, int], profile: Profile, loads: Array) -> None:
+def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
+    counts = np.arange(1, max_terms + 1)
+    data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms)
+    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(KEPT)])
+    data = data.rename_dims(solution_method="resolved_terms")
+    return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))
+
+
+def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     """The estimate with its bounds, or the bounds alone where there are too many points for it."""
-    terms = place[1] + 1
     points = POINTS_PER_WAVE * profile.truncated(terms).wavenumber[-1]
     try:
         if points <= MAX_POINTS:
-            found = curve(profile, loads, terms)._asdict()
-            data["points"].values[place] = points
-        else:
-            found = dict(zip(("compliance_lower", "compliance_upper"), bounds(profile, loads, terms), strict=True))
+            return {**curve(profile, loads, terms)._asdict(), "points": points, "status": Status.solved}
+        low, high = bounds(profile, loads, terms)
     except ConvergenceError as error:
-        print(f"{profile.describe()}, {terms} resolved: {error}", file=sys.stderr)
-        data["status"].values[place] = dataset.Status.not_converged
-        return
+        print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
+        return {"status": Status.not_converged}
     except TooManyPointsError:
-        data["status"].values[place] = dataset.Status.not_applicable
-        return
-    for name, values in found.items():
-        data[name].values[place] = values
-    data["status"].values[place] = dataset.Status.solved
+        return {"status": Status.not_applicable}
+    return {"compliance_lower": low, "compliance_upper": high, "status": Status.solved}

@@ -1,4 +1,4 @@
-"""What weier measures of itself, and how that is drawn: `weier tradeoff`, `endless`, `extremes` and `draw`."""
+"""What weier measures of itself, and how that is drawn: `weier tradeoff`, `convergence`, `extremes` and `draw`."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 
     On the profiles of a scene.
     """
-    from weier.accuracy import tradeoff as trade  # scipy.optimize, which only this command needs
+    from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
 
     loaded = scene.load(scene_file)
-    measured = trade.measure(loaded)
-    dataset.write(measured, path, loaded.title, "measured", loaded.text)
-    trade.write_table(measured, loaded.title, table)
+    data = trade.measure(loaded)
+    dataset.write(data, path, loaded.title, "measured", loaded.text)
+    trade.write_table(data, loaded.title, table)
 
 
 @click.command()
@@ -35,17 +35,17 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 @click.option(
     "--terms", type=click.IntRange(1, 100), default=8, show_default=True, help="Waves to resolve, from 1 up to this."
 )
-def endless(scene_file: Path, path: Path, terms: int) -> None:
-    """Endless series by the number of terms resolved.
+def convergence(scene_file: Path, path: Path, terms: int) -> None:
+    """Solve infinite series by the number of terms resolved.
 
     Best estimates and bounds of the cases of a scene.
     """
-    from weier.accuracy.convergence import convergence
+    from weier.accuracy import convergence as study
 
     loaded = scene.load(scene_file)
     profiles = [case.profile for case in loaded.cases.values()]
-    found = convergence(profiles, loaded.loads, terms)
-    dataset.write(found, path, loaded.title, "solved", loaded.text)
+    data = study.convergence(profiles, loaded.loads, terms)
+    dataset.write(data, path, loaded.title, "solved", loaded.text)
 
 
 @click.command()
@@ -53,12 +53,12 @@ def endless(scene_file: Path, path: Path, terms: int) -> None:
 @output("table")
 def extremes(path: Path, table: Path) -> None:
     """Examine every method where digits are lost."""
-    from weier.accuracy import extremes as extreme  # mpmath, which only this command needs
+    from weier.accuracy import extremes as report  # as in tradeoff
 
     title = "Stability at the extremes"
-    found = extreme.measure()
-    dataset.write(found, path, title, "examined")
-    extreme.write_table(found, title, table)
+    data = report.measure()
+    dataset.write(data, path, title, "examined")
+    report.write_table(data, title, table)
 
 
 @click.command()
@@ -75,4 +75,4 @@ def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
     draw_files(kind, [dataset.read(file) for file in files], "", path)
 
 
-COMMANDS = (tradeoff, endless, extremes, draw)
+COMMANDS = (tradeoff, convergence, extremes, draw)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 
-class Verdict(IntEnum):
+class Check(IntEnum):
     """The flags of a file, and their names in its attributes."""
 
     no = 0
@@ -13,8 +13,8 @@ class Verdict(IntEnum):
     not_measured = 2
 
     @classmethod
-    def of(cls, holds: bool | None) -> Verdict:
-        """The verdict on what holds, does not, or could not be measured (None)."""
+    def of(cls, holds: bool | None) -> Check:
+        """The check of what holds, does not, or could not be measured (None)."""
         return cls.not_measured if holds is None else cls(holds)
 
     @property

@@ -36,7 +36,7 @@ class Variable(NamedTuple):
 
     dims, long_name : its dimensions and what it is
     unit, symbol : what it is normalised by, and the symbol of the paper
-    dtype, least, most, flags : its type and range, or what its numbers stand for
+    dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
     content : what kind of thing it is, in the words of ISO 19115
     only_with : a method, if no other has it
     files : which files beside those of a scene keep it
@@ -175,17 +175,20 @@ def of_curves(methods: Collection[str], edges: bool) -> list[str]:
     ]
 
 
-def blank(name: str, sizes: Mapping[str, int]) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
+def blank(
+    name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES
+) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
     """Dimensions, values and attributes of a variable with nothing in it yet."""
-    entry = VARIABLES[name]
+    entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
-    values = np.full(shape, np.nan) if entry.dtype == "f8" else np.zeros(shape, entry.dtype)
-    return entry.dims, values, attributes(name)
+    nothing = {"f8": np.nan, "O": ""}.get(entry.dtype)
+    values = np.zeros(shape, entry.dtype) if nothing is None else np.full(shape, nothing, entry.dtype)
+    return entry.dims, values, attributes(name, table)
 
 
-def attributes(name: str) -> dict[str, Any]:
+def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str, Any]:
     """The attributes of a variable in a file, by the CF conventions."""
-    entry = VARIABLES[name]
+    entry = table[name]
     normalised = entry.unit not in ("1", "rad", "s")
     known: dict[str, Any] = {"long_name": entry.long_name, "units": "1" if normalised else entry.unit}
     known["coverage_content_type"] = entry.content

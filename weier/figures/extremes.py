@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.figures import style
+from weier.methods import registry
 
 CAPTION = (
     "Correct digits of the compliance of one profile by every method, over all loads that a number can hold; and how "
@@ -24,11 +25,7 @@ CONDITIONS = {
     "condition_full": "dense, full contact",
     "condition_half": "dense, half in contact",
 }
-# Both numerical methods are black elsewhere, where they coincide.
-LOOKS: dict[str, dict[str, Any]] = {
-    "patches": {"marker": "o", "markersize": 2},
-    "bem direct": {"label": "dense, 12 points a wave", "color": style.PURPLE},
-}
+OTHER_ALGORITHM = style.PURPLE  # than the default of a method
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -63,14 +60,24 @@ def _widest(data: xr.Dataset) -> int:
 
 
 def _digits(axes: Axes, case: xr.Dataset) -> None:
-    for method, row in zip(case["solution_method"].values.tolist(), case["compliance_digits"].values, strict=True):
+    for variant, row in zip(case["variant"].values.tolist(), case["compliance_digits"].values, strict=True):
         known = np.isfinite(row)
         if known.any():
-            look = style.line(method) | LOOKS.get(method, {})
+            look = _look(variant, case["solution_method"].sel(variant=variant).item())
             # On a linear axis: a logarithmic one overflows where it adds a margin to 1e300.
             axes.plot(np.log10(case["mean_pressure"].values[known]), row[known], **look)
     axes.set(xlabel=rf"$\log_{{10}}$ of {style.LABELS['mean_pressure']}", ylabel=r"correct digits of $h$")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=7)
+
+
+def _look(variant: str, name: str) -> dict[str, Any]:
+    """The line of a method, with markers on the most accurate one, which elsewhere coincides with the other one."""
+    look = style.line(name)
+    if name == registry.numerical_names()[0]:
+        look |= {"marker": "o", "markersize": 2}
+    if variant != name:
+        look |= {"label": f"{look['label']},{variant.removeprefix(name)}", "color": OTHER_ALGORITHM}
+    return look
 
 
 def _conditions(axes: Axes, data: xr.Dataset) -> None:

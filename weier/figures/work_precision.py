@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.accuracy.tradeoff.numbers import pareto, seconds_per_load, typical, worst_over_loads
+from weier.accuracy.metrics import pareto, seconds_per_load, typical, worst_over_loads
 from weier.figures import style
 from weier.methods import registry
 
@@ -44,12 +44,8 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         raise ValueError("there are no times to draw in these data")
     figure, axes = style.column(2, sharex=True)
     for number, (panel, quantity) in enumerate(zip(axes, LABELS, strict=True)):
-        _panel(
-            panel,
-            data["solution_method"].values.tolist(),
-            1e3 * cost,
-            np.maximum(worst_over_loads(data, quantity), FLOOR),
-        )
+        error = np.maximum(worst_over_loads(data, quantity), FLOOR)
+        _panel(panel, data["solution_method"].values, 1e3 * cost, error)
         panel.set(xscale="log", yscale="log", ylabel=LABELS[quantity])
         style.name_panel(panel, number, 2, quantity)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -58,13 +54,13 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, names: Sequence[str], cost: np.ndarray, error: np.ndarray) -> None:
+def _panel(axes: Axes, methods: np.ndarray, cost: np.ndarray, error: np.ndarray) -> None:
     middle_cost, middle_error = typical(cost), typical(error)
     front = pareto(middle_cost, middle_error)
     axes.plot(middle_cost[front], middle_error[front], label="Pareto front", **FRONT)
     for method in registry.METHODS:
-        members = [number for number, name in enumerate(names) if name.split()[0] == method.name]
-        if not members:
+        members = np.flatnonzero(methods == method.name)
+        if not members.size:
             continue
         look = style.line(method.name) | {"marker": method.style.marker, "linestyle": "none"}
         if method.name == registry.numerical_names()[0]:

@@ -126,9 +126,9 @@ class Method:
     candidates : callable
         From the task of a plan to the segments of a curve that this method offers, with their errors and costs.
     solution_error : callable, optional
-        From a profile and what `solve` returned to the error of the compliance, in g_0; for numerical methods.
+        From a profile and what `solve` returned to the error of the compliance, in g_0, where the method knows it.
     seconds : callable
-        From a profile and loads to the seconds that a curve is expected to take on one core.
+        From a profile and loads to the seconds that a curve takes on one core, at most; 0 for next to none.
     reference : callable, optional
         From a profile and loads to what an estimate is by other means, or None where that takes minutes.
     """

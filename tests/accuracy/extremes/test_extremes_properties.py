@@ -8,13 +8,14 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from weier import Profile
-from weier.accuracy.extremes import Outcome, examine, verdicts
-from weier.methods import bem
+from weier.accuracy.extremes import checks
+from weier.accuracy.runner import Outcome, attempt
 from weier.methods.method import Variant
+from weier.methods.registry import method_named
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)
-MOST_WAVES = 30  # in a period, of what is solved on a mesh or contact by contact
+MAX_WAVES = 30  # in a period, of what is solved on a mesh or contact by contact
 
 ULP = np.finfo(float).eps
 dimensions = st.sampled_from([1 + 1e-9, 1.25, 1.5, 2 - 1e-9]) | st.floats(1 + 1e-9, 2 - 1e-9)
@@ -45,27 +46,21 @@ def waves(draw):
     """A series that can be solved, symmetric ones among them."""
     m = draw(few_terms)
     profile = Profile(draw(dimensions), draw(small_ratios), m, draw(st.lists(angles, min_size=m, max_size=m)))
-    assume(profile.wavenumber[-1] <= MOST_WAVES)
+    assume(profile.wavenumber[-1] <= MAX_WAVES)
     return profile
 
 
-def check(method, profile, mean_pressure, **options):
-    found = examine(Variant(method, method, options), profile, mean_pressure)
-    assert not found.warned
-    assert set(found.outcome) <= {Outcome.finite, Outcome.clear_error}, found.message
-    solved = found.outcome == Outcome.finite
-    p, h, R = mean_pressure[solved], found.compliance[solved], found.resistance[solved]
-    noise, total = verdicts.NOISE[method], profile.total_amplitude
-    meshed = method == "bem" and solved.any()
-    mesh = (
-        bem.error_model.compliance_error(profile, bem.checked_points(profile, options.get("points")))
-        if meshed
-        else 0.0
-    )
-    assert verdicts.monotone(h, noise.height * total)
-    assert verdicts.concave(p, h, R, noise, total)
-    assert verdicts.inside(profile, p, h, R, noise, mesh)
-    return found
+def check(name, profile, mean_pressure, **options):
+    made, method = attempt(Variant(name, name, options), profile, mean_pressure), method_named(name)
+    assert not made.warned
+    assert set(made.outcome) <= {Outcome.finite, Outcome.clear_error}, made.message
+    solved = made.outcome == Outcome.finite
+    p, h, R = mean_pressure[solved], made.compliance[solved], made.resistance[solved]
+    total = profile.total_amplitude
+    assert checks.monotone(h, method.noise.height * total)
+    assert checks.concave(p, h, R, method.noise, total)
+    assert checks.within_band(profile, p, h, R, method.noise, made.solution_error)
+    return made
 
 
 def throw(method, profiles, how_many):

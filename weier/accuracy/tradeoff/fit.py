@@ -1,60 +1,74 @@
-"""The laws fitted again to what was measured: each constant beside the one that `weier.methods.laws` ships."""
+"""The constants of error and cost models measured again, each beside the one that is shipped."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from scipy.optimize import nnls
 
-from weier.accuracy.tradeoff.numbers import by_load, worst_over_loads
+from weier.accuracy.metrics import by_load
 from weier.kernels.arrays import Array
-from weier.methods import bem, demelio, error_model, patches
-from weier.methods.bem.method import POINTS_COMPARED
-from weier.methods.layer.method import LARGEST_ERROR
-from weier.methods.patches.method import TOLERANCES_COMPARED
+from weier.methods import bem, demelio, error_model, layer, patches
+from weier.methods.registry import method_named
+from weier.methods.settings import all_settings
 from weier.pipeline import curves
 from weier.theory.profile import Profile
 
-GRIDS = tuple(f"bem {count}" for count in POINTS_COMPARED)  # solved to the default residual
-EXACT = tuple(f"patches {limit:.0e}" for limit in TOLERANCES_COMPARED if limit in patches.error_model.TOLERANCES)
-ESTIMATES = {"LAYER": "layer 24", "DEMELIO": "demelio"}  # 24 points are the layer's own choice
-
-
-SHIPPED = {
-    "BEM_COMPLIANCE": bem.error_model.COMPLIANCE,
-    "BEM_RESISTANCE": bem.error_model.RESISTANCE,
-    "PATCHES_COMPLIANCE": patches.error_model.COMPLIANCE,
-    "PATCHES_RESISTANCE": patches.error_model.RESISTANCE,
-    "LAYER": LARGEST_ERROR,
-    "DEMELIO": demelio.LARGEST_ERROR,
-}
-
 
 class Constant(NamedTuple):
-    """A constant of weier.methods.laws: its name, the value shipped, and the one measured.
+    """A constant of an error or cost model: its name, the value shipped, and the one measured, NaN if it was not.
 
-    Of an error the largest over profiles, settings and loads, which a shipped one must not fall below; of seconds
-    (`bound` is False) the least squares of the relative misfit.
+    The constant of an error (`bounds_error`) is the largest over profiles, settings and loads, which a shipped one
+    must not fall below; that of seconds is the least squares of the relative misfit.
     """
 
     name: str
     shipped: float
     measured: float
-    bound: bool
+    bounds_error: bool
 
 
-class Run(NamedTuple):
-    """One contender on one profile: contacts and the error of R by load, that of h at worst."""
+class Sample(NamedTuple):
+    """A method on one profile: its settings, the seconds for all loads, and contacts and errors at each load."""
 
     profile: Profile
-    points: float
+    settings: Mapping[str, Any]
+    first_contact: float
     seconds: float
+    points: float
+    loads: Array
     contacts: Array
-    compliance_error: float
+    compliance_error: Array
     resistance_error: Array
+
+    @property
+    def waves(self) -> int:
+        """Of the finest term, in one period."""
+        return self.profile.wavenumber[-1]
+
+
+class Term(NamedTuple):
+    """A constant, and what it stands before: in the largest error of a sample, or in its seconds.
+
+    For an error, `of` gives the error over what the constant is multiplied by; for seconds, that factor itself.
+    """
+
+    name: str
+    shipped: float
+    of: Callable[[Sample], float]
+
+
+class Fit(NamedTuple):
+    """The constants of a method, and which samples they are measured on; seconds count from those of a start."""
+
+    used: Callable[[Sample], bool]
+    errors: tuple[Term, ...]
+    seconds: tuple[Term, ...] = ()
+    start: float = 0.0
 
 
 def constants(data: xr.Dataset) -> list[Constant]:
@@ -65,99 +79,120 @@ def constants(data: xr.Dataset) -> list[Constant]:
     data : Dataset
         As `weier.accuracy.tradeoff.measure` returns it.
     """
-    grids = [run for name in GRIDS for run in _runs(data, name)]
-    exact = [(float(name.split()[1]), run) for name in EXACT for run in _runs(data, name)]
-    errors = {
-        "BEM_COMPLIANCE": [run.compliance_error / _missed(run) for run in grids],
-        "BEM_RESISTANCE": [_resistance_missed(run, data["mean_pressure"].values) for run in grids],
-        "PATCHES_COMPLIANCE": [
-            (run.compliance_error - error_model.RESISTANCE_ROUNDING) / limit for limit, run in exact
-        ],
-        "PATCHES_RESISTANCE": [
-            (run.resistance_error.max() - error_model.RESISTANCE_ROUNDING) / limit for limit, run in exact
-        ],
-        **{name: _shares(data, method) for name, method in ESTIMATES.items()},
-    }
-    bounds = [Constant(name, SHIPPED[name], _largest(values), True) for name, values in errors.items()]
-    return [*bounds, *_grid_seconds(grids, data), *_patches_seconds([run for _, run in exact], data)]
-
-
-def _largest(values: Sequence[float]) -> float:
-    return float(max(0.0, *np.nan_to_num(values))) if len(values) else np.nan
-
-
-def _runs(data: xr.Dataset, name: str) -> list[Run]:
-    """A contender on all profiles it ran on."""
-    methods = data["solution_method"].values.tolist()
-    if name not in methods:
-        return []
-    at = methods.index(name)
-    h, R = worst_over_loads(data, "compliance")[:, at], by_load(data, "resistance")[:, at]
-    return [
-        Run(
-            curves.profile(data.isel(case=case)),
-            float(data["points"].values[case, at]),
-            float(data["seconds"].values[case, at]),
-            data["patch_count"].values[case, at],
-            float(h[case]),
-            R[case],
-        )
-        for case in np.flatnonzero(np.isfinite(data["seconds"].values[:, at]))
-    ]
-
-
-def _missed(run: Run) -> float:
-    return bem.error_model.curvature(run.profile) * (run.profile.wavenumber[-1] / run.points) ** 2
-
-
-def _resistance_missed(run: Run, loads: Array) -> float:
-    """Error of a resistance times points/waves, at the loads for which there is a law."""
-    seen = loads >= bem.error_model.light_load(run.profile, int(run.points))
-    return float(run.resistance_error[seen].max(initial=0.0)) * run.points / run.profile.wavenumber[-1]
-
-
-def _shares(data: xr.Dataset, name: str) -> list[float]:
-    """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
-    error = data["compliance_error"].sel(solution_method=name).values
     found = []
-    for case in np.flatnonzero(data["m"].values > 1):
-        D, amplitude = float(data["D"][case]), float(data["total_amplitude"][case]) - 1
-        light = error[case] / error_model.partial_share(data["mean_pressure"].values, error_model.CREST_LOAD, D)
-        beyond = light[light > float(data["first_contact"][case])]
-        found.append(float(beyond.max(initial=0.0)) / amplitude)
+    for name, fit in FITS.items():
+        samples = [sample for sample in _samples(data, name) if fit.used(sample)]
+        found += [Constant(term.name, term.shipped, _largest(term, samples), True) for term in fit.errors]
+        fitted = zip(fit.seconds, _least_squares(fit, samples), strict=True)
+        found += [Constant(term.name, term.shipped, float(value), False) for term, value in fitted]
     return found
 
 
-def _grid_seconds(grids: Sequence[Run], data: xr.Dataset) -> list[Constant]:
-    """Sum of load + node points pairs over the loads, and three times the last; a start takes what is shipped."""
-    loads = data.sizes["mean_pressure"] + bem.error_model.START_LOADS
-    columns = []
-    for run in grids:
-        pairs = bem.error_model.fft_pairs(run.contacts)
-        columns.append([loads, run.points * (pairs.sum() + bem.error_model.START_LOADS * pairs[-1])])
-    load, node = _fitted(columns, [run.seconds - bem.error_model.SECONDS_START for run in grids])
-    return [
-        Constant("SECONDS_LOAD bem", bem.error_model.SECONDS_LOAD, load, False),
-        Constant("SECONDS_NODE bem", bem.error_model.SECONDS_NODE, node, False),
-    ]
+def _samples(data: xr.Dataset, method: str) -> Iterator[Sample]:
+    errors = [by_load(data, quantity) for quantity in ("compliance", "resistance")]
+    run = np.isfinite(data["seconds"].values) & (data["solution_method"].values == method)
+    for case, variant in np.argwhere(run):
+        one = data.isel(case=case, variant=variant)
+        settings = all_settings(method_named(method), json.loads(one["settings"].item()))
+        first_contact, seconds, points = (float(one[name]) for name in ("first_contact", "seconds", "points"))
+        arrays = one["mean_pressure"].values, one["patch_count"].values, *(error[case, variant] for error in errors)
+        yield Sample(curves.profile(one), settings, first_contact, seconds, points, *arrays)
 
 
-def _patches_seconds(exact: Sequence[Run], data: xr.Dataset) -> list[Constant]:
-    loads = data.sizes["mean_pressure"]
-    columns = [
-        [loads, loads * run.profile.wavenumber[-1], np.sum(run.contacts**patches.error_model.CONTACT_POWER)]
-        for run in exact
-    ]
-    load, wave, contact = _fitted(columns, [run.seconds - patches.error_model.SECONDS_START for run in exact])
-    return [
-        Constant("SECONDS_LOAD patches", patches.error_model.SECONDS_LOAD, load, False),
-        Constant("SECONDS_WAVE", patches.error_model.SECONDS_WAVE, wave, False),
-        Constant("SECONDS_CONTACT", patches.error_model.SECONDS_CONTACT, contact, False),
-    ]
+def _largest(term: Term, samples: Sequence[Sample]) -> float:
+    return float(max(0.0, *np.nan_to_num([term.of(sample) for sample in samples]))) if samples else np.nan
 
 
-def _fitted(columns: Sequence[Sequence[float]], seconds: Sequence[float]) -> Array:
-    """Coefficients, none negative, that leave the least squares of the relative misfit."""
-    known = np.array(seconds)
-    found, _ = nnls(np.array(columns) / known[:, None], np.ones(known.size))
-    return np.asarray(found)
+def _least_squares(fit: Fit, samples: Sequence[Sample]) -> Array:
+    """The constants of seconds, none negative, that leave the least squares of the relative misfit."""
+    if not (samples and fit.seconds):
+        return np.full(len(fit.seconds), np.nan)
+    seconds = np.array([sample.seconds - fit.start for sample in samples])
+    factors = np.array([[term.of(sample) for term in fit.seconds] for sample in samples])
+    return np.asarray(nnls(factors / seconds[:, None], np.ones(seconds.size))[0])
+
+
+def _is_default(method: str, but: str = "") -> Callable[[Sample], bool]:
+    """Whether a sample of a method has its default settings, all or all but one."""
+
+    def used(sample: Sample) -> bool:
+        default = all_settings(method_named(method), {})
+        return all(name == but or sample.settings[name] == value for name, value in default.items())
+
+    return used
+
+
+def _grid_compliance(sample: Sample) -> float:
+    missed = bem.error_model.curvature(sample.profile) * (sample.waves / sample.points) ** 2
+    return float(sample.compliance_error.max() / missed)
+
+
+def _grid_resistance(sample: Sample) -> float:
+    """At the loads for which there is an error model."""
+    modelled = sample.loads >= bem.error_model.light_load(sample.profile, int(sample.points))
+    return float(sample.resistance_error[modelled].max(initial=0.0)) * sample.points / sample.waves
+
+
+def _grid_nodes(sample: Sample) -> float:
+    """Nodes times pairs of FFTs; a start takes as long as so many of the heaviest loads."""
+    pairs = bem.error_model.fft_pairs(sample.contacts)
+    return float(sample.points * (pairs.sum() + bem.error_model.START_LOADS * pairs[-1]))
+
+
+def _in_tolerances(error: Array, sample: Sample) -> float:
+    """The largest error beyond rounding, over the tolerance."""
+    return float((error.max() - error_model.RESISTANCE_ROUNDING) / sample.settings["tolerance"])
+
+
+def _estimate(sample: Sample) -> float:
+    """Error of an estimate over the amplitude after the first term, where first contact alone does not explain it."""
+    if sample.profile.m == 1:
+        return 0.0
+    light = sample.compliance_error / error_model.partial_share(
+        sample.loads, error_model.CREST_LOAD, sample.profile.D
+    )
+    beyond = light[light > sample.first_contact]
+    return float(beyond.max(initial=0.0)) / (sample.profile.total_amplitude - 1)
+
+
+FITS = {
+    bem.METHOD.name: Fit(
+        _is_default("bem", but="points"),
+        (
+            Term("BEM_COMPLIANCE", bem.error_model.COMPLIANCE, _grid_compliance),
+            Term("BEM_RESISTANCE", bem.error_model.RESISTANCE, _grid_resistance),
+        ),
+        (
+            Term(
+                "SECONDS_LOAD bem",
+                bem.error_model.SECONDS_LOAD,
+                lambda sample: sample.loads.size + bem.error_model.START_LOADS,
+            ),
+            Term("SECONDS_NODE bem", bem.error_model.SECONDS_NODE, _grid_nodes),
+        ),
+        bem.error_model.SECONDS_START,
+    ),
+    patches.METHOD.name: Fit(
+        lambda sample: sample.settings["tolerance"] in patches.error_model.TOLERANCES,
+        (
+            Term(
+                "PATCHES_COMPLIANCE", patches.error_model.COMPLIANCE, lambda s: _in_tolerances(s.compliance_error, s)
+            ),
+            Term(
+                "PATCHES_RESISTANCE", patches.error_model.RESISTANCE, lambda s: _in_tolerances(s.resistance_error, s)
+            ),
+        ),
+        (
+            Term("SECONDS_LOAD patches", patches.error_model.SECONDS_LOAD, lambda sample: sample.loads.size),
+            Term("SECONDS_WAVE", patches.error_model.SECONDS_WAVE, lambda sample: sample.loads.size * sample.waves),
+            Term(
+                "SECONDS_CONTACT",
+                patches.error_model.SECONDS_CONTACT,
+                lambda s: float(np.sum(s.contacts**patches.error_model.CONTACT_POWER)),
+            ),
+        ),
+        patches.error_model.SECONDS_START,
+    ),
+    layer.METHOD.name: Fit(_is_default("layer"), (Term("LAYER", layer.method.LARGEST_ERROR, _estimate),)),
+    demelio.METHOD.name: Fit(_is_default("demelio"), (Term("DEMELIO", demelio.LARGEST_ERROR, _estimate),)),
+}

@@ -1,35 +1,41 @@
-"""Errors and seconds of every contender on every profile."""
+"""Errors and seconds of all variants on every profile."""
 
 from __future__ import annotations
 
-import json
+import math
 import sys
-from collections.abc import Sequence
-from time import process_time
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from weier.accuracy.tradeoff.contenders import REFERENCE, contenders
-from weier.data import dataset, variables
+from weier.accuracy import comparison
+from weier.accuracy.comparison import Comparison
+from weier.accuracy.metrics import deviation
+from weier.accuracy.reference import exact_contact
+from weier.accuracy.runner import fastest_run
 from weier.data.dataset import Status
+from weier.data.variables import LOADS, VARIABLES, Variable
+from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant
-from weier.methods.solve import solve
-from weier.pipeline.batch import describe_case
-from weier.scene import Case, Scene
-
-REPEAT = 3  # and keep the least: what disturbs a run only adds to its time, processor time as it is;
-ENOUGH = 0.5  # but a run of so many seconds is long enough to be its own mean
+from weier.scene import Scene
+from weier.theory.limits import check_resolvable
+from weier.theory.profile import Profile
 
 KEPT = (
-    "total_amplitude", "tail_amplitude", "first_contact", "compliance", "resistance", "compliance_error",
-    "resistance_error", "contact_fraction", "patch_count", "residual", "work", "points", "settings", "status",
+    "compliance", "resistance", "compliance_error", "resistance_error", "contact_fraction", "patch_count", "residual",
+    "work", "points", "settings", "status",
 )  # fmt: skip
+OWN = {
+    "seconds": VARIABLES["seconds"],
+    "reference_compliance": Variable(LOADS, "compliance of the exact contact", "g_0", least=0),
+    "reference_resistance": Variable(LOADS, "resistance of the exact contact", "g_0/p_0*", least=0),
+}
 
 
 def measure(scene: Scene) -> xr.Dataset:
-    """Run all contenders on all cases of a scene, one after the other, on one core.
+    """Run all variants on all cases of a scene, one after the other, on one core.
 
     Parameters
     ----------
@@ -39,65 +45,59 @@ def measure(scene: Scene) -> xr.Dataset:
     Returns
     -------
     Dataset
-        As the dataset of a scene, with the names of the contenders for methods and `seconds` for all loads.
-        compliance_error and resistance_error are the distances from the contact patches at a tolerance of 1e-12,
-        which has none of its own. NaN where a contender would need too many points, or did not converge.
+        As the dataset of a scene, over variants instead of methods, with `seconds` of processor time for all loads.
+        compliance_error and resistance_error are the distances from reference_compliance and reference_resistance.
+        NaN where a variant would need too many points, or did not converge.
+
+    Raises
+    ------
+    ValueError
+        If a series is infinite, which has no exact contact.
 
     """
-    cases = list(scene.cases.values())
-    names = _names(cases)
-    data = dataset.blank(len(cases), names, scene.loads, scene.layout.terms)
-    data["seconds"] = variables.blank("seconds", {"case": len(cases), "solution_method": len(names)})
-    for number, case in enumerate(cases):
-        print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}", file=sys.stderr)
-        describe_case(data, number, case)
-        for contender in contenders(case.profile):
-            _run(data, number, case, contender)
-        _compare(data, number)
-    return data.drop_vars(set(data.data_vars) - {*KEPT, "seconds"}).assign_attrs(reference_method=REFERENCE)
+    comparisons = [
+        Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
+        for case in scene.cases.values()
+    ]
+    data = comparison.blank(comparisons, KEPT, OWN)
+    for case, each in enumerate(comparisons):
+        right = exact_contact(each.case.profile, tuple(each.loads.tolist()))
+        data["reference_compliance"].values[case] = np.array(right.compliance, float)
+        data["reference_resistance"].values[case] = np.array(right.resistance, float)
+    comparison.fill(data, comparisons, _measure)
+    return data
 
 
-def _names(cases: Sequence[Case]) -> list[str]:
-    """Of all contenders, in the order in which the profile with the most of them has them."""
-    lists = sorted(([c.name for c in contenders(case.profile)] for case in cases), key=len, reverse=True)
-    return list(dict.fromkeys(name for names in lists for name in names))
+def variants(profile: Profile) -> list[Variant]:
+    """All that can be run on a finite series.
+
+    Raises
+    ------
+    ValueError
+        If the series is infinite, or has more waves than a computer holds.
+
+    """
+    if math.isinf(profile.m):
+        raise ValueError(
+            f"m must be finite to trade speed for accuracy, got {profile.describe()}: leave the case out"
+        )
+    check_resolvable(profile)
+    applicable = [method for method in registry.METHODS if method.takes(profile)]
+    return [variant for method in applicable for variant in method.named_variants(profile)]
 
 
-def _run(data: xr.Dataset, number: int, case: Case, contender: Variant) -> None:
-    place = number, data["solution_method"].values.tolist().index(contender.name)
-    loads = data["mean_pressure"].values
+def _measure(each: Comparison, variant: Variant) -> dict[str, Any]:
+    profile, loads = each.case.profile, each.loads
     try:
-        seconds, curve = _timed(case, loads, contender)
+        made = fastest_run(variant, profile, loads)
     except ConvergenceError as error:
-        print(f"{case.profile.describe()}, {contender.name}: {error}", file=sys.stderr)
-        data["status"].values[place] = Status.not_converged
-        return
-    for name in curve.data_vars:
-        if name in KEPT:
-            data[str(name)].values[place] = curve[name].values
-    data["settings"].values[place] = json.dumps(dict(contender.settings), sort_keys=True)
-    data["points"].values[place] = curve.attrs.get("points", np.nan)
-    data["status"].values[place] = Status.solved
-    data["seconds"].values[place] = seconds
-
-
-def _timed(case: Case, loads: np.ndarray, contender: Variant) -> tuple[float, xr.Dataset]:
-    """The least seconds of processor time of some runs, and the curve."""
-    solve(case.profile, loads[:1], contender.method, **contender.settings)  # loads compiled code
-    least = np.inf
-    for _ in range(REPEAT):
-        start = process_time()
-        curve = solve(case.profile, loads, contender.method, **contender.settings)
-        least = min(least, process_time() - start)
-        if least > ENOUGH:
-            break
-    return least, curve
-
-
-def _compare(data: xr.Dataset, number: int) -> None:
-    """Fill in the errors of a case."""
-    reference = data["solution_method"].values.tolist().index(REFERENCE)
-    for name in ("compliance", "resistance"):
-        values = data[name].values[number]
-        data[f"{name}_error"].values[number] = np.abs(values - values[reference])
-        data[f"{name}_error"].values[number, reference] = np.nan
+        print(f"{profile.describe()}, {variant.name}: {error}", file=sys.stderr)
+        return {"status": Status.not_converged}
+    right = exact_contact(profile, tuple(loads.tolist()))
+    return {
+        **made.others,
+        "compliance_error": deviation(made.compliance, right.compliance),
+        "resistance_error": deviation(made.resistance, right.resistance),
+        "seconds": made.seconds,
+        "status": Status.solved,
+    }

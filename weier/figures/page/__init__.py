@@ -18,7 +18,7 @@ from bokeh.embed import json_item
 from bokeh.resources import Resources
 
 from weier.data import dataset
-from weier.data.check import Verdict
+from weier.data.check import Check
 from weier.data.dataset import Status
 from weier.data.files import write_text
 from weier.data.variables import VARIABLES
@@ -137,7 +137,7 @@ def _table(header: Iterable[str], rows: Iterable[Iterable[object]], kind: str = 
 def _claims(data: xr.Dataset) -> str:
     if "claim" not in data.variables:
         return "<p>This scene checks no claims.</p>"
-    holds = [Verdict(number).text for number in data["claim_holds"].values.tolist()]
+    holds = [Check(number).text for number in data["claim_holds"].values.tolist()]
     columns = [data[name].values.tolist() for name in ("claim", "claim_statement", "claim_measured")]
     return _table(["claim", "the paper says", "measured here", "holds"], zip(*columns, holds, strict=True))
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.candidates import candidates
-from weier.methods.bem.solver import Curve, curve
+from weier.methods.bem.solver import Curve, checked_points, curve
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.theory.profile import Profile
 
@@ -34,6 +37,13 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
     return error_model.solution_error(profile, solved.points, float(solved.residual.max(initial=0.0)))
 
 
+def _seconds(profile: Profile, loads: Array) -> float:
+    """On the default grid, at most: at each load as many contacts as there are waves."""
+    contacts = np.full(loads.size, float(profile.wavenumber[-1]))
+    start, each = error_model.seconds(checked_points(profile), contacts)
+    return start + float(each.sum())
+
+
 METHOD = Method(
     name="bem",
     label="boundary elements",
@@ -45,6 +55,7 @@ METHOD = Method(
     noise=Noise(1e-9, 1e-5),  # a residual of 1e-10, a rate solved to 1e-6
     algorithms=({}, {"solver": "direct"}),
     variants=_variants,
+    seconds=_seconds,
     solution_error=_solution_error,
     candidates=candidates,
 )

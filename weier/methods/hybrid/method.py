@@ -33,6 +33,13 @@ def _applies(profile: Profile) -> None:
         )
 
 
+def _solution_error(profile: Profile, solved: Curve) -> float:
+    """How far the bounds on the compliance are from it, in g_0."""
+    return float(
+        max((solved.compliance_upper - solved.compliance).max(), (solved.compliance - solved.compliance_lower).max())
+    )
+
+
 METHOD = Method(
     name="hybrid",
     label="resolved on a layer",
@@ -40,6 +47,7 @@ METHOD = Method(
     solve=_solve,
     applies=_applies,
     style=Style("#56B4E9", (4, 1, 1, 1), "D"),
-    noise=Noise(1e-8, 1e-4),  # a residual of 1e-9; the slope of the layer between the rows of its table
+    solution_error=_solution_error,
+    noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
     candidates=candidates,
 )

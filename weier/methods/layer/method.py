@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
@@ -16,6 +17,7 @@ REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leav
 MAX_REFERENCE_SCALES = 10  # more take minutes
 LARGEST_ERROR = 0.5  # of the compliance, in the amplitude of the terms after the first
 SECONDS = 0.06, 3e-4  # to start, and for each load
+MAX_SECONDS_SCALE = 0.006  # of a scale, for each load: 1000 scales near D = 2
 
 
 def _solve(
@@ -35,10 +37,15 @@ def _candidates(task: Task) -> Iterator[Segment]:
 
 def _reference(profile: Profile, loads: Array) -> Reference | None:
     """A layer of twice the points."""
-    if profile.m > MAX_REFERENCE_SCALES:
+    if MAX_REFERENCE_SCALES < profile.m < math.inf:
         return None
     finer = _solve(profile, loads, REFERENCE_POINTS, REFERENCE_ACCURACY)
     return Reference(finer.compliance, finer.resistance, "finer layer")
+
+
+def _seconds(profile: Profile, loads: Array) -> float:
+    """At most: in a finite series each scale may have a table of its own, in the infinite one all share theirs."""
+    return MAX_SECONDS_SCALE * profile.m * loads.size if math.isfinite(profile.m) else 0.0
 
 
 METHOD = Method(
@@ -49,6 +56,7 @@ METHOD = Method(
     style=Style("#009E73", (1.2, 1.2), "s"),
     noise=Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5
     variants=_variants,
+    seconds=_seconds,
     candidates=_candidates,
     reference=_reference,
 )

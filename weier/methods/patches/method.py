@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from weier.kernels.arrays import Array
 from weier.methods.error_model import RESIDUAL
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
+from weier.methods.patches import error_model
 from weier.methods.patches.candidates import candidates
 from weier.methods.patches.solver import Curve, curve
 from weier.theory.profile import Profile
@@ -23,6 +27,12 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
     return RESIDUAL * float(solved.residual.max(initial=0.0))
 
 
+def _seconds(profile: Profile, loads: Array) -> float:
+    """At most: at each load as many contacts as there are waves."""
+    waves = profile.wavenumber[-1]
+    return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
+
+
 METHOD = Method(
     name="patches",
     label="contact patches",
@@ -33,6 +43,7 @@ METHOD = Method(
     style=Style("#000000", (), "d"),
     noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
     variants=_variants,
+    seconds=_seconds,
     solution_error=_solution_error,
     candidates=candidates,
 )

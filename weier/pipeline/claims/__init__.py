@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from weier.data import markdown
-from weier.data.check import Verdict
+from weier.data.check import Check
 from weier.data.files import write_text
 from weier.data.variables import flags
 from weier.pipeline import curves
@@ -101,7 +101,7 @@ def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
         "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
         "claim_measured_value": ([each.value for each in measured.values()], "value of the quantity here"),
         "claim_holds": (
-            np.array([Verdict.of(each.holds) for each in measured.values()], "i1"),
+            np.array([Check.of(each.holds) for each in measured.values()], "i1"),
             "whether the statement of the paper fits what is measured here",
         ),
     }
@@ -109,7 +109,7 @@ def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
         name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
         for name, (values, long_name) in columns.items()
     }
-    variables["claim_holds"].attrs |= flags(Verdict)
+    variables["claim_holds"].attrs |= flags(Check)
     return xr.Dataset(variables).set_coords("claim")
 
 
@@ -117,7 +117,7 @@ def _markdown(title: str, measured: Mapping[str, Measured]) -> str:
     if not measured:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [*map(markdown.plain, (name, CLAIMS[name].statement, each.text)), Verdict.of(each.holds).text]
+        [*map(markdown.plain, (name, CLAIMS[name].statement, each.text)), Check.of(each.holds).text]
         for name, each in measured.items()
     ]
     table = markdown.table(["claim", "the paper says", "measured here", "holds"], rows)

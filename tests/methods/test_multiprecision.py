@@ -1,5 +1,7 @@
 """The sums in 50 digits, that others are held against, held against what can be written down."""
 
+import math
+
 import mpmath as mp
 import pytest
 
@@ -40,13 +42,13 @@ def test_archard_of_two_waves():
 
 
 @pytest.mark.parametrize("p", [1.0, 3.0, 1e300])
-def test_an_endless_series_may_be_flat_under_any_load_that_flattens_its_first_wave(p):
+def test_an_infinite_series_may_be_flat_under_any_load_that_flattens_its_first_wave(p):
     assert_same(exact.archard(p, 1.5, 4, mp.inf), 2, 0)
 
 
 @pytest.mark.parametrize("p", [1e-300, 1e-3, 0.9, 1.0, 2.0, 30.0])
 def test_demelio_is_a_sum_of_single_waves(p):
-    """D = 3/2, gamma = 4: p_n* = 2^n, g_n = 2^-n; the endless sum is that of so many waves that no digit changes."""
+    """D = 3/2, gamma = 4: p_n* = 2^n, g_n = 2^-n; the infinite sum is that of so many waves that no digit changes."""
     for m in (1, 5, mp.inf):
         with mp.workdps(60):
             waves = [exact.westergaard(p / mp.mpf(2) ** n) for n in range(min(m, TERMS))]
@@ -60,3 +62,12 @@ def test_one_wave_is_flat_at_p_star_and_a_logarithm_steep_below():
     assert_same(exact.westergaard(2.0), 1, 0)
     with mp.workdps(60):
         assert_same(exact.westergaard(mp.exp(-1)), 2 * mp.exp(-1), 1)
+
+
+def test_a_long_sum_tends_to_the_infinite_one():
+    for function in (exact.archard, exact.demelio):
+        for p in (1e-5, 0.9, 30.0):
+            for limit, total in zip(function(p, 1.3, 4, math.inf), function(p, 1.3, 4, 150), strict=True):
+                assert abs(limit - total) <= abs(total) * mp.mpf(10) ** -30
+    for p in (1e-5, 0.9, 30.0):  # and one term is Westergaard's
+        assert exact.archard(p, 1.3, 4, 1) == exact.demelio(p, 1.3, 4, 1) == exact.westergaard(p)

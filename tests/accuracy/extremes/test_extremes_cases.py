@@ -1,0 +1,53 @@
+"""Which methods meet an extreme, and at which loads."""
+
+import math
+
+import numpy as np
+
+from weier import Profile
+from weier.accuracy.extremes import cases, extremes
+from weier.accuracy.extremes.cases import SWEEP, around, beside, variants
+
+USUAL = np.geomspace(1e-6, 100, 25)
+
+
+def names(profile, loads=USUAL):
+    return {variant.name: dict(variant.settings) for variant in variants(profile, loads)}
+
+
+def test_every_method_meets_what_it_applies_to():
+    assert {"westergaard", "layer", "bem", "bem direct", "patches", "planned"} <= names(Profile(1.25, 5, 1)).keys()
+    assert "westergaard" not in names(Profile(1.25, 5, 3))
+    assert "hybrid" not in names(Profile(1.25, 5, 3))
+
+
+def test_a_second_algorithm_is_tried_on_the_coarsest_grid_of_the_trade():
+    """The paper's 12 points for each of the finest waves; not at all where its dense matrices are too large."""
+    assert names(Profile(1.25, 5, 3))["bem direct"] == {"solver": "direct", "points": 12 * 25}
+    assert "bem direct" not in names(Profile(1.25, 1000, 2))
+
+
+def test_slow_methods_meet_few_loads():
+    long = Profile(1.25, 5, 1000)
+    assert "layer" not in names(long)
+    assert "layer" in names(long, USUAL[:1])
+    assert names(Profile(1.25, 5, math.inf)).keys() == {"archard", "demelio", "layer", "hybrid", "planned"}
+
+
+def test_what_no_computer_holds_is_tried_for_its_refusal():
+    found = names(Profile(1.5, 10**6, 1000))
+    assert {"bem", "bem direct", "patches"} <= found.keys()
+    assert "layer" not in found
+
+
+def test_loads_stand_beside_and_around():
+    ulp = np.finfo(float).eps
+    assert beside(1.0).tolist() == [1 - ulp, 1 - ulp / 2, 1.0, 1 + ulp, 1 + 2 * ulp]
+    assert around([1.0]).tolist() == sorted([1.0, *(1 + s * d for s in (-1, 1) for d in cases.DISTANCES)])
+
+
+def test_each_extreme_has_a_name_of_its_own_and_loads_that_increase(monkeypatch):
+    monkeypatch.setattr(cases, "_with_events", lambda phases, apart=0.0: (cases._case(1.5, "3", 3, phases), SWEEP))
+    found = list(extremes())
+    assert len({each.name for each in found}) == len(found) > 30
+    assert all((np.diff(each.loads) > 0).all() and each.variants for each in found)

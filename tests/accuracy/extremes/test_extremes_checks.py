@@ -1,0 +1,51 @@
+"""Each check passes on Westergaard's curve, and fails on what it is there to find."""
+
+import numpy as np
+import pytest
+
+from weier import Profile
+from weier.accuracy.extremes import checks
+from weier.methods import westergaard
+from weier.methods.method import CLOSED_FORM
+
+ONE, LOADS = Profile(1.25, 5, 1), np.geomspace(1e-6, 10, 30)
+
+
+@pytest.fixture
+def curve():
+    return westergaard.compliance(LOADS), westergaard.resistance(LOADS)
+
+
+def test_westergaards_curve_passes(curve):
+    assert checks.monotone(curve[0], 1e-12)
+    assert checks.concave(LOADS, *curve, CLOSED_FORM, 1.0)
+    assert checks.within_band(ONE, LOADS, *curve, CLOSED_FORM, 0.0)
+
+
+def test_each_check_can_fail(curve):
+    h, R = curve
+    dented = np.where(np.arange(30) == 12, h - 1e-3, h)
+    assert not checks.monotone(np.where(np.arange(30) == 29, 0.9, h), 1e-12)
+    assert not checks.concave(LOADS, dented, R, CLOSED_FORM, 1.0)
+    assert not checks.concave(LOADS, h, R * 1.3, CLOSED_FORM, 1.0)
+    assert not checks.within_band(ONE, LOADS, dented, R, CLOSED_FORM, 0.0)
+    assert not checks.within_band(ONE, LOADS, h, R + 1, CLOSED_FORM, 0.0)
+
+
+def test_what_a_solution_is_off_is_allowed(curve):
+    dented = np.where(np.arange(30) == 12, curve[0] - 1e-3, curve[0])
+    assert checks.within_band(ONE, LOADS, dented, curve[1], CLOSED_FORM, 2e-3)
+
+
+def test_a_resistance_without_a_bound_on_its_noise_is_not_judged(curve):
+    heights_only = CLOSED_FORM._replace(slope=np.inf)
+    assert checks.concave(LOADS, curve[0], curve[1] + 1, heights_only, 1.0)
+    assert checks.within_band(ONE, LOADS, curve[0], curve[1] + 1, heights_only, 0.0)
+
+
+def test_a_deviation_within_what_is_stated():
+    deviation, stated, uncertainty = np.array([0.1, np.nan, 0.3]), np.array([0.1, 0.1, 0.2]), np.array([0, 0, 0.1])
+    assert checks.within_stated_error(deviation, stated, uncertainty)
+    assert checks.within_stated_error(deviation, stated, 0.9 * uncertainty) is False
+    assert checks.within_stated_error(deviation, stated * np.nan, uncertainty) is None
+    assert checks.within_stated_error(deviation * np.nan, stated, uncertainty) is None

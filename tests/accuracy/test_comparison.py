@@ -1,0 +1,59 @@
+"""Variants on cases in one dataset: each value in its place, and everything described."""
+
+import json
+
+import numpy as np
+import pytest
+
+from weier.accuracy import comparison
+from weier.accuracy.comparison import Comparison
+from weier.data.variables import CURVE, RUN, Variable
+from weier.methods.method import Variant
+from weier.scene import Case
+
+COARSE, FINE = (Variant(f"bem {points}", "bem", {"points": points}) for points in (12, 24))
+SUM = Variant("demelio", "demelio", {})
+OWN = {"mood": Variable(CURVE, "a number"), "remark": Variable(RUN, "a text", dtype="O")}
+
+
+@pytest.fixture
+def comparisons():
+    one, two = (Case({"D": 1.25, "gamma": 5, "m": m}, (), {}) for m in (1, 2))
+    return [
+        Comparison("one", one, np.array([0.1, 1.0]), (SUM,)),
+        Comparison("two", two, np.array([0.5]), (COARSE, FINE, SUM)),
+    ]
+
+
+def test_each_value_stands_at_its_case_variant_and_load(comparisons):
+    data = comparison.blank(comparisons, ("compliance", "settings"), OWN)
+    comparison.fill(
+        data,
+        comparisons,
+        lambda each, variant: {"mood": each.loads * 2, "remark": f"{each.name} by {variant.name}", "unknown": 1.0},
+    )
+    assert data["variant"].values.tolist() == ["bem 12", "bem 24", "demelio"]
+    assert data["solution_method"].values.tolist() == ["bem", "bem", "demelio"]
+    assert data["mean_pressure"].values.tolist() == [0.1, 0.5, 1.0]
+    nan = np.nan
+    np.testing.assert_array_equal(data["mood"].sel(variant="demelio"), [[0.2, nan, 2.0], [nan, 1.0, nan]])
+    assert np.isnan(data["mood"].values[0, :2]).all()
+    assert data["remark"].values.tolist() == [
+        ["", "", "one by demelio"],
+        [f"two by {n}" for n in data.variant.values],
+    ]
+    assert json.loads(data["settings"].values[1, 1]) == {"points": 24}
+    assert data["m"].values.tolist() == [1, 2]
+    assert {"compliance", "settings", "mood", "remark", "total_amplitude"} <= set(data.data_vars)
+    assert not {"unknown", "resistance"} & set(data.data_vars)
+
+
+def test_all_variables_are_described(comparisons):
+    data = comparison.blank(comparisons, ("compliance",), OWN)
+    assert all({"long_name", "units"} <= set(data[name].attrs) for name in data.variables if name != "term")
+
+
+def test_variants_of_one_name_would_overwrite_each_other(comparisons):
+    twice = comparisons[0]._replace(variants=(SUM, SUM))
+    with pytest.raises(ValueError, match="must have names of their own, got demelio, demelio"):
+        comparison.blank([twice], ("compliance",), {})

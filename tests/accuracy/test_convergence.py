@@ -1,0 +1,74 @@
+"""Estimates and bounds of the infinite series by the number of terms resolved."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from weier import Profile, figures, random_phases
+from weier.accuracy import convergence as study
+from weier.methods import bem
+
+LOADS = np.geomspace(3e-3, 3, 7)
+PROFILE = Profile(1.25, 2, np.inf, random_phases(2))
+
+
+@pytest.fixture(scope="module")
+def convergence():
+    return study.convergence([PROFILE], LOADS, 6).isel(case=0)
+
+
+def test_estimates_lie_within_all_bounds_and_close_in(convergence):
+    h = convergence["compliance"].values
+    low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
+    mesh = bem.error_model.COMPLIANCE / 32**2  # of the estimate's grid, in g_0
+    assert np.all((low - mesh <= h) & (h <= high + mesh))
+    # The last estimate lies within the bounds of every shorter series: they are about the same infinite one.
+    assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
+    deviation = np.abs(h[:-1] - h[-1]).max(axis=1)
+    assert deviation[-1] < deviation[0] / 3
+    # Far better than the certificate, which is half as wide as the bounds.
+    assert np.all(deviation < 0.75 * (high - low)[:-1].max(axis=1) / 2)
+
+
+def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
+    """Against five terms more, whose own tail may move them by a tenth of that of the four."""
+    long = Profile(1.25, 2, 9, random_phases(2))
+    reference = bem.curve(long, LOADS, points=16 * long.wavenumber[-1]).compliance + long.tail_amplitude
+    h, low, high = (convergence[name].values[3] for name in ("compliance", "compliance_lower", "compliance_upper"))
+    estimate, middle = np.abs(h - reference).mean(), np.abs((low + high) / 2 - reference).mean()
+    assert estimate < middle / 2
+
+
+def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
+    """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
+    monkeypatch.setattr(study, "MAX_POINTS", 300)
+    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
+    data = study.convergence([Profile(1.25, 5, np.inf, random_phases(1))], LOADS[::2], 5)
+    found = data.isel(case=0)
+    assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
+    assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
+    low, high = (found[f"compliance_{side}"].values[:4] for side in ("lower", "upper"))
+    assert np.all(low.max(axis=0) <= high.min(axis=0))
+    assert np.all(high <= float(found["total_amplitude"]))
+    figures.draw("convergence", [data], "", tmp_path / "figure.png")
+
+
+def test_bad_loads_are_not_taken_for_too_many_points():
+    with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\]"):
+        study.convergence([PROFILE], [1e-9, 1.0], 2)
+
+
+def test_the_file_counts_resolved_terms(convergence):
+    assert convergence["resolved_terms"].values.tolist() == [1, 2, 3, 4, 5, 6]
+    assert (convergence["points"].values == 32 * 2 ** np.arange(6)).all()
+    assert {"long_name", "units"} <= set(convergence["resolved_terms"].attrs)
+
+
+def test_the_figure(convergence, tmp_path):
+    figures.draw("convergence", [convergence.expand_dims("case")], "", tmp_path / "figure.png")
+    assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
+    with pytest.raises(ValueError, match="resolve more terms"):
+        figures.draw(
+            "convergence", [convergence.isel(resolved_terms=[0]).expand_dims("case")], "", tmp_path / "one.png"
+        )

@@ -1,0 +1,39 @@
+"""Deviation, digits, and who is on the front."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from weier.accuracy.metrics import deviation, digits, pareto, typical
+
+
+def test_digits():
+    values = np.array([1.0, 1.001, 2.0, np.nan, 0.0, 1e-320, 1e-3])
+    right = [mp.mpf(1), mp.mpf(1), mp.mpf(1), mp.mpf(1), mp.mpf(0), mp.mpf(10) ** -400, mp.mpf(0)]
+    np.testing.assert_allclose(digits(values, right), [16, 3, 0, np.nan, 16, 16, 0], atol=1e-12)
+
+
+def test_deviation_is_from_all_digits_of_what_is_right():
+    third = mp.mpf(1) / 3
+    with mp.workdps(50):
+        assert deviation(np.array([1 / 3, np.nan]), [mp.mpf(1) / 3, third])[0] == pytest.approx(2**-54 / 3, rel=1e-10)
+    assert np.isnan(deviation(np.array([np.nan, 1.0]), [third, mp.nan])).all()
+    assert deviation(np.array([1.5]), np.array([1.0])).tolist() == [0.5]
+
+
+@pytest.mark.parametrize(
+    ("cost", "error", "front"),
+    [
+        ([1, 2, 3], [3, 2, 1], [0, 1, 2]),
+        ([1, 2, 3], [1, 2, 0.5], [0, 2]),
+        ([3, 2, 1], [1, 1, 1], [2]),
+        ([1, np.nan, 2], [2, 0, np.nan], [0]),
+        ([1, 1], [2, 1], [1]),
+    ],
+)
+def test_the_front_is_what_nothing_beats(cost, error, front):
+    assert pareto(np.array(cost, float), np.array(error, float)) == front
+
+
+def test_what_was_not_run_on_all_cases_is_not_typical():
+    np.testing.assert_array_equal(typical(np.array([[1, 1], [2, 1], [9, np.nan]])), [2, np.nan])

@@ -1,0 +1,20 @@
+"""Tables from columns, and pages from blocks."""
+
+import numpy as np
+
+from weier.accuracy.report import Column, number, rows_as_table, write_page
+
+
+def test_a_heading_stands_over_what_its_column_says():
+    columns = [Column("n", str), Column("square", lambda n: number(n**2, ".1f"))]
+    assert rows_as_table(columns, [2, 3]) == "| n | square |\n| --- | --- |\n| 2 | 4.0 |\n| 3 | 9.0 |"
+
+
+def test_what_is_unknown_leaves_its_cell_empty():
+    assert number(np.nan) == ""
+    assert number(0.0123) == "1e-02"
+
+
+def test_empty_blocks_leave_no_gap(tmp_path):
+    write_page(tmp_path / "page.md", "Title", ["one", "", "two"])
+    assert (tmp_path / "page.md").read_text() == "# Title\n\none\n\ntwo\n"

@@ -1,0 +1,114 @@
+"""A variant ends in numbers, or in an error that is told whether it is clear."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from weier import Profile
+from weier.accuracy.runner import MAX_REPEATED, REPEAT, Outcome, attempt, fastest_run, run
+from weier.methods import registry, westergaard
+from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.method import Estimate, Method, Variant
+
+
+def solve_first_wave(profile, loads, factor: float = 1.0):
+    """The compliance of the first wave alone, times a factor."""
+    return Estimate(factor * westergaard.compliance(loads), factor * westergaard.resistance(loads))
+
+
+def raising(error):
+    """A method that raises an error."""
+
+    def solve(profile, loads):
+        raise error
+
+    return Method("raising", "raising", "raises an error", solve)
+
+
+FIRST_WAVE = Method("first wave", "first wave", "the first wave alone", solve_first_wave)
+ONE, LOADS = Profile(1.25, 5, 1), np.array([1e-3, 0.1, 1.0])
+
+
+@pytest.fixture
+def listed(monkeypatch):
+    """List a method, and return its only variant."""
+
+    def listing(method):
+        monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, method))
+        return Variant(method.name, method.name, {})
+
+    return listing
+
+
+def test_a_run_is_the_curve_with_its_cost(listed):
+    found = run(Variant("x", listed(FIRST_WAVE).method, {"factor": 0.5}), ONE, LOADS)
+    assert found.compliance.tolist() == (0.5 * westergaard.compliance(LOADS)).tolist()
+    assert np.isnan(found.compliance_error).all()
+    assert found.outcome.tolist() == [Outcome.finite] * 3
+    assert found.seconds >= 0
+    assert found.solution_error == 0
+    assert attempt(Variant("bem", "bem", {"points": 64}), ONE, LOADS).others["points"] == 64
+
+
+def test_the_fastest_of_some_runs_is_kept_and_long_ones_are_not_repeated(listed, monkeypatch):
+    times = iter([0.0, 9.0, 10.0, 10.4, 11.0, 11.2, 12.0, 12.3])
+    monkeypatch.setattr("weier.accuracy.runner.process_time", lambda: next(times))
+    assert fastest_run(listed(FIRST_WAVE), ONE, LOADS).seconds == pytest.approx(0.2)
+    assert next(times, None) is None  # one to compile and three that count
+    assert REPEAT == 3
+    times = iter([0.0, 0.0, 1.0, 1.1 + MAX_REPEATED])
+    assert fastest_run(Variant("x", FIRST_WAVE.name, {}), ONE, LOADS).seconds == pytest.approx(0.1 + MAX_REPEATED)
+
+
+@pytest.mark.parametrize(
+    ("error", "outcome"),
+    [
+        (ConvergenceError("stopped at 1e-3 under p = 1: try other points"), Outcome.clear_error),
+        (ValueError("p must be less, got 1"), Outcome.clear_error),
+        (ConvergenceError("stopped at nan"), Outcome.unclear_error),
+        (ConvergenceError(""), Outcome.unclear_error),
+        (OverflowError("int too large"), Outcome.unclear_error),
+    ],
+)
+def test_what_is_a_clear_error(listed, error, outcome):
+    found = attempt(listed(raising(error)), ONE, LOADS)
+    assert set(found.outcome) == {outcome}
+    assert found.message == f"{type(error).__name__}: {error}"
+    assert np.isnan(found.compliance).all()
+
+
+def test_what_numpy_raises_is_not_clear(listed):
+    found = attempt(
+        listed(Method("bad", "bad", "finds no largest", lambda profile, loads: np.argmax([]))), ONE, LOADS
+    )
+    assert set(found.outcome) == {Outcome.unclear_error}
+    assert found.message.startswith("ValueError: ")
+
+
+def test_a_method_that_does_not_apply_says_so_in_a_value_error(listed):
+    assert attempt(listed(raising(NotApplicableError("not here"))), ONE, LOADS).message == "ValueError: not here"
+
+
+def test_numbers_that_are_not_finite_are_counted_as_such(listed):
+    def solve(profile, loads):
+        return Estimate(np.where(loads > 0.01, np.inf, loads), loads)
+
+    found = attempt(listed(Method("infinite", "infinite", "gives inf", solve)), ONE, LOADS)
+    assert found.outcome.tolist() == [Outcome.finite, Outcome.not_finite, Outcome.not_finite]
+
+
+def test_a_warning_is_kept_and_a_curve_that_breaks_is_tried_load_by_load(listed):
+    def solve(profile, loads):
+        if loads.size > 1:
+            warnings.warn("divide by zero", RuntimeWarning, stacklevel=1)
+            raise ConvergenceError("together they stop")
+        return solve_first_wave(profile, loads)
+
+    breaking = Method("breaking", "breaking", "one load at a time", solve, solution_error=lambda *_: 0.25)
+    found = attempt(listed(breaking), ONE, LOADS)
+    assert found.warned == ("divide by zero",)
+    assert found.message == "ConvergenceError: together they stop"
+    assert set(found.outcome) == {Outcome.finite}
+    assert found.compliance == pytest.approx(westergaard.compliance(LOADS), rel=1e-15)
+    assert found.solution_error == 0.25

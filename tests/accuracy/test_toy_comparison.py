@@ -1,0 +1,82 @@
+"""A method that is only listed takes part in the trade and in the extremes, their tables and their figures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.toy_method import TOY
+from tests.trade import small_trade
+from weier import Profile, figures
+from weier.accuracy import extremes, tradeoff
+from weier.accuracy.comparison import Comparison
+from weier.accuracy.extremes.cases import MAX_SECONDS, variants
+from weier.data import dataset
+from weier.data.check import Check
+from weier.methods import registry
+from weier.methods.method import Reference
+from weier.scene import Case
+
+LOADS = np.array([0.01, 0.1, 2.0])
+
+
+def list_method(monkeypatch, method):
+    """List a method after those of the package."""
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, method))
+
+
+def test_the_trade_measures_all_its_variants(monkeypatch, tmp_path):
+    list_method(monkeypatch, TOY)
+    data = small_trade(tmp_path, max_points=100)
+    mine = data.isel(variant=data["solution_method"].values == TOY.name)
+    assert mine["variant"].values.tolist() == ["toy 0.25", "toy 0.5"]
+    half = mine.isel(case=1).sel(variant="toy 0.5")  # the toy is for several waves
+    right = data["reference_compliance"].values[1]
+    assert half["compliance_error"].values == pytest.approx(np.abs(0.5 * LOADS - right), rel=1e-12)
+    assert np.isnan(mine["seconds"].values[0]).all()
+    dataset.write(data, tmp_path / "toy.nc", "Toy")
+    tradeoff.write_table(dataset.read(tmp_path / "toy.nc"), "Toy", tmp_path / "toy.md")
+    assert "| toy 0.5 | 1 |" in (tmp_path / "toy.md").read_text()
+    figures.draw("work_precision", [data], "", tmp_path / "toy.png")
+
+
+def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
+    """Against a reference of its own it is exact; at heavy loads it rises beyond full contact."""
+    exact = replace(TOY, reference=lambda profile, loads: Reference(0.5 * loads, np.full(loads.size, 0.5), "a half"))
+    list_method(monkeypatch, exact)
+    case = Case({"D": 1.5, "gamma": 3, "m": 2}, (), {})
+    loads = 20 * LOADS
+    some = [Comparison("two waves", case, loads, variants(case.profile, loads))]
+    data = extremes.measure(some)
+    toy = data.sel(variant=TOY.name).isel(case=0)
+    assert (toy["compliance_digits"] == 16).all()
+    assert toy["reference"].item() == "a half"
+    assert toy["monotone"].item() == toy["concave"].item() == Check.yes
+    assert extremes.failures(data) == [
+        "two waves, planned: not within band, not within stated error",  # it takes the toy at its word
+        "two waves, toy: not within band",
+        "two waves, toy 0.1: not within band",
+    ]
+    extremes.write_table(data, "Toy", tmp_path / "toy.md")
+    assert "| two waves | toy | 3: " in (tmp_path / "toy.md").read_text()
+    figures.draw("extremes", [data], "", tmp_path / "toy.png")
+
+
+def test_an_estimate_without_a_reference_has_no_digits(monkeypatch):
+    list_method(monkeypatch, TOY)
+    case = Case({"D": 1.5, "gamma": 3, "m": 2}, (), {})
+    mine = tuple(variant for variant in variants(case.profile, LOADS) if variant.method == TOY.name)
+    data = extremes.measure([Comparison("two waves", case, LOADS, mine)])
+    assert np.isfinite(data["compliance"]).all()
+    assert np.isnan(data["compliance_digits"]).all()
+
+
+def test_it_meets_what_it_applies_to_in_time(monkeypatch):
+    slow = replace(TOY, seconds=lambda profile, loads: MAX_SECONDS * loads.size / 5)
+    list_method(monkeypatch, slow)
+    for profile, loads, meets in (
+        (Profile(1.5, 3, 2), LOADS[:1], True),
+        (Profile(1.5, 3, 2), LOADS, False),
+        (Profile(1.5, 3, 1), LOADS[:1], False),
+    ):
+        assert (TOY.name in [variant.method for variant in variants(profile, loads)]) == meets

@@ -1,0 +1,92 @@
+"""The measured trade: errors against the exact contact, who takes part, what is written."""
+
+import numpy as np
+import pytest
+
+from tests.trade import small_trade
+from weier import Profile, figures
+from weier.accuracy import runner, tradeoff
+from weier.accuracy.metrics import seconds_per_load, worst_over_loads
+from weier.data import dataset
+from weier.methods.errors import ConvergenceError
+from weier.methods.registry import method_named
+from weier.methods.settings import check_names
+
+PATCHES = [f"patches {tolerance:.0e}" for tolerance in (1e-6, 1e-8, 1e-10, 1e-12)]
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    return small_trade(tmp_path_factory.mktemp("scene"))
+
+
+def error(measured, name, case=1, quantity="compliance"):
+    return worst_over_loads(measured, quantity)[case, measured["variant"].values.tolist().index(name)]
+
+
+def test_errors_fall_with_points_as_the_order_of_the_method_tells(measured):
+    """At least of second order: a factor of 16 from 24 to 96 points, halved since crests may lie nearer to nodes."""
+    assert error(measured, "bem 96") < error(measured, "bem 24") / 8
+    assert error(measured, "layer 24") > 100 * error(measured, "bem 96")
+
+
+def test_contact_patches_have_an_error_of_their_own(measured):
+    """The reference is of the same profile begun at another place: no variant is right by construction."""
+    errors = [error(measured, name, quantity="resistance") for name in PATCHES]
+    assert errors[0] < 1e-6
+    assert 0 < errors[-1] < 1e-11
+    assert all(error(measured, name) < 1e-13 for name in PATCHES)
+    # One wave is Westergaard's in closed form.
+    assert error(measured, "archard", case=0) < 1e-13
+    assert error(measured, "patches 1e-12", case=0) < 1e-13
+
+
+def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
+    run = np.isfinite(seconds_per_load(measured))
+    names = measured["variant"].values.tolist()
+    assert run[:, names.index("bem 384")].tolist() == [True, False]
+    assert run[:, names.index("bem 96")].all()
+    assert np.isnan(error(measured, "bem 384"))
+
+
+def test_every_variant_is_a_method_with_its_settings():
+    for variant in tradeoff.variants(Profile(1.25, 5, 2)):
+        check_names(method_named(variant.method), variant.settings)
+        assert len(variant.name) <= 16
+
+
+def test_an_infinite_series_is_refused():
+    with pytest.raises(ValueError, match=r"m must be finite .* leave the case out"):
+        tradeoff.variants(Profile(1.25, 5, np.inf))
+
+
+def test_files_table_and_figure(measured, tmp_path):
+    dataset.write(measured, tmp_path / "tradeoff.nc", "Small")
+    again = dataset.read(tmp_path / "tradeoff.nc")
+    assert again["seconds"].values == pytest.approx(measured["seconds"].values, nan_ok=True)
+    assert again["phase"].values[1, 1] == 1.0
+    tradeoff.write_table(again, "Small", tmp_path / "tradeoff.md")
+    text = (tmp_path / "tradeoff.md").read_text()
+    assert text.startswith("# Small")
+    assert text.count("\n| bem ") == sum(method == "bem" for method in measured["solution_method"].values)
+    figures.draw("work_precision", [again], "", tmp_path / "figure.png")
+    assert (tmp_path / "figure.svg").exists()
+    with pytest.raises(ValueError, match="no times"):
+        figures.draw("work_precision", [again.assign(seconds=again["seconds"] * np.nan)], "", tmp_path / "none.png")
+
+
+def test_a_solver_that_misses_its_tolerance_has_a_status(monkeypatch, tmp_path):
+    def stop(profile, loads, method, settings):
+        if method.name == "bem":
+            raise ConvergenceError("stopped")
+        return solve_checked(profile, loads, method, settings)
+
+    solve_checked = runner.solve_checked
+    monkeypatch.setattr(runner, "solve_checked", stop)
+    data = small_trade(tmp_path, max_points=50)
+    stopped = (data["solution_method"] == "bem").values
+    assert np.isin(
+        data["status"].values[:, stopped], [dataset.Status.not_converged, dataset.Status.not_requested]
+    ).all()
+    assert np.isnan(data["seconds"].values[:, stopped]).all()
+    assert (data["status"].sel(variant="demelio") == dataset.Status.solved).all()

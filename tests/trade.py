@@ -1,0 +1,27 @@
+"""A small trade, measured on coarse grids, for the tests of what is made of it."""
+
+from importlib import import_module
+
+import pytest
+
+from weier import scene
+from weier.accuracy import tradeoff
+
+SCENE = """
+title: Small
+loads: [0.01, 0.1, 2.0]
+methods: [patches]
+studies:
+  profiles:
+    cases:
+      - {D: 1.25, gamma: 5, m: 1}
+      - {D: 1.5, gamma: 3, m: 2, phase: 1.0}
+"""
+
+
+def small_trade(folder, text=SCENE, max_points=600):
+    """The trade of a scene, on grids of no more points than this."""
+    (folder / "small.yaml").write_text(text, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", max_points)
+        return tradeoff.measure(scene.load(folder / "small.yaml"))

@@ -1,0 +1,74 @@
+"""How far a curve is off: deviation and correct digits, and in a measured trade the worst of them and who wins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import xarray as xr
+
+from weier.kernels.arrays import Array
+from weier.methods.multiprecision import DIGITS
+
+MAX_DIGITS = 16.0  # what an error of 0 counts as
+TINY = float(np.finfo(float).tiny)  # what is less may be 0
+
+
+def deviation(values: Array, right: Sequence[Any]) -> Array:
+    """Distance of each value from what is right, numbers of mpmath or floats; NaN where either is unknown."""
+    return np.array([float(abs(mp.mpf(float(value)) - true)) for value, true in zip(values, right, strict=True)])
+
+
+def digits(values: Array, right: Sequence[Any]) -> Array:
+    """Correct digits of each value, -log10 of its relative error, from 0 to 16; NaN where either is unknown."""
+    return np.array([_digits(float(value), true) for value, true in zip(values, right, strict=True)])
+
+
+def _digits(value: float, right: Any) -> float:
+    if not math.isfinite(value) or mp.isnan(right):
+        return math.nan
+    with mp.workdps(DIGITS):
+        if abs(right) < TINY:
+            return MAX_DIGITS if abs(value) <= TINY else 0.0
+        error = abs(mp.mpf(value) / right - 1)
+        return min(max(float(-mp.log10(error)), 0.0), MAX_DIGITS) if error else MAX_DIGITS
+
+
+def by_load(data: xr.Dataset, quantity: str) -> Array:
+    """Errors of a trade, shape (case, variant, mean_pressure); NaN where a variant was not run.
+
+    Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from some
+    g_0/p_0* at light loads to 0 at full contact, so an error relative to itself has no meaning at one end, and one in
+    g_0/p_0* little at the other.
+    """
+    error = data[f"{quantity}_error"].values
+    if quantity == "resistance":
+        error = error / np.maximum(data["reference_resistance"].values, 1)[:, None]
+    return np.asarray(error)
+
+
+def worst_over_loads(data: xr.Dataset, quantity: str) -> Array:
+    """The largest of them over the loads, shape (case, variant)."""
+    return np.fmax.reduce(by_load(data, quantity), axis=-1)
+
+
+def seconds_per_load(data: xr.Dataset) -> Array:
+    """Seconds a load of each case and variant, shape (case, variant)."""
+    return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
+
+
+def pareto(cost: Array, error: Array) -> list[int]:
+    """Which are worth their cost: no other is both cheaper and more accurate; by rising cost. NaN never is."""
+    front: list[int] = []
+    for number in np.lexsort((error, cost)):
+        if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):
+            front.append(int(number))
+    return front
+
+
+def typical(values: Array) -> Array:
+    """Median over the cases, shape (variant,), of what was run on all of them; NaN for the others."""
+    return np.asarray(np.median(values, axis=0))  # NaN if one is

@@ -1,0 +1,136 @@
+"""What a curve should be, from other sources than the method that gave it.
+
+An estimate is held against the sum that defines it (`Method.reference`), a solution of the series against the exact
+contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
+them. The patches solve the same profile begun at another place, so that no number is the same by construction.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from functools import cache
+
+import mpmath as mp
+import numpy as np
+
+from weier.accuracy.runner import Outcome, Run, attempt
+from weier.kernels.arrays import Array
+from weier.methods import multiprecision, patches
+from weier.methods.errors import ConvergenceError
+from weier.methods.method import Method, Reference, Variant
+from weier.theory.crests import summits
+from weier.theory.limits import resolvable
+from weier.theory.profile import Profile
+
+MIN_TOUCH = 1e-20  # p_0*: below it the relative error of a contact as a Hertzian one, p times a few, is no digit
+TOUCH_HEIGHT = 1e-12  # g_0: no other crest as close to the highest one is touched there
+AT_FULL_CONTACT = 1 + 1e-12  # times the load of full contact, which is known to rounding
+TOLERANCE = 1e-12
+TIGHTEST = Variant("patches", patches.METHOD.name, {"tolerance": TOLERANCE})
+SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
+MAX_SECONDS = 60.0  # that a reference by contact patches may take
+
+
+def reference(method: Method, profile: Profile, loads: Array, made: Run) -> Reference:
+    """What a method should have made of these loads; NaN where it made nothing, or where nothing is known in time.
+
+    For one wave all methods are exact. Otherwise an estimate has its own reference; the exact contact is for
+    numerical methods, and for those that state the error of each number.
+    """
+    h, R = [np.full(loads.size, mp.nan, object) for _ in range(2)]
+    solved = made.outcome == Outcome.finite
+    known = _look_up(method, profile, loads[solved], made) if solved.any() else None
+    if known is None:
+        return Reference(h, R, "")
+    h[solved], R[solved] = known.compliance, known.resistance
+    return Reference(h, R, known.source)
+
+
+def _look_up(method: Method, profile: Profile, loads: Array, made: Run) -> Reference | None:
+    if profile.m != 1 and method.reference is not None:
+        with suppress(ConvergenceError):
+            return method.reference(profile, loads)
+        return None
+    solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(made.compliance_error).any())
+    return exact_contact(profile, tuple(loads.tolist())) if solves_series and is_in_reach(profile, loads) else None
+
+
+def is_in_reach(profile: Profile, loads: Array) -> bool:
+    """Whether the exact contact of a profile is found in time."""
+    if math.isinf(profile.m) or not resolvable(profile):
+        return False
+    return patches.METHOD.seconds(profile, loads) <= MAX_SECONDS
+
+
+@cache  # for all methods on one profile
+def exact_contact(profile: Profile, loads: tuple[float, ...]) -> Reference:
+    """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
+    if profile.m == 1:
+        return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
+    found = attempt(TIGHTEST, _shift(profile), np.array(loads))
+    pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]
+    full_contact, touch = _full_contact_load(profile) * AT_FULL_CONTACT, _single_crest(profile)
+    for i, load in enumerate(loads):
+        if load >= full_contact:
+            pairs[i] = _total(profile), mp.mpf(0)
+        elif load <= MIN_TOUCH and touch:
+            pairs[i] = _first_touch(profile, load)
+    return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12")
+
+
+def uncertainty(made: Run, profile: Profile) -> tuple[Array, Array]:
+    """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,)."""
+    total = np.full(made.compliance.size, profile.total_amplitude)
+    h, R = (patches.error_model.error(TOLERANCE, quantity) for quantity in ("compliance", "resistance"))
+    return h * total, R * np.maximum(made.resistance, 1)
+
+
+def _full_contact_load(profile: Profile) -> float:
+    """The load under which the pressure of full contact, p + sum p_n* cos(...), vanishes at one place, in p_0*."""
+    pressure = -profile.full_contact_pressure
+    _, phase = summits(pressure, profile.wavenumber, profile.phase, profile.period)
+    return float((np.cos(phase) @ pressure).max())
+
+
+def _single_crest(profile: Profile) -> bool:
+    """Whether the lightest loads rest on one crest in each lambda_0."""
+    _, phase = summits(profile.amplitude, profile.wavenumber, profile.phase, profile.period)
+    height = np.cos(phase) @ profile.amplitude
+    return profile.period == 1 and int((height > height.max() - TOUCH_HEIGHT).sum()) == 1
+
+
+def _first_touch(profile: Profile, load: float) -> multiprecision.Pair:
+    """One contact so small that only the curvature k of its crest matters: h = h_0 + p (1 - ln(4 pi^2 p/k)).
+
+    It is Hertz's, of half-width a = 2 sqrt(p/k), and Westergaard's wave of curvature 4 pi^2 is the case
+    h = p (1 - ln p).
+    """
+    with mp.workdps(multiprecision.DIGITS):
+        x = mp.mpf(profile.crest[0])
+        for _ in range(8):  # Newton's method from a double
+            x = x - _height(profile, x, 1) / _height(profile, x, 2)
+        p = mp.mpf(load)
+        R = -mp.log(4 * mp.pi**2 * p / -_height(profile, x, 2))
+        return _total(profile) - _height(profile, x, 0) + p * (1 + R), R
+
+
+def _height(profile: Profile, x: mp.mpf, order: int) -> mp.mpf:
+    """The series, or its derivative of an order, at x."""
+    falls, total = mp.mpf(float(profile.gamma)) ** (mp.mpf(profile.D) - 2), mp.mpf(0)
+    for n, phase in enumerate(profile.phase):
+        k = 2 * mp.pi * mp.mpf(float(profile.gamma)) ** n
+        total += falls**n * k**order * mp.cos(k * x + mp.mpf(float(phase)) + order * mp.pi / 2)
+    return total
+
+
+def _total(profile: Profile) -> mp.mpf:
+    with mp.workdps(multiprecision.DIGITS):
+        falls = mp.mpf(float(profile.gamma)) ** (mp.mpf(profile.D) - 2)
+        return mp.fsum(falls**n for n in range(profile.terms))
+
+
+def _shift(profile: Profile) -> Profile:
+    """The same profile, begun at another place: the same curves by other numbers."""
+    cycles = SHIFT * np.array(profile.wavenumber, float) / profile.period
+    return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

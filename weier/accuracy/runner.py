@@ -1,0 +1,131 @@
+"""One variant of a method on one profile: its curve, what it cost, or in which words it was refused."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Mapping
+from enum import IntEnum
+from pathlib import Path
+from time import process_time
+from traceback import extract_tb
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array
+from weier.kernels.sources import PACKAGE
+from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.method import Method, Variant
+from weier.methods.registry import method_named
+from weier.methods.solve import solve_checked
+from weier.theory.profile import Profile
+
+REPEAT = 3  # and keep the least: what disturbs a run only adds to its time, even to its processor time,
+MAX_REPEATED = 0.5  # but a run of so many seconds is long enough to be its own mean
+STATED = ("compliance_error", "resistance_error")
+UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that do not exist helps nobody
+
+
+class Outcome(IntEnum):
+    """What became of a load."""
+
+    not_run = 0
+    finite = 1
+    clear_error = 2
+    unclear_error = 3
+    not_finite = 4
+
+
+class Run(NamedTuple):
+    """What a variant made of some loads.
+
+    compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
+    compliance_error, resistance_error : what the method itself states for each number, NaN where it states nothing
+    solution_error : error of the compliance that the method knows of its solution as a whole, in g_0
+    outcome : what became of each load, shape (loads,)
+    seconds : processor time
+    others : whatever else the method returned, by name
+    message : kind and words of the first error, empty if there was none
+    warned : each text that was warned of, once
+    """
+
+    compliance: Array
+    resistance: Array
+    compliance_error: Array
+    resistance_error: Array
+    solution_error: float
+    outcome: NDArray[np.int8]
+    seconds: float = np.nan
+    others: Mapping[str, Any] = {}
+    message: str = ""
+    warned: tuple[str, ...] = ()
+
+
+def run(variant: Variant, profile: Profile, loads: Array) -> Run:
+    """The curve of a variant; raises what `weier.solve` raises."""
+    method, start = method_named(variant.method), process_time()
+    solved, _ = solve_checked(profile, loads, method, variant.settings)
+    seconds, values = process_time() - start, solved._asdict()
+    h, R = values["compliance"], values["resistance"]
+    h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
+    known = method.solution_error(profile, solved) if method.solution_error else 0.0
+    outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
+    return Run(h, R, h_error, R_error, known, outcome, seconds, values)
+
+
+def fastest_run(variant: Variant, profile: Profile, loads: Array) -> Run:
+    """The curve of a variant with the least seconds of some runs; raises what `weier.solve` raises."""
+    run(variant, profile, loads[:1])  # loads compiled code
+    runs = [run(variant, profile, loads)]
+    while len(runs) < REPEAT and runs[-1].seconds <= MAX_REPEATED:
+        runs.append(run(variant, profile, loads))
+    return min(runs, key=lambda each: each.seconds)
+
+
+def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
+    """All loads as one curve and, if that ends in an error, each load by itself. Raises nothing."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        together = _attempt(variant, profile, loads)
+        if together.message and loads.size > 1:
+            parts = [_attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
+            together = _join(parts)._replace(message=together.message)
+    return together._replace(warned=tuple(dict.fromkeys(str(warning.message) for warning in caught)))
+
+
+def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
+    try:
+        return run(variant, profile, loads)
+    except Exception as error:  # whatever it is belongs into the report
+        none = np.full(loads.size, np.nan)
+        outcome = Outcome.clear_error if is_clear(error, method_named(variant.method)) else Outcome.unclear_error
+        outcomes = np.full(loads.size, outcome, np.int8)
+        return Run(none, none, none, none, 0.0, outcomes, message=_description(error))
+
+
+def _join(parts: list[Run]) -> Run:
+    """Runs of single loads as one, without what else they returned."""
+    h, R, h_error, R_error, known, outcome, *_ = zip(*parts, strict=True)
+    h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))
+    return Run(h, R, h_error, R_error, max(known), outcome)
+
+
+def is_clear(error: Exception, method: Method) -> bool:
+    """Whether a `raise` of weier, or of the file that holds the method, says what is wrong, in numbers that exist."""
+    last, text = extract_tb(error.__traceback__)[-1], str(error)
+    own = PACKAGE in Path(last.filename).parents or last.filename == _file_of(method)
+    deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
+    return deliberate and bool(text) and not UNCLEAR_WORDS.search(text)
+
+
+def _file_of(method: Method) -> str | None:
+    code = getattr(method.solve, "__code__", None)
+    return None if code is None else str(code.co_filename)
+
+
+def _description(error: Exception) -> str:
+    """The kind of the error and its sentence."""
+    kind = "ValueError" if isinstance(error, NotApplicableError) else type(error).__name__
+    return f"{kind}: {error}"
