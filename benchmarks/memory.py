@@ -1,6 +1,7 @@
 """Peak memory of boundary elements by their nodes, and of contact patches by their contacts.
 
-`python -m benchmarks.memory` runs each in a process of its own and prints what stands in `weier.methods.laws`.
+`python -m benchmarks.memory` runs each in a process of its own, and prints what stands in the error models of the
+methods.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a tolerance takes: the laws hold, the plan keeps its word, and says why."""
+"""What a tolerance takes: the error models hold, the plan keeps its word, and says why."""
 
 import itertools
 import math

@@ -18,8 +18,9 @@ LOADS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # a difference of heights that is 0 may come out this much below
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
-COST, TRADEOFF, EXTREMES = "cost", "tradeoff", "extremes"  # files beside those of a scene that keep some variables
-MEASURED = (TRADEOFF, EXTREMES)
+# Files beside those of a scene that keep some variables.
+COST, TRADEOFF, EXTREMES, CONVERGENCE = "cost", "tradeoff", "extremes", "convergence"
+MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
 
 class Status(IntEnum):
@@ -82,27 +83,29 @@ VARIABLES = {
     ),
     "phase": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL, files=(COST,)),
     "total_amplitude": Variable(
-        ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=MEASURED
+        ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=ALL_MEASURED
     ),
     "tail_amplitude": Variable(
-        ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=MEASURED
+        ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=ALL_MEASURED
     ),
     "first_contact": Variable(
         ("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED
     ),
     "compliance": Variable(
-        CURVE, "compliance from the profile whose waves peak together", "g_0", "h", least=0, files=MEASURED,
+        CURVE, "compliance from the profile whose waves peak together", "g_0", "h", least=0, files=ALL_MEASURED,
         axis="compliance $h/g_0$", plot="compliance h/g_0",
     ),
     "resistance": Variable(
-        CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0, files=MEASURED,
-        axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
+        CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0,
+        files=ALL_MEASURED, axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": Variable(
-        CURVE, "lower bound on the compliance of the infinite series, from where all its waves peak together", "g_0"
+        CURVE, "lower bound on the compliance of the infinite series, from where all its waves peak together", "g_0",
+        files=(CONVERGENCE,),
     ),
     "compliance_upper": Variable(
-        CURVE, "upper bound on the compliance of the infinite series, from where all its waves peak together", "g_0"
+        CURVE, "upper bound on the compliance of the infinite series, from where all its waves peak together", "g_0",
+        files=(CONVERGENCE,),
     ),
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
@@ -118,19 +121,20 @@ VARIABLES = {
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,)),
     "residual": Variable(
-        CURVE, "largest violation of a contact condition", "g_0", least=0, content=QUALITY, files=(TRADEOFF,),
-        largest="residual, g_0",
+        CURVE, "largest violation of a contact condition", "g_0", least=0, content=QUALITY,
+        files=(TRADEOFF, CONVERGENCE), largest="residual, g_0",
     ),
     "work": Variable(
         CURVE, "pairs of FFTs, dense solutions or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,)
     ),
-    "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=MEASURED),
+    "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
     "settings": Variable(
         RUN, "settings of the solution, those not given at their defaults, as JSON", dtype="U240", content=AUXILIARY,
         files=(COST, *MEASURED),
     ),
     "status": Variable(
-        RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY, files=(TRADEOFF,)
+        RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY,
+        files=(TRADEOFF, CONVERGENCE),
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn, by method patches", "lambda_0"),
     "planned_method": Variable(
@@ -162,7 +166,7 @@ COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content =
 
 
 def kept_in(file: str) -> list[str]:
-    """The variables that a file of seconds (COST), of the trade (TRADEOFF) or of the extremes (EXTREMES) keeps."""
+    """The variables that a file keeps: COST, TRADEOFF, EXTREMES or CONVERGENCE."""
     return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 

@@ -16,13 +16,12 @@ from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import reference, uncertainty
 from weier.accuracy.runner import Outcome, Run, attempt
 from weier.data.check import Check
-from weier.data.variables import CURVE, QUALITY, RUN, Variable
+from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, kept_in
 from weier.kernels.arrays import Array
 from weier.methods.method import Noise, Reference, Variant
 from weier.methods.registry import method_named
 from weier.theory.profile import Profile
 
-KEPT = ("compliance", "resistance", "compliance_error", "points", "settings")
 CHECKS = {
     "monotone": "whether the compliance never falls",
     "concave": "whether the resistance falls and lies between the chords to either side",
@@ -57,7 +56,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 
     """
     cases = list(extremes() if cases is None else cases)
-    data = comparison.blank(cases, KEPT, OWN)
+    data = comparison.blank(cases, kept_in(EXTREMES), OWN)
     data["extreme"].values[:] = [each.name for each in cases]
     for name in CHECKS:
         data[name].values[:] = Check.not_measured

@@ -15,7 +15,7 @@ from weier.accuracy.metrics import deviation
 from weier.accuracy.reference import exact_contact
 from weier.accuracy.runner import fastest_run
 from weier.data.dataset import Status
-from weier.data.variables import LOADS, VARIABLES, Variable
+from weier.data.variables import LOADS, TRADEOFF, VARIABLES, Variable, kept_in
 from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant
@@ -23,10 +23,6 @@ from weier.scene import Scene
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
-KEPT = (
-    "compliance", "resistance", "compliance_error", "resistance_error", "contact_fraction", "patch_count", "residual",
-    "work", "points", "settings", "status",
-)  # fmt: skip
 OWN = {
     "seconds": VARIABLES["seconds"],
     "reference_compliance": Variable(LOADS, "compliance of the exact contact", "g_0", least=0),
@@ -59,7 +55,7 @@ def measure(scene: Scene) -> xr.Dataset:
         Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
         for case in scene.cases.values()
     ]
-    data = comparison.blank(comparisons, KEPT, OWN)
+    data = comparison.blank(comparisons, kept_in(TRADEOFF), OWN)
     for case, each in enumerate(comparisons):
         right = exact_contact(each.case.profile, tuple(each.loads.tolist()))
         data["reference_compliance"].values[case] = np.array(right.compliance, float)
