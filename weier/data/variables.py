@@ -97,7 +97,8 @@ VARIABLES = {
     ),
     "resistance": Variable(
         CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0,
-        files=ALL_MEASURED, axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
+        files=ALL_MEASURED,
+        axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": Variable(
         CURVE, "lower bound on the compliance of the infinite series, from where all its waves peak together", "g_0",

@@ -42,18 +42,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
     """Specific contact resistance dh/dp: flattened terms do not contribute (2), (26).
 
-    Parameters
-    ----------
-    mean_pressure : array_like
-        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
-    D, gamma, m : array_like
-        Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
-        All four broadcast.
-
-    Returns
-    -------
-    ndarray
-        Resistance in g_0/p_0*, of the broadcast shape; exactly 0 where all terms are flattened.
+    The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
     return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
 
