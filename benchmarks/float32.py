@@ -33,28 +33,28 @@ def main() -> None:
 
 
 def _pair_seconds(points: int, kind: Any) -> float:
-    x, sinking = np.random.default_rng(0).normal(size=points).astype(kind), eigenvalues(points, 1).astype(kind)
+    x, influence = np.random.default_rng(0).normal(size=points).astype(kind), eigenvalues(points, 1).astype(kind)
     least, repeat = np.inf, max(20, WORK // points)
     for _ in range(5):
         start = process_time()
         for _ in range(repeat):
-            _product(sinking, x)
+            _product(influence, x)
         least = min(least, (process_time() - start) / repeat)
     return least
 
 
-def _product(sinking: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
-    return np.asarray(scipy.fft.irfft(scipy.fft.rfft(x) * sinking, x.size))
+def _product(influence: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
+    return np.asarray(scipy.fft.irfft(scipy.fft.rfft(x) * influence, x.size))
 
 
 def _residuals(points: int) -> list[tuple[float, float]]:
     """By load: half the range of z - A p in contact, of a solution to 1e-10 g_0, in single precision."""
-    grids, state = nested_grids(PROFILE, points, 1e-10), fft.make_state(points)
-    sinking, z = eigenvalues(points, 1).astype(np.float32), PROFILE.sampled_height(points).astype(np.float32)
+    grids, state = nested_grids(PROFILE, points, 1e-10), fft.make_grid_state(points)
+    influence, z = eigenvalues(points, 1).astype(np.float32), PROFILE.sampled_height(points).astype(np.float32)
     found = []
     for load in LOADS:
-        fft.descend(load, grids, full_contact(grids, load), state)
-        deformed = z - _product(sinking, state.pressure.astype(np.float32))
+        fft.cascade(load, grids, full_contact(grids, load), state)
+        deformed = z - _product(influence, state.pressure.astype(np.float32))
         found.append((load, float(np.ptp(deformed[state.contact]) / 2)))
     return found
 

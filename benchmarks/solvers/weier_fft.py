@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.problem import Problem, Step
 from weier.methods.bem import curve as solve_curve
 from weier.methods.bem import fft
-from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids, part_of_hierarchy
+from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
 
 Array = NDArray[np.float64]
 
@@ -25,10 +25,10 @@ class Descent(NamedTuple):
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """The grids keep their own start and tolerance."""
-        _, residual, pairs = fft.descend(load, self.hierarchy, self.coarse, self.state)
+        _, residual, pairs = fft.cascade(load, self.hierarchy, self.coarse, self.state)
         pressure = self.state.pressure.copy()
         if self.with_resistance:
-            finest = part_of_hierarchy(self.hierarchy, self.hierarchy.points.size - 1)
+            finest = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
             pairs += fft.solve_rate(fft.RATE_TOLERANCE, finest, self.state)[1]
         return Step(pressure, pairs, residual <= self.hierarchy.tolerance[-1])
 
@@ -37,7 +37,7 @@ def begin(problem: Problem, with_resistance: bool = False) -> Descent:
     """Grids and arrays."""
     hierarchy = nested_grids(problem.profile, problem.points, problem.tolerance)
     start = full_contact(hierarchy, float(problem.loads[-1]))
-    return Descent(hierarchy, start, fft.make_state(problem.points), with_resistance)
+    return Descent(hierarchy, start, fft.make_grid_state(problem.points), with_resistance)
 
 
 def begin_with_resistance(problem: Problem) -> Descent:

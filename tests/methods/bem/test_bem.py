@@ -8,7 +8,7 @@ from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import westergaard
 from weier.methods.bem import curve, direct, fft, field
-from weier.methods.bem.grids import nested_grids, part_of_hierarchy
+from weier.methods.bem.grids import grid_of, nested_grids
 from weier.theory.halfplane import influence_coefficients
 
 THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -248,10 +248,10 @@ def test_beyond_full_contact_everything_is_known(solver):
 
 def test_what_is_not_a_number_is_an_error():
     """max() passes over NaN: a certificate must not."""
-    state = fft.make_state(8)
+    state = fft.make_grid_state(8)
     state.contact[:] = True
     state.deformed[3] = np.nan
-    grid = part_of_hierarchy(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
+    grid = grid_of(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
     assert fft._violations(0.0, grid, state) == (np.inf, np.inf)
 
 
@@ -260,16 +260,16 @@ def test_an_empty_contact_begins_at_the_highest_node():
     found, wanted = (
         direct.solve_load(matrix, height, begin, 0.3, 1e-10) for begin in (np.zeros(64, bool), np.ones(64, bool))
     )
-    assert found.settled
+    assert found.converged
     assert np.array_equal(found.contact, wanted.contact)
     assert found.pressure == pytest.approx(wanted.pressure, abs=1e-12)
 
 
 def test_a_search_that_does_not_settle_says_so(monkeypatch):
-    monkeypatch.setattr(direct, "ROUNDS", 1)
+    monkeypatch.setattr(direct, "MAX_ROUNDS", 1)
     matrix, height = circulant(influence_coefficients(64)), Profile(1.5, 2, 1).sampled_height(64)
     found = direct.solve_load(matrix, height, np.ones(64, bool), 0.3, 1e-10)
-    assert (found.rounds, found.settled) == (1, False)
+    assert (found.rounds, found.converged) == (1, False)
     with pytest.raises(ConvergenceError, match="residual"):
         curve(Profile(1.5, 2, 1), np.array([0.3]), points=64, solver="direct")
 
@@ -285,8 +285,8 @@ def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
     solved = fft.solve_loads
 
     def without_rate(*arguments):
-        answer = solved(*arguments)
-        return answer._replace(resistance=np.full(answer.flat.size, np.inf))
+        solution = solved(*arguments)
+        return solution._replace(resistance=np.full(solution.plane.size, np.inf))
 
     monkeypatch.setattr(fft, "solve_loads", without_rate)
     with pytest.raises(ConvergenceError, match=r"not the resistance under the mean pressure 0\.1 "):

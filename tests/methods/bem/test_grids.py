@@ -6,7 +6,7 @@ import pytest
 from weier import Profile
 from weier.methods import westergaard
 from weier.methods.bem import curve, field
-from weier.methods.bem.grids import nested_grids, refine, superpose
+from weier.methods.bem.grids import add_harmonic, nested_grids, refine
 from weier.theory import bounds
 from weier.theory.halfplane import eigenvalues
 
@@ -28,20 +28,20 @@ def test_a_wave_joins_on_the_first_grid_that_shows_it():
 def test_a_new_wave_starts_from_westergaards_pressure(xi):
     points, wave = 3000, 2
     grids = nested_grids(THREE_WAVES, points, 1e-8)
-    flattening = grids.waves.flattening[wave]
-    pressure = np.full(points, xi * flattening)
-    superpose(wave, grids.waves, pressure, np.empty(points))
+    full_contact_pressure = grids.harmonics.full_contact_pressure[wave]
+    pressure = np.full(points, xi * full_contact_pressure)
+    add_harmonic(wave, grids.harmonics, pressure, np.empty(points))
     x = 25 * np.arange(points) / points + 2.0 / (2 * np.pi)
-    assert pressure == pytest.approx(flattening * westergaard.pressure(x, xi), abs=1e-12)
+    assert pressure == pytest.approx(full_contact_pressure * westergaard.pressure(x, xi), abs=1e-12)
     # The trapezoidal rule on 120 points a wave misses the roots at the edges by O(1/120^1.5).
-    assert pressure.mean() == pytest.approx(xi * flattening, rel=120**-1.5 / xi)
+    assert pressure.mean() == pytest.approx(xi * full_contact_pressure, rel=120**-1.5 / xi)
 
 
 def test_a_contact_between_the_crests_keeps_its_pressure():
     grids = nested_grids(Profile(1.5, 2, 2), 64, 1e-8)
     pressure = np.zeros(64)
     pressure[16] = 1e-3  # a valley of the finer wave
-    superpose(1, grids.waves, pressure, np.empty(64))
+    add_harmonic(1, grids.harmonics, pressure, np.empty(64))
     assert np.flatnonzero(pressure).tolist() == [16]
 
 

@@ -1,4 +1,4 @@
-"""What both solvers of the boundary elements share: the form of the answer, and the count of contacts."""
+"""What both solvers of the boundary elements share: the form of the solution, and the count of contacts."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from weier.kernels.jit import kernel
 Array = NDArray[np.float64]
 
 
-class Answer(NamedTuple):
+class DiscreteSolution(NamedTuple):
     """The discrete solution over the loads, each of shape (loads,).
 
-    flat : height of the rigid flat above the mean plane (the mean gap d), in g_0
+    plane : height of the rigid plane above the mean plane (the mean gap d), in g_0
     resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
     contact_nodes, patches : nodes in contact, and the number of unbroken runs of them
     residual : largest violation of a contact condition, as a length in g_0
     work : solver's own measure of cost
     """
 
-    flat: Array
+    plane: Array
     resistance: Array
     contact_nodes: NDArray[np.int64]
     patches: NDArray[np.int64]
@@ -31,9 +31,9 @@ class Answer(NamedTuple):
 
 
 @kernel
-def no_answer(loads: int) -> Answer:
-    """An answer with nothing in it yet."""
-    return Answer(
+def blank_solution(loads: int) -> DiscreteSolution:
+    """An solution with nothing in it yet."""
+    return DiscreteSolution(
         np.empty(loads),
         np.full(loads, np.nan),
         np.empty(loads, np.int64),

@@ -9,35 +9,35 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from numpy.typing import NDArray
 
 from weier.kernels.blas import one_thread
-from weier.methods.bem.contact import Answer, count_patches, no_answer
+from weier.methods.bem.contact import DiscreteSolution, blank_solution, count_patches
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
+MAX_ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
 
 
-class Settled(NamedTuple):
+class ActiveSet(NamedTuple):
     """One load: the last solution, on the nodes in contact, and whether another round would change them.
 
-    flat : height of the rigid flat above the mean plane, in g_0
+    plane : height of the rigid plane above the mean plane, in g_0
     resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
     pressure : of the nodes, shape (N,), in p_0*, free of tension
     contact : whether a node is in contact, shape (N,)
     rounds : dense solutions so far
-    settled : whether the last one changed no node
+    converged : whether the last one changed no node
     """
 
-    flat: float
+    plane: float
     resistance: float
     pressure: Array
     contact: Flags
     rounds: int
-    settled: bool
+    converged: bool
 
 
 @one_thread
-def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> Answer:
+def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> DiscreteSolution:
     """Solve every load from the heaviest down, each from the contact of the one before.
 
     Parameters
@@ -53,42 +53,43 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
 
     Returns
     -------
-    Answer
+    DiscreteSolution
         Arrays over the loads, in their order; work counts dense solutions.
 
     """
-    answer, matrix, contact = no_answer(loads.size), scipy.linalg.circulant(influence), pressure > 0
+    solution, matrix, contact = blank_solution(loads.size), scipy.linalg.circulant(influence), pressure > 0
     for load in range(loads.size - 1, -1, -1):
-        found = solve_load(matrix, height, contact, loads[load], tolerance)
-        contact, pressure[:] = found.contact, found.pressure
-        gap = found.flat - height + matrix @ pressure
-        answer.flat[load], answer.resistance[load], answer.work[load] = found.flat, found.resistance, found.rounds
-        answer.contact_nodes[load], answer.patches[load] = contact.sum(), count_patches(contact)
-        answer.residual[load] = max(
+        solved = solve_load(matrix, height, contact, loads[load], tolerance)
+        contact, pressure[:] = solved.contact, solved.pressure
+        gap = solved.plane - height + matrix @ pressure
+        solution.plane[load], solution.resistance[load] = solved.plane, solved.resistance
+        solution.work[load] = solved.rounds
+        solution.contact_nodes[load], solution.patches[load] = contact.sum(), count_patches(contact)
+        solution.residual[load] = max(
             np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
         )
-    return answer
+    return solution
 
 
-def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolerance: float) -> Settled:
-    """Drop the nodes that pull, add those that penetrate, until none is left or ROUNDS are over.
+def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolerance: float) -> ActiveSet:
+    """Drop the nodes in tension and add those that penetrate, until there are none or MAX_ROUNDS are over.
 
     `matrix`, shape (N, N), is of displacement per nodal pressure; `contact` is where the search begins.
     """
-    rounds, settled = 0, False
-    while not settled and rounds < ROUNDS:
+    rounds, converged = 0, False
+    while not converged and rounds < MAX_ROUNDS:
         nodes = contact if contact.any() else height == height.max()  # something has to carry the load
-        flat, resistance, pressure = _on_contact(matrix, nodes, height, load)
-        gap = flat - height + matrix @ pressure
-        stretched = nodes & (pressure < -tolerance / matrix[0, 0])
-        pierced = ~nodes & (gap < -tolerance)
-        contact = nodes & ~stretched | pierced
-        rounds, settled = rounds + 1, np.array_equal(contact, nodes)
-    return Settled(flat, resistance, np.maximum(pressure, 0.0), nodes, rounds, settled)
+        plane, resistance, pressure = _on_contact(matrix, nodes, height, load)
+        gap = plane - height + matrix @ pressure
+        tensile = nodes & (pressure < -tolerance / matrix[0, 0])
+        penetrating = ~nodes & (gap < -tolerance)
+        contact = nodes & ~tensile | penetrating
+        rounds, converged = rounds + 1, np.array_equal(contact, nodes)
+    return ActiveSet(plane, resistance, np.maximum(pressure, 0.0), nodes, rounds, converged)
 
 
 def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array]:
-    """Height of the flat, the rate at which it sinks, and pressure, were all nodes in contact held there."""
+    """Height of the plane, the rate at which it sinks, and pressure, were all nodes in contact held there."""
     nodes = np.flatnonzero(contact)
     n, points = nodes.size, contact.size
     system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))

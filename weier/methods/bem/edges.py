@@ -1,4 +1,4 @@
-"""The edges of contact, and residuals that run out across them into the gaps, as the preconditioner needs them."""
+"""The edges of contact, and residuals continued across them into the gaps, as the preconditioner needs them."""
 
 from __future__ import annotations
 
@@ -36,31 +36,31 @@ def find_edges(contact: Flags, space: Edges) -> Edges:
 
 
 @kernel
-def _way_out(which: int, edge: Edges, contact: Flags) -> tuple[int, int, int]:
+def _path_into_gap(which: int, edge: Edges, contact: Flags) -> tuple[int, int, int]:
     """From the last node in contact at this edge into the gap: the node, the direction, and how far to go."""
     before, here, after = edge[which - 1], edge[which], edge[which + 1]
     if contact[here]:
         return here, -1, min(here - before + 1, REACH * (after - here))
-    # A negative index counts from the end, so that the way leads across the end of the period.
+    # A negative index counts from the end, so that the path leads across the end of the period.
     node = here - 1 - contact.size if here > 0 else -1
     return node, 1, min(after - here + 1, REACH * (here - before))
 
 
 @kernel
-def run_out(values: Array, edge: Edges, contact: Flags) -> None:
+def extrapolate_into_gap(values: Array, edge: Edges, contact: Flags) -> None:
     """From each edge into the gap, add the value there, falling to 0 in a straight line."""
     for which in range(1, edge.size - 1):
-        node, side, reach = _way_out(which, edge, contact)
+        node, side, reach = _path_into_gap(which, edge, contact)
         fall = values[node] / reach
         for step in range(1, reach):
             values[node + side * step] += fall * (reach - step)
 
 
 @kernel
-def run_in(values: Array, edge: Edges, contact: Flags) -> None:
+def restrict_from_gap(values: Array, edge: Edges, contact: Flags) -> None:
     """The transpose: to the value at each edge, add those in the gap, with weights that fall in a straight line."""
     for which in range(1, edge.size - 1):
-        node, side, reach = _way_out(which, edge, contact)
+        node, side, reach = _path_into_gap(which, edge, contact)
         total = 0.0
         for step in range(1, reach):
             total += values[node + side * step] * (reach - step)

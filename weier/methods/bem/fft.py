@@ -1,10 +1,10 @@
 """The fast solver: circulant products, active set and preconditioned conjugate gradients on nested grids.
 
-The unknown is the nodal pressure p, the deformed surface is z - A p, and the flat rests on it at the height H:
-z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact
-nodes this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole
-surface, on residuals that run out into the gaps. The gap outside and the pressure inside are known after every step
-for free, so the set is corrected as soon as its violations outweigh the error of the current solution on it.
+The unknown is the nodal pressure p, the deformed surface is z - A p, and the rigid plane rests on it at the height H:
+z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact nodes
+this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole surface, on
+residuals that are continued into the gaps. The gap outside and the pressure inside are known after every step for
+free, so the active set is corrected as soon as its violations outweigh the error of the current solution on it.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.jit import kernel
-from weier.methods.bem.contact import Answer, count, count_patches, no_answer
-from weier.methods.bem.edges import Edges, Flags, find_edges, run_in, run_out
-from weier.methods.bem.grids import Grid, Hierarchy, part_of_hierarchy, refine, superpose
+from weier.methods.bem.contact import DiscreteSolution, blank_solution, count, count_patches
+from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
+from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, refine
 from weier.methods.bem.transform import Spectrum, circulant_product
 
 Array = NDArray[np.float64]
 
 RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
-STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
+MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
 
 
-class State(NamedTuple):
+class GridState(NamedTuple):
     """The solution on a grid of N nodes, and the arrays of the conjugate gradients.
 
     pressure : p, shape (N,), in p_0*
     deformed : deformed surface z - A p, shape (N,), in g_0
     direction : of the search, shape (N,), in p_0*; 0 outside contact
     product : preconditioned residual, then A times the direction, shape (N,), in p_0*, then g_0
-    residual : z - A p - H in contact, run out into the gaps, shape (N,), in g_0
+    residual : z - A p - H in contact, continued into the gaps, shape (N,), in g_0
     spectrum : of what is being multiplied, shape (N//2 + 1,)
     contact : whether a node is in contact, shape (N,)
     edge : space for the edges of contact, shape (N + 2,)
@@ -50,18 +50,18 @@ class State(NamedTuple):
 
 
 @kernel
-def make_state(points: int) -> State:
+def make_grid_state(points: int) -> GridState:
     """Working arrays for grids of up to `points` nodes."""
-    return State(
+    return GridState(
         np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points),
         np.zeros(points // 2 + 1, np.complex128), np.zeros(points, np.bool_), np.zeros(points + 2, np.int64),
     )  # fmt: skip
 
 
 @kernel
-def part_of_state(state: State, points: int) -> State:
+def leading_part(state: GridState, points: int) -> GridState:
     """The leading part of every array, for a grid of `points` nodes."""
-    return State(
+    return GridState(
         state.pressure[:points], state.deformed[:points], state.direction[:points], state.product[:points],
         state.residual[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
         state.edge[: points + 2],
@@ -89,15 +89,15 @@ def _mean_in_contact(values: Array, contact: Flags) -> float:
 
 
 @kernel
-def _deform(height: Array, grid: Grid, state: State) -> None:
+def _deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
     """The deformed surface z - A p afresh."""
-    circulant_product(grid.sinking, state.pressure, state.spectrum, state.deformed)
+    circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
     for i in range(height.size):
         state.deformed[i] = height[i] - state.deformed[i]
 
 
 @kernel
-def _balance(pressure: Array, load: float) -> None:
+def _rescale_to_load(pressure: Array, load: float) -> None:
     """Pressure without tension, scaled to the load."""
     total = 0.0
     for i in range(pressure.size):
@@ -108,44 +108,46 @@ def _balance(pressure: Array, load: float) -> None:
 
 
 @kernel
-def _refresh(load: float, grid: Grid, state: State) -> None:
+def _refresh(load: float, grid: Grid, state: GridState) -> None:
     """Free the pressure of tension, let it carry the load, and apply the operator afresh."""
-    _balance(state.pressure, load)
-    _deform(grid.height, grid, state)
+    _rescale_to_load(state.pressure, load)
+    _deformed_surface(grid.height, grid, state)
 
 
 @kernel
-def _violations(flat: float, grid: Grid, state: State) -> tuple[float, float]:
-    """Largest |gap| in contact; largest penetration outside or tension inside, as lengths."""
-    inside = 0.0
-    wrong = 0.0
+def _violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float]:
+    """Largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0."""
+    contact_gap = 0.0
+    violation = 0.0
     for i in range(state.pressure.size):
-        gap = flat - state.deformed[i]
+        gap = plane - state.deformed[i]
         if not abs(gap) + abs(state.pressure[i]) < np.inf:  # max() would pass over what is not a number
             return np.inf, np.inf
         if state.contact[i]:
-            inside = max(inside, abs(gap))
-            wrong = max(wrong, -state.pressure[i] * grid.node_sinking)
+            contact_gap = max(contact_gap, abs(gap))
+            violation = max(violation, -state.pressure[i] * grid.self_influence)
         else:
-            wrong = max(wrong, -gap)
-    return inside, wrong
+            violation = max(violation, -gap)
+    return contact_gap, violation
 
 
 @kernel
-def _correct_contact(flat: float, state: State) -> bool:
-    """Release what pulls, add what penetrates; whether anything was released, so that the pressure must change."""
+def _correct_contact(plane: float, state: GridState) -> bool:
+    """Release nodes in tension, add those that penetrate; whether any was released: the pressure must change."""
     released = False
     for i in range(state.pressure.size):
         if state.contact[i]:
             state.contact[i] = state.pressure[i] >= 0
             released |= not state.contact[i]
         else:
-            state.contact[i] = state.deformed[i] > flat
+            state.contact[i] = state.deformed[i] > plane
     return released
 
 
 @kernel
-def _conjugate_step(flat: float, edge: Edges, restart: bool, last_energy: float, grid: Grid, state: State) -> float:
+def _conjugate_step(
+    plane: float, edge: Edges, restart: bool, last_energy: float, grid: Grid, state: GridState
+) -> float:
     """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
 
     Returns the energy r.M^-1 r of the residual r before the step, M the preconditioner: `last_energy` of the next.
@@ -153,29 +155,29 @@ def _conjugate_step(flat: float, edge: Edges, restart: bool, last_energy: float,
     """
     points = state.pressure.size
     for i in range(points):
-        state.residual[i] = state.deformed[i] - flat if state.contact[i] else 0.0
-    run_out(state.residual, edge, state.contact)
+        state.residual[i] = state.deformed[i] - plane if state.contact[i] else 0.0
+    extrapolate_into_gap(state.residual, edge, state.contact)
     circulant_product(grid.inverse, state.residual, state.spectrum, state.product)
-    run_in(state.product, edge, state.contact)
+    restrict_from_gap(state.product, edge, state.contact)
     shift = _mean_in_contact(state.product, state.contact)
     energy = 0.0
     for i in range(points):
         if state.contact[i]:
             energy += state.residual[i] * (state.product[i] - shift)
-    turn = energy / last_energy if last_energy > 0 and not restart else 0.0
+    beta = energy / last_energy if last_energy > 0 and not restart else 0.0
     for i in range(points):
-        state.direction[i] = state.product[i] - shift + turn * state.direction[i] if state.contact[i] else 0.0
-    circulant_product(grid.sinking, state.direction, state.spectrum, state.product)
-    length = energy / _dot(state.direction, state.product) if energy > 0 else 0.0  # 0 on a single node
+        state.direction[i] = state.product[i] - shift + beta * state.direction[i] if state.contact[i] else 0.0
+    circulant_product(grid.influence, state.direction, state.spectrum, state.product)
+    step = energy / _dot(state.direction, state.product) if energy > 0 else 0.0  # 0 on a single node
     for i in range(points):
-        state.pressure[i] += length * state.direction[i]
-        state.deformed[i] -= length * state.product[i]
+        state.pressure[i] += step * state.direction[i]
+        state.deformed[i] -= step * state.product[i]
     return energy
 
 
 @kernel
-def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int]:
-    """Contact under one load from the pressure and contact in `state`: flat H, residual, pairs of FFTs.
+def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float, int]:
+    """Contact under one load from the pressure and contact in `state`: plane H, residual, pairs of FFTs.
 
     Converged means so on a freshly applied operator, with the pressure free of tension and scaled to the load;
     otherwise the residual stays above the tolerance.
@@ -183,31 +185,31 @@ def solve_load(load: float, grid: Grid, state: State) -> tuple[float, float, int
     pairs, patience, energy = 0, 1, 0.0
     fresh = restart = True
     edge = find_edges(state.contact, state.edge)
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         if fresh:
             _refresh(load, grid, state)
             pairs += 1
-        flat = _mean_in_contact(state.deformed, state.contact)
-        inside, wrong = _violations(flat, grid, state)
-        solved = max(inside, wrong) <= grid.tolerance
+        plane = _mean_in_contact(state.deformed, state.contact)
+        contact_gap, violation = _violations(plane, grid, state)
+        solved = max(contact_gap, violation) <= grid.tolerance
         if solved and fresh:
             break
         # Correct the contact when its violations outweigh the error on it, each time more patiently.
-        if not fresh and (solved or wrong > patience * inside):
-            fresh = _correct_contact(flat, state) or solved
+        if not fresh and (solved or violation > patience * contact_gap):
+            fresh = _correct_contact(plane, state) or solved
             edge = find_edges(state.contact, state.edge)
             patience += 1
             restart = True
         else:
-            energy = _conjugate_step(flat, edge, restart, energy, grid, state)
+            energy = _conjugate_step(plane, edge, restart, energy, grid, state)
             pairs += 2
             fresh = restart = False
-    return flat, max(inside, wrong), pairs
+    return plane, max(contact_gap, violation), pairs
 
 
 @kernel
-def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
-    """Height that the flat loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
+def solve_rate(tolerance: float, grid: Grid, state: GridState) -> tuple[float, int]:
+    """Height that the plane loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
 
     The pressure in `state` becomes the pressure per load, q, and the rate is the energy q.Aq.
     """
@@ -215,31 +217,31 @@ def solve_rate(tolerance: float, grid: Grid, state: State) -> tuple[float, int]:
     nodes = count(state.contact)
     for i in range(state.pressure.size):
         state.pressure[i] = state.pressure.size / nodes if state.contact[i] else 0.0
-    _deform(np.zeros(state.pressure.size), grid, state)
+    _deformed_surface(np.zeros(state.pressure.size), grid, state)
     pairs, restart, energy = 1, True, 0.0
-    for _ in range(STEPS):
-        flat = _mean_in_contact(state.deformed, state.contact)
-        inside = _violations(flat, grid, state)[0]
-        if inside <= tolerance:
+    for _ in range(MAX_STEPS):
+        plane = _mean_in_contact(state.deformed, state.contact)
+        contact_gap = _violations(plane, grid, state)[0]
+        if contact_gap <= tolerance:
             break
-        energy = _conjugate_step(flat, edge, restart, energy, grid, state)
+        energy = _conjugate_step(plane, edge, restart, energy, grid, state)
         pairs += 2
         restart = False
-    if not inside <= tolerance:
+    if not contact_gap <= tolerance:
         return np.inf, pairs
     return -_dot(state.pressure, state.deformed) / state.pressure.size, pairs
 
 
 @kernel
-def _touch(state: State) -> None:
+def _contact_from_pressure(state: GridState) -> None:
     """Contact where the pressure is positive."""
     for i in range(state.pressure.size):
         state.contact[i] = state.pressure[i] > 0
 
 
 @kernel
-def descend(load: float, hierarchy: Hierarchy, start: Array, whole: State) -> tuple[float, float, float]:
-    """Solve one load on every grid, coarse to fine: flat H, residual, pairs of FFTs, each grid's by its size.
+def cascade(load: float, hierarchy: Hierarchy, start: Array, whole: GridState) -> tuple[float, float, float]:
+    """Solve one load on every grid, coarse to fine: plane H, residual, pairs of FFTs, each grid's by its size.
 
     `start` is the pressure to begin with on the coarsest grid, and becomes its solution; `whole` that of the finest.
     """
@@ -247,29 +249,29 @@ def descend(load: float, hierarchy: Hierarchy, start: Array, whole: State) -> tu
     finest = hierarchy.points.size - 1
     for level in range(finest + 1):
         points = hierarchy.points[level]
-        state = part_of_state(whole, points)
+        state = leading_part(whole, points)
         if level == 0:
             state.pressure[:] = start
         else:
             refine(hierarchy.points[level - 1], state.pressure, state.residual)
             for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
-                superpose(wave, hierarchy.waves, state.pressure, state.residual)
-        _touch(state)
-        flat, residual, here = solve_load(load, part_of_hierarchy(hierarchy, level), state)
+                add_harmonic(wave, hierarchy.harmonics, state.pressure, state.residual)
+        _contact_from_pressure(state)
+        plane, residual, here = solve_load(load, grid_of(hierarchy, level), state)
         pairs += here * points / hierarchy.points[finest]
         if level == 0:
             start[:] = state.pressure
-    return flat, residual, pairs
+    return plane, residual, pairs
 
 
 @kernel
-def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> Answer:
+def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> DiscreteSolution:
     """Solve every load from the heaviest down; on the coarsest grid each starts from the one before.
 
     Parameters
     ----------
     hierarchy : Hierarchy
-        The grids; the last one carries the answer.
+        The grids; the last one carries the solution.
     pressure : array, shape (points of the coarsest grid,)
         Where it is positive the search for the contact begins; overwritten.
     loads : array, shape (loads,)
@@ -279,22 +281,22 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
 
     Returns
     -------
-    Answer
+    DiscreteSolution
         Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
 
     """
-    answer = no_answer(loads.size)
+    solution = blank_solution(loads.size)
     finest = hierarchy.points.size - 1
-    state = make_state(hierarchy.points[finest])
+    state = make_grid_state(hierarchy.points[finest])
     for load in range(loads.size - 1, -1, -1):
-        flat, residual, pairs = descend(loads[load], hierarchy, pressure, state)
-        answer.flat[load] = flat
-        answer.residual[load] = residual
-        answer.contact_nodes[load] = count(state.contact)
-        answer.patches[load] = count_patches(state.contact)
-        answer.work[load] = pairs
+        plane, residual, pairs = cascade(loads[load], hierarchy, pressure, state)
+        solution.plane[load] = plane
+        solution.residual[load] = residual
+        solution.contact_nodes[load] = count(state.contact)
+        solution.patches[load] = count_patches(state.contact)
+        solution.work[load] = pairs
         if with_resistance:
-            rate, pairs = solve_rate(RATE_TOLERANCE, part_of_hierarchy(hierarchy, finest), state)
-            answer.resistance[load] = rate
-            answer.work[load] += pairs
-    return answer
+            rate, pairs = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, finest), state)
+            solution.resistance[load] = rate
+            solution.work[load] += pairs
+    return solution

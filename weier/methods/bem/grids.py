@@ -18,22 +18,22 @@ from weier.theory.profile import Profile
 
 Array = NDArray[np.float64]
 
-FEWEST_PER_WAVE = 8  # of the finest wave on a grid; less and it does not see the crests
-FEWEST_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
+MIN_POINTS_PER_WAVE = 8  # of the finest wave on a grid; fewer miss its crests
+MIN_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
 COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten times its own error (docs/numerics.md)
 
 
-class Waves(NamedTuple):
+class Harmonics(NamedTuple):
     """The waves of a profile, coarse to fine, each of shape (m,).
 
     wavenumber : waves in one period
     cycle : phase, in wavelengths
-    flattening : mean pressure p_n* that flattens this wave alone, in p_0*
+    full_contact_pressure : mean pressure p_n* that flattens this wave alone, in p_0*
     """
 
     wavenumber: NDArray[np.int64]
     cycle: Array
-    flattening: Array
+    full_contact_pressure: Array
 
 
 class Hierarchy(NamedTuple):
@@ -42,37 +42,37 @@ class Hierarchy(NamedTuple):
     points : nodes of each grid, shape (grids,)
     terms : waves that each carries, from the coarsest wave on, shape (grids,)
     height : profile of these waves, shape (sum of points,), in g_0
-    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
+    influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
         in g_0/p_0* and p_0*/g_0
     tolerance : residual to reach on each grid, shape (grids,), in g_0
-    node_sinking : A_ii of each grid, shape (grids,), in g_0/p_0*
-    waves : all waves of the profile
+    self_influence : A_ii of each grid, shape (grids,), in g_0/p_0*
+    harmonics : all waves of the profile
     """
 
     points: NDArray[np.int64]
     terms: NDArray[np.int64]
     height: Array
-    sinking: Array
+    influence: Array
     inverse: Array
     tolerance: Array
-    node_sinking: Array
-    waves: Waves
+    self_influence: Array
+    harmonics: Harmonics
 
 
 class Grid(NamedTuple):
     """One grid of N nodes: its part of each array of the hierarchy.
 
     height : profile of the waves that it carries, shape (N,), in g_0
-    sinking, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
+    influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
     tolerance : residual to reach, in g_0
-    node_sinking : A_ii, in g_0/p_0*
+    self_influence : A_ii, in g_0/p_0*
     """
 
     height: Array
-    sinking: Array
+    influence: Array
     inverse: Array
     tolerance: float
-    node_sinking: float
+    self_influence: float
 
 
 def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
@@ -90,21 +90,21 @@ def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
         Residual to reach on it, in g_0.
 
     """
-    fewest = max(FEWEST_POINTS, FEWEST_PER_WAVE * profile.wavenumber[0])
+    fewest = max(MIN_POINTS, MIN_POINTS_PER_WAVE * profile.wavenumber[0])
     sizes = [points]
     while (coarser := _half(sizes[0])) >= fewest:
         sizes.insert(0, coarser)
-    terms = [sum(FEWEST_PER_WAVE * k <= size for k in profile.wavenumber) for size in sizes[:-1]]
-    sinking = [eigenvalues(size, profile.period) for size in sizes]
+    terms = [sum(MIN_POINTS_PER_WAVE * k <= size for k in profile.wavenumber) for size in sizes[:-1]]
+    influence = [eigenvalues(size, profile.period) for size in sizes]
     return Hierarchy(
         np.array(sizes),
         np.array([*terms, profile.terms]),
         np.concatenate([profile.sampled_height(n, m) for n, m in zip(sizes, [*terms, None], strict=True)]),
-        np.concatenate(sinking),
-        np.concatenate([inverse(values) for values in sinking]),
+        np.concatenate(influence),
+        np.concatenate([inverse(values) for values in influence]),
         np.array([*(max(tolerance, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)), tolerance]),
         np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
-        Waves(np.array(profile.wavenumber), profile.phase / (2 * np.pi), profile.full_contact_pressure),
+        Harmonics(np.array(profile.wavenumber), profile.phase / (2 * np.pi), profile.full_contact_pressure),
     )
 
 
@@ -123,12 +123,12 @@ def inverse(eigenvalue: Array) -> Array:
 
 def full_contact(hierarchy: Hierarchy, load: float) -> Array:
     """Pressure that would flatten the coarsest grid under this load."""
-    grid = part_of_hierarchy(hierarchy, 0)
+    grid = grid_of(hierarchy, 0)
     return load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
 
 
 @kernel
-def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
+def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
     """One grid of the hierarchy."""
     node, wave = 0, 0
     for coarser in range(level):
@@ -138,15 +138,15 @@ def part_of_hierarchy(hierarchy: Hierarchy, level: int) -> Grid:
     spectrum = slice(wave, wave + points // 2 + 1)
     return Grid(
         hierarchy.height[node : node + points],
-        hierarchy.sinking[spectrum],
+        hierarchy.influence[spectrum],
         hierarchy.inverse[spectrum],
         hierarchy.tolerance[level],
-        hierarchy.node_sinking[level],
+        hierarchy.self_influence[level],
     )
 
 
 @kernel
-def _beyond(before: float, last: float) -> float:
+def _squared_beyond(before: float, last: float) -> float:
     """Square of the pressure after the last node in contact, on a straight line; not above 0: the contact ends."""
     return min(0.0, 2 * last * last - before * before)
 
@@ -154,8 +154,8 @@ def _beyond(before: float, last: float) -> float:
 @kernel
 def _between(before: float, here: float, after: float, later: float, share: float) -> float:
     """Pressure this share of the way from `here` to `after`, of four nodes: its square is straight, as at an edge."""
-    one = here * here if here > 0 else _beyond(later, after)
-    other = after * after if after > 0 else _beyond(before, here)
+    one = here * here if here > 0 else _squared_beyond(later, after)
+    other = after * after if after > 0 else _squared_beyond(before, here)
     return np.sqrt(max(0.0, (1 - share) * one + share * other))
 
 
@@ -178,17 +178,17 @@ def _westergaard(sine_squared: float, xi: float) -> float:
 
 
 @kernel
-def superpose(wave: int, waves: Waves, p: Array, finer: Array) -> None:
+def add_harmonic(wave: int, waves: Harmonics, p: Array, finer: Array) -> None:
     """Let the pressure p so far be the local mean of one more wave, and each of its crests carry that mean.
 
     `finer` is a working array. Where no pressure stands on a crest, in a contact narrower than the wave, all stays.
     """
     wavenumber, cycle = waves.wavenumber[wave], waves.cycle[wave]
-    seen = np.sin(np.pi * wavenumber / p.size) ** 2  # narrower than two nodes, a contact might fall between them
+    narrowest = np.sin(np.pi * wavenumber / p.size) ** 2  # narrower than two nodes, a contact might fall between them
     highest = 0.0
     for i in range(p.size):
         sine = np.sin(np.pi * (wavenumber * i % p.size / p.size + cycle))
-        xi = max(p[i] / waves.flattening[wave], seen)
+        xi = max(p[i] / waves.full_contact_pressure[wave], narrowest)
         finer[i] = p[i] * _westergaard(sine * sine, xi)
         highest = max(highest, finer[i])
     if highest > 0:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from weier.methods.bem import direct, fft
-from weier.methods.bem.contact import no_answer
+from weier.methods.bem.contact import blank_solution
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
 from weier.methods.errors import ConvergenceError
 from weier.theory.halfplane import eigenvalues, influence_coefficients
@@ -94,30 +94,30 @@ def curve(
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
     check_points(points, dense=solver == "direct")
-    partial = loads[loads < flattening_load(profile, points)]
+    partial = loads[loads < full_contact_load(profile, points)]
     if partial.size == 0:
-        answer = no_answer(0)
+        solution = blank_solution(0)
     elif solver == "fft":
         hierarchy = nested_grids(profile, points, tolerance)
         start = full_contact(hierarchy, float(partial[-1]))
-        answer = fft.solve_loads(hierarchy, start, partial, resistance)
+        solution = fft.solve_loads(hierarchy, start, partial, resistance)
     else:
         start = np.ones(points)
         influence = influence_coefficients(points, profile.period)
-        answer = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
-    check_residual(answer.residual, partial, points, tolerance)
-    _check_resistance(answer.resistance, partial, points)
+        solution = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
+    check_residual(solution.residual, partial, points, tolerance)
+    _check_resistance(solution.resistance, partial, points)
 
     def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
         return np.concatenate([values, np.full(loads.size - partial.size, flattened)])
 
     return Curve(
-        whole(profile.total_amplitude - answer.flat, profile.total_amplitude),
-        whole(answer.resistance, 0.0),
-        whole(answer.contact_nodes / points, 1.0),
-        whole(answer.patches, 0).astype(np.int64),
-        whole(answer.residual, 0.0),
-        whole(answer.work, 0),
+        whole(profile.total_amplitude - solution.plane, profile.total_amplitude),
+        whole(solution.resistance, 0.0),
+        whole(solution.contact_nodes / points, 1.0),
+        whole(solution.patches, 0).astype(np.int64),
+        whole(solution.residual, 0.0),
+        whole(solution.work, 0),
         points,
     )
 
@@ -157,7 +157,7 @@ def check_tolerance(tolerance: float) -> None:
         raise ValueError(f"tolerance must be a positive length in g_0, such as 1e-10, got {tolerance}")
 
 
-def flattening_load(profile: Profile, points: int) -> float:
+def full_contact_load(profile: Profile, points: int) -> float:
     """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
     height = profile.sampled_height(points)
     pressure = np.fft.irfft(inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
