@@ -27,7 +27,7 @@ def main() -> None:
         double, single = (_pair_seconds(points, kind) for kind in (np.float64, np.float32))
         print(f"{points} nodes: {1e6 * double:.0f} us, {1e6 * single:.0f} us, {double / single:.2f} times as fast")
     for per_wave in PER_WAVE:
-        points = per_wave * PROFILE.wavenumber[-1]
+        points = per_wave * PROFILE.waves_per_period[-1]
         seen = ", ".join(f"{residual:.0e} g_0 at {load:g} p_0*" for load, residual in _residuals(points))
         print(f"{points} nodes: an exact solution has the residual {seen}")
 

@@ -80,7 +80,7 @@ def verify(count: int, seed: int = 0) -> Iterator[Verified]:
         tolerance, quantity = 10 ** random.uniform(-6, np.log10(0.3)), str(random.choice(QUANTITIES))
         kind, seed = str(random.choice(PHASES)), int(random.integers(2**31))
         loads = _loads(random)
-        if Profile(D, gamma, m).wavenumber[-1] <= MAX_WAVES:
+        if Profile(D, gamma, m).waves_per_period[-1] <= MAX_WAVES:
             done += 1
             profile = Profile(D, gamma, m, _phases(kind, Profile(D, gamma, m), seed, (loads, tolerance, quantity)))
             yield _against_patches(profile, loads, quantity, tolerance)
@@ -112,7 +112,7 @@ def _phases(
     if kind == "half a node":
         grids = [part.settings["points"] for part in plan(series, *wanted).segments if "points" in part.settings]
         if grids:
-            return tuple(-math.pi * waves / grids[0] for waves in series.wavenumber)
+            return tuple(-math.pi * waves / grids[0] for waves in series.waves_per_period)
     return {"zero": 0.0, "pi": math.pi}.get(kind, random_phases(seed))
 
 
@@ -129,7 +129,7 @@ def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: f
 def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Verified:
     """The truth lies within [h_k, h_k + 2 G_k], and below full contact."""
     kept, found = _longest(profile), _planned(profile, loads, tolerance)
-    points = bem.error_model.MIN_POINTS_PER_WAVE * kept.wavenumber[-1]
+    points = bem.error_model.MIN_POINTS_PER_WAVE * kept.waves_per_period[-1]
     h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False).compliance
     low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
     slack = (high - low) / 2 + bem.error_model.compliance_error(kept, points)
@@ -149,7 +149,7 @@ def _check(off: Array, expected: Array, slack: Array) -> Check:
 def _longest(profile: Profile) -> Profile:
     """As many terms of an infinite series as 2^16 points show."""
     terms = 1
-    while profile.truncated(terms + 1).wavenumber[-1] * bem.error_model.MIN_POINTS_PER_WAVE <= MAX_POINTS:
+    while profile.truncated(terms + 1).waves_per_period[-1] * bem.error_model.MIN_POINTS_PER_WAVE <= MAX_POINTS:
         terms += 1
     return profile.truncated(terms)
 

@@ -34,7 +34,7 @@ def test_estimates_lie_within_all_bounds_and_close_in(convergence):
 def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
     """Against five terms more, whose own tail may move them by a tenth of that of the four."""
     long = Profile(1.25, 2, 9, random_phases(2))
-    reference = bem.curve(long, LOADS, points=16 * long.wavenumber[-1]).compliance + long.tail_amplitude
+    reference = bem.curve(long, LOADS, points=16 * long.waves_per_period[-1]).compliance + long.tail_amplitude
     h, low, high = (convergence[name].values[3] for name in ("compliance", "compliance_lower", "compliance_upper"))
     estimate, middle = np.abs(h - reference).mean(), np.abs((low + high) / 2 - reference).mean()
     assert estimate < middle / 2

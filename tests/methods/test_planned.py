@@ -39,7 +39,7 @@ def test_planned_curves_are_within_the_errors_they_expect():
 
 def half_a_node_off(profile, points):
     """The same profile with all crests of all waves at one place, half a node off the grid."""
-    return Profile(profile.D, profile.gamma, profile.m, [-math.pi * k / points for k in profile.wavenumber])
+    return Profile(profile.D, profile.gamma, profile.m, [-math.pi * k / points for k in profile.waves_per_period])
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1.6, "3/2", 4), (1.9, 3, 3)])
@@ -62,7 +62,7 @@ def test_a_crest_between_two_nodes_is_within_the_error_of_the_grid(D, gamma, m):
 def test_boundary_elements_follow_their_law_and_not_by_far(D, per_wave):
     profile = Profile(D, 2, 4, random_phases(3))
     exact = patches.curve(profile, LOADS)
-    points = per_wave * profile.wavenumber[-1]
+    points = per_wave * profile.waves_per_period[-1]
     error = np.abs(weier.methods.bem.curve(profile, LOADS, points=points).compliance - exact.compliance).max()
     expected = bem.error_model.compliance_error(profile, points)
     assert expected / 10 < error <= expected
@@ -77,7 +77,7 @@ def test_points_are_the_fewest_that_do(quantity, error):
         return bem.error_model.compliance_error(profile, points) if quantity == "compliance" else by_resistance
 
     points = bem.error_model.fewest_points(PROFILE, error, quantity)
-    waves = PROFILE.wavenumber[-1]
+    waves = PROFILE.waves_per_period[-1]
     assert law(PROFILE, points) <= error * (1 + 1e-12)
     # Rounded up to what halves: by 1 in 8 at most, and 1 in 4 of the points is half of the error.
     assert points == 12 * waves or law(PROFILE, int(points * 0.75)) > error
@@ -245,7 +245,7 @@ def test_the_resistance_of_a_long_series_is_within_its_tolerance_whatever_the_lo
     most = {3: 9, 5: 6}[gamma]
     assert curve.planned_terms.values.max() < most
     kept, around = profile.truncated(most), np.sort(np.outer(loads, [0.9, 0.98, 1, 1.02, 1.1]).ravel())
-    points = 16 * kept.wavenumber[-1]
+    points = 16 * kept.waves_per_period[-1]
     h = weier.methods.bem.curve(kept, around, points=points, resistance=False).compliance
     low, high = resistance_bounds(
         around, h, profile.amplitude_beyond(most) + bem.error_model.compliance_error(kept, points)

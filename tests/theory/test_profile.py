@@ -78,7 +78,7 @@ def test_sampled_height_loses_nothing_to_fine_waves():
 @pytest.mark.parametrize("profile", EXAMPLES)
 def test_crest_is_the_highest_of_many_samples(profile):
     x, z = profile.crest
-    dense = 512 * profile.wavenumber[-1]
+    dense = 512 * profile.waves_per_period[-1]
     highest = np.max(profile.sampled_height(dense))
     # Between samples a crest rises by at most |z''| step^2/8.
     missed = np.max(np.abs(profile.curvature(np.linspace(0, profile.period, 1000)))) * 2
@@ -107,7 +107,7 @@ def test_period_is_the_denominator_to_the_power_of_the_terms():
     assert Profile(1.5, 5, 4).period == 1
     profile = Profile(1.5, "5/2", 4, 0.3)
     assert profile.period == 8
-    assert profile.wavenumber == [8, 20, 50, 125]
+    assert profile.waves_per_period == [8, 20, 50, 125]
     x = np.linspace(0, 8, 50)
     np.testing.assert_allclose(profile.height(x + 8), profile.height(x), atol=1e-13)
     for shorter in (1, 2, 4):
@@ -130,7 +130,7 @@ def test_numbers_of_numpy_become_pythons_own(of):
     number = of if of in NUMPY_FLOATS else float
     profile = Profile(number(1.25), of(10), of(30), number(0.5))
     assert profile == Profile(1.25, 10, 30, 0.5)
-    assert profile.wavenumber == [10**n for n in range(30)]
+    assert profile.waves_per_period == [10**n for n in range(30)]
     kinds = [type(value) for value in (profile.D, profile.gamma.numerator, profile.gamma.denominator, profile.m)]
     assert kinds == [float, int, int, int]
     # Every phase of its own, and a phase or a seed of a whole number.
@@ -149,7 +149,7 @@ def test_floats_of_numpy_are_ratios_and_endless(of):
 @pytest.mark.parametrize("of", NUMPY_INTEGERS, ids=lambda each: each.__name__)
 def test_integers_of_numpy_are_parts_of_fractions_and_seeds(of):
     profile = Profile(1.25, Fraction(of(5), of(3)), 12)
-    assert (profile.wavenumber[-1], profile.period) == (5**11, 3**11)
+    assert (profile.waves_per_period[-1], profile.period) == (5**11, 3**11)
     assert Profile(1.25, 5, 3, random_phases(of(7))) == Profile(1.25, 5, 3, random_phases(7))
 
 
@@ -213,7 +213,7 @@ def test_every_random_crest_is_a_maximum():
             rng.uniform(1.05, 1.95), int(rng.integers(2, 6)), int(rng.integers(1, 5)), random_phases(seed)
         )
         x, top = profile.crest
-        assert top >= profile.sampled_height(64 * profile.wavenumber[-1]).max()
+        assert top >= profile.sampled_height(64 * profile.waves_per_period[-1]).max()
         assert abs(float(profile.slope(x))) <= 1e-9 * float(abs(profile.curvature(x)))
 
 

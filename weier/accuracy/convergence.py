@@ -70,7 +70,7 @@ def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
 
 def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     """The estimate with its bounds, or the bounds alone where there are too many points for it."""
-    points = POINTS_PER_WAVE * profile.truncated(terms).wavenumber[-1]
+    points = POINTS_PER_WAVE * profile.truncated(terms).waves_per_period[-1]
     try:
         if points <= MAX_POINTS:
             return {**curve(profile, loads, terms)._asdict(), "points": points, "status": Status.solved}

@@ -19,7 +19,7 @@ from weier.kernels.arrays import Array
 from weier.methods import multiprecision, patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method, Reference, Variant
-from weier.theory.crests import summits
+from weier.theory.crests import find_crests
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
@@ -89,13 +89,13 @@ def uncertainty(made: Run, profile: Profile) -> tuple[Array, Array]:
 def _full_contact_load(profile: Profile) -> float:
     """The load under which the pressure of full contact, p + sum p_n* cos(...), vanishes at one place, in p_0*."""
     pressure = -profile.full_contact_pressure
-    _, phase = summits(pressure, profile.wavenumber, profile.phase, profile.period)
+    _, phase = find_crests(pressure, profile.waves_per_period, profile.phase, profile.period)
     return float((np.cos(phase) @ pressure).max())
 
 
 def _single_crest(profile: Profile) -> bool:
     """Whether the lightest loads rest on one crest in each lambda_0."""
-    _, phase = summits(profile.amplitude, profile.wavenumber, profile.phase, profile.period)
+    _, phase = find_crests(profile.amplitude, profile.waves_per_period, profile.phase, profile.period)
     height = np.cos(phase) @ profile.amplitude
     return profile.period == 1 and int((height > height.max() - TOUCH_HEIGHT).sum()) == 1
 
@@ -132,5 +132,5 @@ def _total(profile: Profile) -> mp.mpf:
 
 def _shift(profile: Profile) -> Profile:
     """The same profile, begun at another place: the same curves by other numbers."""
-    cycles = SHIFT * np.array(profile.wavenumber, float) / profile.period
+    cycles = SHIFT * np.array(profile.waves_per_period, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

@@ -138,7 +138,7 @@ class Scene:
         """What the arrays of some cases must hold, which is nothing that other cases need."""
         methods = dict.fromkeys(method for case in cases for method in case.methods)
         finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
-        edges = max((2 * profile.wavenumber[-1] for profile in finite), default=0) if self.contact_edges else 0
+        edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
         return Layout(tuple(methods), max((profile.terms for profile in finite), default=1), edges)
 
     def study_named(self, name: str) -> tuple[Case, ...]:

@@ -1,4 +1,4 @@
-"""The local maxima ("summits") of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L."""
+"""The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L."""
 
 from __future__ import annotations
 
@@ -19,37 +19,39 @@ def countable(waves: int) -> bool:
     return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
-def sampled(amplitude: Array, wavenumber: Sequence[int], phase: Array, points: int) -> Array:
+def sampled(amplitude: Array, waves_per_period: Sequence[int], phase: Array, points: int) -> Array:
     """The series at equal steps over one period, shape (points,).
 
     The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
     """
     j, total = np.arange(points), np.zeros(points)
-    for a, k, phi in zip(amplitude, wavenumber, phase, strict=True):
+    for a, k, phi in zip(amplitude, waves_per_period, phase, strict=True):
         total += a * np.cos(_angle(k, j, points) + phi)
     return total
 
 
-def summits(amplitude: Array, wavenumber: Sequence[int], phase: Array, period: float) -> tuple[Array, Array]:
-    """Places, shape (summits,), and at each the phases 2 pi k_n x/L + phi_n, shape (summits, terms).
+def find_crests(
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
+) -> tuple[Array, Array]:
+    """Positions, shape (crests,), and at each the phases 2 pi k_n x/L + phi_n, shape (crests, terms).
 
-    The phases themselves take Newton's steps: the slope at a summit is 0 to rounding, however fine the waves.
+    The phases themselves take Newton's steps: the slope at a crest is 0 to rounding, however fine the waves.
     """
-    frequency = 2 * np.pi * np.array(wavenumber, float) / period
-    points = SAMPLES_PER_WAVE * wavenumber[-1]
-    z = sampled(amplitude, wavenumber, phase, points)
+    wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
+    points = SAMPLES_PER_WAVE * waves_per_period[-1]
+    z = sampled(amplitude, waves_per_period, phase, points)
     top = np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
     x = np.asarray(top * (period / points), float)
-    theta = np.stack([_angle(k, top, points) for k in wavenumber], axis=-1) + phase
+    theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase
     for _ in range(NEWTON_STEPS):
-        slope = -np.sin(theta) @ (amplitude * frequency)
-        curvature = -np.cos(theta) @ (amplitude * frequency**2)
+        slope = -np.sin(theta) @ (amplitude * wavenumber)
+        curvature = -np.cos(theta) @ (amplitude * wavenumber**2)
         # Not beyond the next sample, where a sampled top stands on a slope that is not concave.
         step = np.clip(-slope / np.minimum(curvature, -1e-300), -period / points, period / points)
         x += step
-        theta += step[:, None] * frequency
+        theta += step[:, None] * wavenumber
     return x, theta
 
 
-def _angle(wavenumber: int, sample: NDArray[np.int64], points: int) -> Array:
-    return np.asarray((wavenumber * sample % points) * (2 * np.pi / points))
+def _angle(waves_per_period: int, sample: NDArray[np.int64], points: int) -> Array:
+    return np.asarray((waves_per_period * sample % points) * (2 * np.pi / points))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory import series
-from weier.theory.crests import sampled, summits
+from weier.theory.crests import find_crests, sampled
 from weier.theory.phases import Phases, RandomPhases, checked_phases
 
 MAX_PHASES_DESCRIBED = 8  # phases in a line
@@ -131,7 +131,7 @@ class Profile:
         return int(self.gamma.denominator ** (self.terms - 1))
 
     @cached_property
-    def wavenumber(self) -> list[int]:
+    def waves_per_period(self) -> list[int]:
         """Waves of each term in one period: exact integers, ascending, m of them."""
         a, b, last = self.gamma.numerator, self.gamma.denominator, self.terms - 1
         return [a**n * b ** (last - n) for n in range(self.terms)]
@@ -155,32 +155,32 @@ class Profile:
 
     def slope(self, x: ArrayLike) -> Array:
         """Slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
-        return self._series(x, -self.amplitude * self._frequency, np.sin)
+        return self._series(x, -self.amplitude * self._wavenumber, np.sin)
 
     def curvature(self, x: ArrayLike) -> Array:
         """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
-        return self._series(x, -self.amplitude * self._frequency**2, np.cos)
+        return self._series(x, -self.amplitude * self._wavenumber**2, np.cos)
 
     def sampled_height(self, points: int, terms: int | None = None) -> Array:
         """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
-        return sampled(self.amplitude[:terms], self.wavenumber[:terms], self.phase[:terms], points)
+        return sampled(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
 
     @cached_property
     def crest(self) -> tuple[float, float]:
         """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
-        x, phase = summits(self.amplitude, self.wavenumber, self.phase, self.period)
+        x, phase = find_crests(self.amplitude, self.waves_per_period, self.phase, self.period)
         height = np.cos(phase) @ self.amplitude
         highest = int(np.argmax(height))
         return float(x[highest]), float(height[highest])
 
     @cached_property
-    def _frequency(self) -> Array:
-        return 2 * np.pi * np.array(self.wavenumber) / self.period
+    def _wavenumber(self) -> Array:
+        return 2 * np.pi * np.array(self.waves_per_period) / self.period
 
     def _series(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
         x = np.asarray(x, float)
         total = np.zeros_like(x)
-        for c, k, phi in zip(coefficient, self.wavenumber, self.phase, strict=True):
+        for c, k, phi in zip(coefficient, self.waves_per_period, self.phase, strict=True):
             cycles = x * (k / self.period)
             total += c * wave(2 * np.pi * (cycles - np.rint(cycles)) + phi)
         return total

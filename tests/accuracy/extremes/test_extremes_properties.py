@@ -46,7 +46,7 @@ def waves(draw):
     """A series that can be solved, symmetric ones among them."""
     m = draw(few_terms)
     profile = Profile(draw(dimensions), draw(small_ratios), m, draw(st.lists(angles, min_size=m, max_size=m)))
-    assume(profile.wavenumber[-1] <= MAX_WAVES)
+    assume(profile.waves_per_period[-1] <= MAX_WAVES)
     return profile
 
 

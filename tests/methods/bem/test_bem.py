@@ -18,7 +18,7 @@ POINTS_PER_WAVE = (16, 32, 64, 128, 256)
 def errors(reference: Reference, per_wave: int) -> np.ndarray:
     """|h - reference| at loads that a grid can see: a lighter one touches a single node."""
     seen = reference.above(1e-3)
-    points = per_wave * seen.profile.wavenumber[-1]
+    points = per_wave * seen.profile.waves_per_period[-1]
     return np.abs(curve(seen.profile, seen.mean_pressure, points=points).compliance - seen.compliance)
 
 
@@ -96,7 +96,7 @@ def test_twelve_elements_are_close_unless_one_carries_all():
 
 @pytest.mark.parametrize("reference", REFERENCES, ids=str)
 def test_both_solvers_solve_the_same_discrete_problem(reference):
-    points = 32 * reference.profile.wavenumber[-1] if reference.profile.terms < 4 else 1000
+    points = 32 * reference.profile.waves_per_period[-1] if reference.profile.terms < 4 else 1000
     loads = reference.mean_pressure
     fast = curve(reference.profile, loads, points=points)
     dense = curve(reference.profile, loads, points=points, solver="direct")
@@ -169,7 +169,7 @@ def test_mirrored_profiles_are_equally_stiff(solver):
 def test_a_rational_ratio_has_a_longer_period():
     profile = Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0))
     loads = np.geomspace(1e-2, 2, 9)
-    coarse, fine = (curve(profile, loads, points=n * profile.wavenumber[-1]) for n in (64, 256))
+    coarse, fine = (curve(profile, loads, points=n * profile.waves_per_period[-1]) for n in (64, 256))
     assert coarse.points == 64 * 25
     # Four times the nodes leave a sixteenth of the error.
     assert coarse.compliance == pytest.approx(fine.compliance, abs=7e-4)

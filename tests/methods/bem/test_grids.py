@@ -18,7 +18,7 @@ def test_a_wave_joins_on_the_first_grid_that_shows_it():
     grids = nested_grids(SEVEN_WAVES, 2**18, 1e-8)
     assert grids.points.tolist() == [2**n for n in range(8, 19)]
     for points, terms in zip(grids.points[:-1], grids.terms[:-1], strict=True):
-        shown = [k for k in SEVEN_WAVES.wavenumber if points >= 8 * k]
+        shown = [k for k in SEVEN_WAVES.waves_per_period if points >= 8 * k]
         assert terms == len(shown)
     assert grids.terms[-1] == 7
     assert grids.height[:256] == pytest.approx(Profile(1.25, 5, 3, (0, 1, 2)).sampled_height(256), abs=1e-14)

@@ -67,7 +67,7 @@ def test_light_loads_keep_ten_digits(load):
 def lone_contact(profile: Profile, load: float, count: int = 6) -> tuple[float, float]:
     """Indentation and half-width of the contact at the crest, collocated with 40 digits."""
     with mp.workdps(40):
-        terms = zip(profile.amplitude, profile.wavenumber, profile.phase, strict=True)
+        terms = zip(profile.amplitude, profile.waves_per_period, profile.phase, strict=True)
         waves = [(mp.mpf(float(g)), 2 * mp.pi * k, mp.mpf(float(phi))) for g, k, phi in terms]
 
         def height(x, order):
@@ -117,7 +117,7 @@ def test_boundary_elements_agree_within_their_error(profile):
     exact = patches.curve(profile, loads)
     worst = []
     for per_wave in (32, 64, 128):
-        elements = bem.curve(profile, loads, points=per_wave * profile.wavenumber[-1])
+        elements = bem.curve(profile, loads, points=per_wave * profile.waves_per_period[-1])
         worst.append(np.abs(elements.compliance - exact.compliance).max())
     print(f"gamma {profile.gamma}: {worst}")
     assert worst[0] < 3e-3

@@ -131,7 +131,7 @@ def test_compliance_is_concave_and_contact_grows():
 
 @pytest.mark.parametrize("load", [1e-6, 0.3, 2.0])
 def test_translation_and_mirror_change_nothing(load):
-    phase, waves = THREE_WAVES.phase, np.array(THREE_WAVES.wavenumber)
+    phase, waves = THREE_WAVES.phase, np.array(THREE_WAVES.waves_per_period)
     shift = 0.237
     there = Profile(1.25, 5, 3, phase - 2 * np.pi * waves * shift)
     mirrored = Profile(1.25, 5, 3, -phase)
@@ -159,7 +159,7 @@ def test_tolerance_within_reach():
 
 
 def test_thousands_of_waves_under_a_light_load():
-    """8000 summits: few contacts, in a tenth of a second; under a heavy load too many for a dense matrix."""
+    """8000 crests: few contacts, in a tenth of a second; under a heavy load too many for a dense matrix."""
     profile = Profile(1.5, 5, 7, 1.0)
     light = patches.curve(profile, [1e-12, 1e-6])
     assert light.patch_count[0] == 1

@@ -48,7 +48,7 @@ class Sample(NamedTuple):
     @property
     def waves(self) -> int:
         """Of the finest term, in one period."""
-        return self.profile.wavenumber[-1]
+        return self.profile.waves_per_period[-1]
 
 
 class Term(NamedTuple):

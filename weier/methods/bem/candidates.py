@@ -36,7 +36,7 @@ def _grid(task: Task, points: int) -> Segment:
         error = error_model.resistance_error(profile, points, loads) * (1 + error_model.EVENT_SHARE)
         others = error_model.neighbouring_loads(profile, points, loads)
     start, load = error_model.seconds(points, task.contacts)
-    waves = profile.wavenumber[-1]
+    waves = profile.waves_per_period[-1]
     return segment(
         task,
         "bem",

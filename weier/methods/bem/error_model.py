@@ -43,7 +43,7 @@ BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
 
 def compliance_error(profile: Profile, points: int) -> float:
     """Error of h on `points` nodes, in g_0: COMPLIANCE sum g_n (waves_n/points)^2."""
-    return COMPLIANCE * curvature(profile) * (profile.wavenumber[-1] / points) ** 2
+    return COMPLIANCE * curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
 
 
 def solution_error(profile: Profile, points: int, residual: Number) -> Number:
@@ -53,19 +53,21 @@ def solution_error(profile: Profile, points: int, residual: Number) -> Number:
 
 def curvature(profile: Profile) -> float:
     """Sum g_n (waves_n/waves of the finest)^2, in g_0: the largest curvature, in that of the finest wave."""
-    share = np.array([waves / profile.wavenumber[-1] for waves in profile.wavenumber])  # integers of any size
+    share = np.array(
+        [waves / profile.waves_per_period[-1] for waves in profile.waves_per_period]
+    )  # integers of any size
     return float(np.sum(profile.amplitude * share**2))
 
 
 def light_load(profile: Profile, points: int) -> float:
     """Mean pressure below which `points` nodes do not tell the resistance, in p_0*."""
-    return curvature(profile) * max(LIGHT_LOAD * (profile.wavenumber[-1] / points) ** 2, NARROW_CONTACT)
+    return curvature(profile) * max(LIGHT_LOAD * (profile.waves_per_period[-1] / points) ** 2, NARROW_CONTACT)
 
 
 def resistance_error(profile: Profile, points: int, mean_pressure: Array) -> Array:
     """Error of the resistance, shape (loads,): RESISTANCE waves/points; inf at light loads."""
     resolved = mean_pressure >= light_load(profile, points)
-    return np.where(resolved, RESISTANCE * profile.wavenumber[-1] / points, np.inf)
+    return np.where(resolved, RESISTANCE * profile.waves_per_period[-1] / points, np.inf)
 
 
 def neighbouring_loads(profile: Profile, points: int, mean_pressure: Array) -> Array:
@@ -75,7 +77,7 @@ def neighbouring_loads(profile: Profile, points: int, mean_pressure: Array) -> A
     nears the plane at a rate t. Its contact then lowers the resistance by t^2 over NEW_CONTACT or more: by less than
     the grid is off anyway, if t is smaller than sqrt(NEW_CONTACT error).
     """
-    slowest = math.sqrt(NEW_CONTACT * RESISTANCE * profile.wavenumber[-1] / points)
+    slowest = math.sqrt(NEW_CONTACT * RESISTANCE * profile.waves_per_period[-1] / points)
     shift = np.minimum(2 * compliance_error(profile, points) / slowest, mean_pressure / 2)
     return np.column_stack([mean_pressure - shift, mean_pressure + shift])
 
@@ -96,7 +98,7 @@ def fewest_points(profile: Profile, error: float, quantity: str) -> int:
     needed = math.sqrt(COMPLIANCE * curvature(profile) / error) if by_compliance else RESISTANCE / error
     needed = min(max(needed, MIN_POINTS_PER_WAVE), MAX_POINTS_PER_WAVE)
     halvings = 2 ** int(math.log2(needed / COARSEST_POINTS_PER_WAVE))
-    return math.ceil(needed / halvings) * halvings * profile.wavenumber[-1]
+    return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
 
 
 def seconds(points: float, contacts: Array) -> tuple[float, Array]:

@@ -26,12 +26,12 @@ COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten t
 class Harmonics(NamedTuple):
     """The waves of a profile, coarse to fine, each of shape (m,).
 
-    wavenumber : waves in one period
+    waves_per_period : of each
     cycle : phase, in wavelengths
     full_contact_pressure : mean pressure p_n* that flattens this wave alone, in p_0*
     """
 
-    wavenumber: NDArray[np.int64]
+    waves_per_period: NDArray[np.int64]
     cycle: Array
     full_contact_pressure: Array
 
@@ -90,11 +90,11 @@ def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
         Residual to reach on it, in g_0.
 
     """
-    fewest = max(MIN_POINTS, MIN_POINTS_PER_WAVE * profile.wavenumber[0])
+    fewest = max(MIN_POINTS, MIN_POINTS_PER_WAVE * profile.waves_per_period[0])
     sizes = [points]
     while (coarser := _half(sizes[0])) >= fewest:
         sizes.insert(0, coarser)
-    terms = [sum(MIN_POINTS_PER_WAVE * k <= size for k in profile.wavenumber) for size in sizes[:-1]]
+    terms = [sum(MIN_POINTS_PER_WAVE * k <= size for k in profile.waves_per_period) for size in sizes[:-1]]
     influence = [eigenvalues(size, profile.period) for size in sizes]
     return Hierarchy(
         np.array(sizes),
@@ -104,7 +104,7 @@ def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
         np.concatenate([inverse(values) for values in influence]),
         np.array([*(max(tolerance, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)), tolerance]),
         np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
-        Harmonics(np.array(profile.wavenumber), profile.phase / (2 * np.pi), profile.full_contact_pressure),
+        Harmonics(np.array(profile.waves_per_period), profile.phase / (2 * np.pi), profile.full_contact_pressure),
     )
 
 
@@ -113,7 +113,7 @@ def _half(points: int) -> int:
 
 
 def _accuracy(profile: Profile, points: int, terms: int) -> float:
-    return float(COARSE_ACCURACY * profile.amplitude[terms - 1] * (profile.wavenumber[terms - 1] / points) ** 2)
+    return float(COARSE_ACCURACY * profile.amplitude[terms - 1] * (profile.waves_per_period[terms - 1] / points) ** 2)
 
 
 def inverse(eigenvalue: Array) -> Array:
@@ -178,17 +178,17 @@ def _westergaard(sine_squared: float, xi: float) -> float:
 
 
 @kernel
-def add_harmonic(wave: int, waves: Harmonics, p: Array, finer: Array) -> None:
+def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> None:
     """Let the pressure p so far be the local mean of one more wave, and each of its crests carry that mean.
 
     `finer` is a working array. Where no pressure stands on a crest, in a contact narrower than the wave, all stays.
     """
-    wavenumber, cycle = waves.wavenumber[wave], waves.cycle[wave]
-    narrowest = np.sin(np.pi * wavenumber / p.size) ** 2  # narrower than two nodes, a contact might fall between them
+    count, cycle = harmonics.waves_per_period[wave], harmonics.cycle[wave]
+    narrowest = np.sin(np.pi * count / p.size) ** 2  # narrower than two nodes, a contact might fall between them
     highest = 0.0
     for i in range(p.size):
-        sine = np.sin(np.pi * (wavenumber * i % p.size / p.size + cycle))
-        xi = max(p[i] / waves.full_contact_pressure[wave], narrowest)
+        sine = np.sin(np.pi * (count * i % p.size / p.size + cycle))
+        xi = max(p[i] / harmonics.full_contact_pressure[wave], narrowest)
         finer[i] = p[i] * _westergaard(sine * sine, xi)
         highest = max(highest, finer[i])
     if highest > 0:

@@ -22,7 +22,7 @@ POINTS_AT_RESIDUALS = 96
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
     """Points for each of the finest waves; residuals at which the solver stops; the compliance alone."""
-    waves = profile.wavenumber[-1]
+    waves = profile.waves_per_period[-1]
     for count in POINTS_COMPARED:
         if count * waves <= MAX_POINTS_COMPARED:
             yield f"{count}", {"points": count * waves}
@@ -39,7 +39,7 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
 
 def _seconds(profile: Profile, loads: Array) -> float:
     """On the default grid, at most: at each load as many contacts as there are waves."""
-    contacts = np.full(loads.size, float(profile.wavenumber[-1]))
+    contacts = np.full(loads.size, float(profile.waves_per_period[-1]))
     start, each = error_model.seconds(checked_points(profile), contacts)
     return start + float(each.sum())
 

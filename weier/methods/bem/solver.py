@@ -132,7 +132,7 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
 
     """
     check_resolvable(profile)
-    finest = profile.wavenumber[-1]
+    finest = profile.waves_per_period[-1]
     if points is None:
         return POINTS_PER_WAVE * finest
     if not isinstance(points, Real) or not points > 2 * finest or points != points // 1:

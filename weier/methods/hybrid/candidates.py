@@ -21,7 +21,7 @@ def candidates(task: Task) -> Iterator[Segment]:
     if task.quantity != COMPLIANCE or math.isfinite(task.profile.m):
         return
     terms, kept = 1, task.profile.truncated(1)
-    while POINTS_PER_WAVE * kept.wavenumber[-1] <= MAX_POINTS:
+    while POINTS_PER_WAVE * kept.waves_per_period[-1] <= MAX_POINTS:
         offer = _resolved(task, kept)
         if np.any(offer.error <= task.tolerance):
             yield offer
@@ -32,7 +32,7 @@ def candidates(task: Task) -> Iterator[Segment]:
 
 
 def _resolved(task: Task, kept: Profile) -> Segment:
-    loads, points = task.mean_pressure, POINTS_PER_WAVE * kept.wavenumber[-1]
+    loads, points = task.mean_pressure, POINTS_PER_WAVE * kept.waves_per_period[-1]
     carried = (LOADS[0] <= loads) & (loads <= LOADS[1])
     estimate = np.where(carried, error_model.compliance_error(loads, kept), np.inf)
     mesh = np.full(loads.size, mesh_error(kept, points))

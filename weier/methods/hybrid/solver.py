@@ -75,7 +75,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
 def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:
     check_infinite(profile)
     kept = profile.truncated(terms)
-    points = checked_points(kept, points or POINTS_PER_WAVE * kept.wavenumber[-1])
+    points = checked_points(kept, points or POINTS_PER_WAVE * kept.waves_per_period[-1])
     if points > MAX_POINTS:
         raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
     return kept, points

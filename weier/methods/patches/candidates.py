@@ -19,12 +19,12 @@ from weier.theory.profile import Profile
 def candidates(task: Task) -> Iterator[Segment]:
     """Contact patches where all crests can be looked at; none for one wave, which has a closed form."""
     able = [each for each in error_model.TOLERANCES if error_model.error(each, task.quantity) <= task.tolerance]
-    if task.profile.m > 1 and able and countable(task.profile.wavenumber[-1]):
+    if task.profile.m > 1 and able and countable(task.profile.waves_per_period[-1]):
         yield _patches(task, able[0])
 
 
 def _patches(task: Task, tolerance: float) -> Segment:
-    waves = task.profile.wavenumber[-1]
+    waves = task.profile.waves_per_period[-1]
     most = error_model.MAX_CONTACTS if waves <= error_model.MAX_CONTACTS else error_model.MAX_EXPECTED_CONTACTS
     error = np.where(task.contacts <= most, error_model.error(tolerance, task.quantity), np.inf)
     return segment(

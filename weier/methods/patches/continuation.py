@@ -136,7 +136,7 @@ def _guesses(
 
 def _narrowest_in_cells(segments: Segments, profile: Profile) -> float:
     """Half-width of the narrowest segment in cells of the coarse grid."""
-    return float(segments.half_width.min()) * CELLS_PER_WAVE * profile.wavenumber[-1] / profile.period
+    return float(segments.half_width.min()) * CELLS_PER_WAVE * profile.waves_per_period[-1] / profile.period
 
 
 def predict(surface: Surface, state: ContactState, load: float, tolerance: float) -> InitialGuess:

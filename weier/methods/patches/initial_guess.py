@@ -183,7 +183,7 @@ def _runs(contact: Flags) -> tuple[Indices, Indices]:
 
 
 def _coarse_grid_pressure(profile: Profile, load: float) -> Array:
-    hierarchy = nested_grids(profile, CELLS_PER_WAVE * profile.wavenumber[-1], COARSE_TOLERANCE)
+    hierarchy = nested_grids(profile, CELLS_PER_WAVE * profile.waves_per_period[-1], COARSE_TOLERANCE)
     state = fft.make_grid_state(hierarchy.points[-1])
     fft.cascade(load, hierarchy, full_contact(hierarchy, load), state)
     return state.pressure

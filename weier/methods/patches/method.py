@@ -29,7 +29,7 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
 
 def _seconds(profile: Profile, loads: Array) -> float:
     """At most: at each load as many contacts as there are waves."""
-    waves = profile.wavenumber[-1]
+    waves = profile.waves_per_period[-1]
     return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
 
 

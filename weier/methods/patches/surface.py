@@ -13,7 +13,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.theory.crests import summits
+from weier.theory.crests import find_crests
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
@@ -73,7 +73,7 @@ class Surface(NamedTuple):
 def surface_of(profile: Profile) -> Surface:
     """The series of a profile with a finite number of terms; ValueError if its waves are too many for a computer."""
     check_resolvable(profile)
-    waves = profile.wavenumber, profile.phase, profile.period
+    waves = profile.waves_per_period, profile.phase, profile.period
     return Surface(
         make_series(profile.amplitude, *waves),
         make_series(-profile.full_contact_pressure, *waves),
@@ -84,7 +84,7 @@ def surface_of(profile: Profile) -> Surface:
 def make_series(amplitude: Array, waves_per_period: list[int], phase: Array, period: float) -> CosineSeries:
     """The series with its crests."""
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
-    x, theta = summits(amplitude, waves_per_period, phase, period)
+    x, theta = find_crests(amplitude, waves_per_period, phase, period)
     order = np.argsort(x, kind="stable")
     x, theta = x[order], theta[order]
     height = np.cos(theta) @ amplitude

@@ -25,7 +25,7 @@ def _surface(kept: Profile) -> Surface:
 
 def full_contact_load(kept: Profile) -> float:
     """A load from which on contact is full, in p_0*: that which flattens all waves, or the sum of all p_n*."""
-    if countable(kept.wavenumber[-1]):
+    if countable(kept.waves_per_period[-1]):
         return _surface(kept).full_contact_load
     with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
         return float(kept.full_contact_pressure.sum())
@@ -36,8 +36,8 @@ def first_contact(profile: Profile, lengths: Sequence[int]) -> float:
 
     Samples put the crest of the finest wave within (1 - cos(pi/16)) = 2 % of its amplitude.
     """
-    kept = profile.truncated(max(k for k in lengths if countable(profile.truncated(k).wavenumber[-1])))
-    highest = float(kept.sampled_height(SAMPLES_PER_WAVE * kept.wavenumber[-1]).max())
+    kept = profile.truncated(max(k for k in lengths if countable(profile.truncated(k).waves_per_period[-1])))
+    highest = float(kept.sampled_height(SAMPLES_PER_WAVE * kept.waves_per_period[-1]).max())
     return kept.total_amplitude - highest + 2 * profile.amplitude_beyond(kept.terms)
 
 
@@ -47,8 +47,8 @@ def contacts(kept: Profile, loads: Array) -> Array:
     Crests that reach a plane at Demelio's compliance. Gaps are as many as contacts, and each needs a trough that full
     contact would put in tension: the fewer of the two counts.
     """
-    if not countable(kept.wavenumber[-1]):
-        return np.full(loads.size, kept.wavenumber[-1] * CONTACTS_PER_WAVE)
+    if not countable(kept.waves_per_period[-1]):
+        return np.full(loads.size, kept.waves_per_period[-1] * CONTACTS_PER_WAVE)
     surface, ratio = _surface(kept), float(kept.gamma)
     approach = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))
     crests = np.searchsorted(np.sort(-surface.heights.crest_offset), approach, side="right")

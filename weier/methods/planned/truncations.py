@@ -23,7 +23,7 @@ def resolvable_lengths(profile: Profile) -> list[int]:
     """Numbers of terms whose finest waves boundary elements can still resolve."""
     lengths: list[int] = []
     while len(lengths) < profile.m:
-        if profile.truncated(len(lengths) + 1).wavenumber[-1] * MIN_POINTS_PER_WAVE > MAX_POINTS:
+        if profile.truncated(len(lengths) + 1).waves_per_period[-1] * MIN_POINTS_PER_WAVE > MAX_POINTS:
             break
         lengths.append(len(lengths) + 1)
     return lengths
