@@ -44,12 +44,9 @@ def test_a_method_listed_after_the_plans_is_not_taken_for_them():
     source = inspect.getsource(registry)
     entry = "planned.planning_method(among=lambda: METHODS),\n"
     assert source.count(entry) == 1
-    changed = {"__name__": "registry_of_this_test"}
-    exec(
-        source.replace(entry, f"{entry}    replace(bem.METHOD, name='added last'),\n"),
-        {"replace": replace} | changed,
-        changed,
-    )
+    appended = source.replace(entry, f"{entry}    replace(bem.METHOD, name='added last'),\n")
+    changed = {"replace": replace}
+    exec(appended, changed)
     assert [method.name for method in changed["METHODS"]][-1] == "added last"
     assert changed["PLANNED"] == registry.PLANNED == "planned"
 
