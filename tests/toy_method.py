@@ -10,7 +10,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method, Settings, Style
-from weier.methods.segment import Segment, Solution, Task, segment
+from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 MIN_LOAD = 0.05  # p_0*: it offers itself to plans from here on
@@ -33,12 +33,12 @@ def _applies(profile: Profile) -> None:
 
 
 def _candidates(task: Task) -> Iterator[Segment]:
-    def solution(loads: Array) -> Solution:
+    def solution(loads: Array) -> SegmentSolution:
         none = np.zeros(loads.size)
-        return Solution(*_solve(task.profile, loads), none, none)
+        return SegmentSolution(*_solve(task.profile, loads), none, none)
 
     error = np.where(task.mean_pressure >= MIN_LOAD, 0.0, np.inf)
-    yield segment(task, "toy", "it is free", solution, estimate=error)
+    yield make_segment(task, "toy", "it is free", solution, estimate=error)
 
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:

@@ -12,7 +12,7 @@ from weier import plan
 from weier.kernels.arrays import Array
 from weier.methods import bem, error_model, patches
 from weier.methods.planned.solver import Curve
-from weier.methods.registry import PLANNED, method_named
+from weier.methods.registry import PLANNED, find_method
 from weier.methods.segment import QUANTITIES
 from weier.theory.bounds import complete_bounds
 from weier.theory.phases import RandomPhases, random_phases
@@ -118,7 +118,7 @@ def _phases(
 
 def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: float) -> Verified:
     exact, found = patches.curve(profile, loads, REFERENCE_TOLERANCE), _planned(profile, loads, tolerance, quantity)
-    slack = error_model.RESIDUAL * exact.residual + error_model.COMPLIANCE_ROUNDING * profile.total_amplitude
+    slack = error_model.RESIDUAL_FACTOR * exact.residual + error_model.COMPLIANCE_ROUNDING * profile.total_amplitude
     h = _check(found.compliance - exact.compliance, found.compliance_error, slack)
     scale = np.maximum(exact.resistance, 1)
     uncertainty = np.full(loads.size, patches.error_model.error(REFERENCE_TOLERANCE, "resistance"))
@@ -138,7 +138,7 @@ def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Ver
 
 
 def _planned(profile: Profile, loads: Array, *wanted: Any) -> Curve:
-    return method_named(PLANNED).solve(profile, loads, *wanted)
+    return find_method(PLANNED).solve(profile, loads, *wanted)
 
 
 def _check(off: Array, expected: Array, slack: Array) -> Check:

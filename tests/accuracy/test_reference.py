@@ -18,7 +18,7 @@ LOADS = np.array([0.01, 0.1])
 
 
 def reference_of(name, profile, loads=LOADS):
-    return reference(registry.method_named(name), profile, loads, attempt(Variant(name, name, {}), profile, loads))
+    return reference(registry.find_method(name), profile, loads, attempt(Variant(name, name, {}), profile, loads))
 
 
 @pytest.mark.parametrize("known", REFERENCES, ids=str)
@@ -88,5 +88,5 @@ def test_where_nothing_was_made_nothing_is_looked_up():
     profile, loads = Profile(1.5, 5, 1), np.array([1e-300, 0.1])
     made = attempt(Variant("bem", "bem", {}), profile, loads)
     made.outcome[0] = Outcome.clear_error
-    found = reference(registry.method_named("bem"), profile, loads, made)
+    found = reference(registry.find_method("bem"), profile, loads, made)
     assert np.isnan(np.array(found.compliance, float)).tolist() == [True, False]

@@ -95,7 +95,7 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
 @pytest.mark.parametrize(
     ("m", "method", "reason"),
     [
-        ("inf", "bem", "choose a finite m, or a method for the infinite series, such as layer or planned"),
+        ("inf", "bem", "choose a finite m, or a method for the infinite series"),
         ("2", "westergaard", "is for one wave"),
     ],
 )

@@ -211,7 +211,7 @@ def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[1:], replace(toy, numerical=True)))
     (axes,) = sketch("compliance", [many_cases().isel(case=[3])]).axes
     looks = {line.get_label(): (line.get_linestyle(), line.get_marker()) for line in axes.get_lines()}
-    patches = registry.method_named("patches").style.marker
+    patches = registry.find_method("patches").style.marker
     assert looks == {"Archard": ("--", "None"), "new estimate": ("--", "None"), "contact patches": ("None", patches)}
 
 

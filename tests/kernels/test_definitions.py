@@ -6,7 +6,7 @@ from weier.kernels.definitions import definitions, modules_of
 def test_a_function_is_made_of_what_it_names_through_imports_and_modules():
     found = definitions("weier.methods.bem.error_model.solution_error")
     assert "def solution_error" in found["weier.methods.bem.error_model.solution_error"]
-    assert found["weier.methods.error_model.RESIDUAL"].startswith("RESIDUAL = ")  # imported by name
+    assert found["weier.methods.error_model.RESIDUAL_FACTOR"].startswith("RESIDUAL_FACTOR = ")  # imported by name
     assert "weier.theory.profile.Profile" in found  # of an annotation: its methods may be called
     assert "weier.methods.bem.error_model.SECONDS_NODE" not in found
     through_a_package = definitions("weier.methods.hybrid.truncation_bounds.bounds")
@@ -20,10 +20,10 @@ def test_what_runs_on_import_counts():
 
 def test_a_name_left_out_is_not_followed():
     listed = "weier.methods.registry.METHODS"
-    found = definitions("weier.methods.registry.method_named", without=[listed])
+    found = definitions("weier.methods.registry.find_method", without=[listed])
     assert listed not in found
     assert not any("archard" in name for name in found)
-    assert "weier.methods.archard.compliance" in definitions("weier.methods.registry.method_named")
+    assert "weier.methods.archard.compliance" in definitions("weier.methods.registry.find_method")
 
 
 def test_a_module_is_all_that_it_defines():

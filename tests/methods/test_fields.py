@@ -44,7 +44,7 @@ def test_fields_are_of_one_load_and_of_waves_that_can_be_counted():
 
 
 def test_fields_refuse_what_has_none():
-    with pytest.raises(ValueError, match='"patches" or "bem"'):
+    with pytest.raises(ValueError, match="must be patches or bem"):
         weier.fields(PROFILE, 0.3, "demelio")
     with pytest.raises(ValueError, match="positive"):
         weier.fields(PROFILE, -1.0)

@@ -19,10 +19,10 @@ from weier.methods.layer import fixed_point
 from weier.methods.layer import rows as tables
 from weier.methods.layer.closure import POSITION_SCALE, Closure
 from weier.methods.layer.conditions import cosines, violation
-from weier.methods.layer.curve import ACCURACY, POINTS, TOLERANCE, Curve
 from weier.methods.layer.model import Model
 from weier.methods.layer.rows import BOTTOM_POSITIONS, MIN_LOADS
 from weier.methods.layer.scales import Scaling, coarser_units, finest_wave
+from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, Curve
 from weier.methods.layer.wave import midpoints, solve_waves
 from weier.theory.series import leading_amplitude, tail_amplitude
 

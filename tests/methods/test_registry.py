@@ -1,5 +1,8 @@
 """What the program derives from the methods that are listed."""
 
+import inspect
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,11 +33,22 @@ def _options():
     return command.__click_params__
 
 
-def test_no_two_methods_look_alike():
+@pytest.mark.parametrize("feature", ["color", "linestyle"])
+def test_no_two_methods_share_a_colour_or_dashes(feature):
     """But for the numerical ones: the second is drawn as points beside the first."""
     names = [name for name in registry.names() if name not in registry.numerical_names()[1:]]
-    looks = {(str(style.line(name)["color"]), str(style.line(name)["linestyle"])) for name in names}
-    assert len(looks) == len(names)
+    assert len({str(style.line(name)[feature]) for name in names}) == len(names)
+
+
+def test_a_method_listed_after_the_plans_is_not_taken_for_them():
+    source = inspect.getsource(registry)
+    entry = "planned.planning_method(among=lambda: METHODS),\n"
+    assert source.count(entry) == 1
+    appended = source.replace(entry, f"{entry}    replace(bem.METHOD, name='added last'),\n")
+    changed = {"replace": replace}
+    exec(appended, changed)
+    assert [method.name for method in changed["METHODS"]][-1] == "added last"
+    assert changed["PLANNED"] == registry.PLANNED == "planned"
 
 
 def test_markers_tell_all_methods_apart():

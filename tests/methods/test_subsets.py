@@ -17,7 +17,7 @@ LOADS = np.geomspace(0.1, 10, 23)
 
 # What iterations leave depends on where they started, which is the load before.
 ITERATED = (
-    2 * error_model.RESIDUAL * bem.error_model.PLANNED_RESIDUAL
+    2 * error_model.RESIDUAL_FACTOR * bem.error_model.PLANNED_RESIDUAL
 )  # g_0: of two solutions whose residuals are below the tolerance
 NEWTON = 2 * newton.TOLERANCE  # g_0: each load starts from the one before; the slope loses three digits
 CHORDS = ITERATED / 1e-4  # of a bound on the resistance: compliances over what no two loads are closer than

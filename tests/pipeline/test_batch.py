@@ -58,7 +58,7 @@ def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
     def solve(profile, loads, tolerance: float = 1e-3, quantity: str = "compliance"):
         return Planned(loads, 1 / loads, 2.5, 1e-4 * profile.m)
 
-    planned = replace(registry.method_named(PLANNED), solve=solve)
+    planned = replace(registry.find_method(PLANNED), solve=solve)
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], planned))
     path = tmp_path / "planned.yaml"
     path.write_text(

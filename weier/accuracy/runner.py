@@ -18,7 +18,7 @@ from weier.kernels.arrays import Array
 from weier.kernels.sources import PACKAGE
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method, Variant
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.theory.profile import Profile
 
@@ -65,7 +65,7 @@ class Run(NamedTuple):
 
 def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     """The curve of a variant; raises what `weier.solve` raises."""
-    method, start = method_named(variant.method), process_time()
+    method, start = find_method(variant.method), process_time()
     solved, _ = solve_checked(profile, loads, method, variant.settings)
     seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
@@ -100,7 +100,7 @@ def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
         return run(variant, profile, loads)
     except Exception as error:  # whatever it is belongs into the report
         none = np.full(loads.size, np.nan)
-        outcome = Outcome.clear_error if is_clear(error, method_named(variant.method)) else Outcome.unclear_error
+        outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
         outcomes = np.full(loads.size, outcome, np.int8)
         return Run(none, none, none, none, 0.0, outcomes, message=_description(error))
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from weier import figures
 from weier.figures.style import MAX_PANELS
-from weier.methods.registry import method_named, numerical_names
+from weier.methods.registry import find_method, numerical_names
 from weier.scene import Scene
 
 
@@ -36,7 +36,7 @@ def _describe_methods(cases: Sequence[Collection[str]]) -> str:
         return "Thin lines are single profiles; thick lines and markers are the median of each method."
     methods = {method for case in cases for method in case}
     parts = ["colours show the estimates"] if methods.difference(numerical_names()) else []
-    numerical = [method_named(method).label for method in numerical_names() if method in methods]
+    numerical = [find_method(method).label for method in numerical_names() if method in methods]
     for number, label in enumerate(numerical):
         parts.append(f"{'markers show' if number else 'a solid line shows'} {label}")
     *former, last = parts or [""]

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.estimate import solve_by
-from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.flattened import Runs, add_flat_waves, over_series, scale_behind_flat_waves
 from weier.methods.method import Method, Reference, Style
 from weier.theory.profile import Profile
 from weier.theory.series import full_contact_pressure
@@ -65,23 +65,23 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
 
 def _fixed(D: Array, gamma: Array) -> Array:
-    """Of zeta = gamma^(1-D) (1 + zeta) (18)."""
+    """The fixed point of zeta = gamma^(1-D) (1 + zeta) (18)."""
     return 1 / np.expm1((D - 1) * np.log(gamma))
 
 
 def _compliance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
     """Sum of h_n (19), (21)."""
-    _light_sums(zeta, log_zeta, _waves(runs, (runs.D - 2) * np.log(runs.gamma), 1.0))
-    return with_flat_waves(log_zeta, runs)
+    _sums_at_light_loads(zeta, log_zeta, _unflattened_sums(runs, (runs.D - 2) * np.log(runs.gamma), 1.0))
+    return add_flat_waves(log_zeta, runs)
 
 
 def _resistance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
-    """Its derivative with zeta: that of ln zeta halves from term to term (18)."""
-    _light_sums(zeta, log_zeta, _waves(runs, (runs.D - 2) * np.log(runs.gamma) - LN2, 0.0))
-    return behind_flat_waves(np.divide(log_zeta, zeta, out=log_zeta), runs)
+    """Derivative of the sum of h_n with zeta: the derivative of ln zeta halves from term to term (18)."""
+    _sums_at_light_loads(zeta, log_zeta, _unflattened_sums(runs, (runs.D - 2) * np.log(runs.gamma) - LN2, 0.0))
+    return scale_behind_flat_waves(np.divide(log_zeta, zeta, out=log_zeta), runs)
 
 
-class Waves(NamedTuple):
+class UnflattenedSums(NamedTuple):
     """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat; arrays of shape (runs,).
 
     end : index behind the last load of the run
@@ -100,18 +100,18 @@ class Waves(NamedTuple):
     constant: float
 
 
-def _waves(runs: Runs, log_ratio: Array, constant: float) -> Waves:
+def _unflattened_sums(runs: Runs, log_ratio: Array, constant: float) -> UnflattenedSums:
     shrink, log_shrink = 2 * full_contact_pressure(-1, runs.D, runs.gamma), LN2 - (runs.D - 1) * np.log(runs.gamma)
     # Where ln zeta approaches a point above 0, all waves are flat again after so many.
     rising = np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE))
     direct = np.minimum(np.where(log_shrink > 0, np.ceil(rising), DIRECT_TERMS), runs.left)
     later, rest = runs.left - direct, np.empty((direct.size, 0))
     if np.any(later > 0):
-        rest = _settled(np.minimum(2 * log_shrink, 0), later, log_ratio, constant)
-    return Waves(runs.end, shrink, log_shrink, np.exp(log_ratio), direct, rest, constant)
+        rest = _taylor_coefficients(np.minimum(2 * log_shrink, 0), later, log_ratio, constant)
+    return UnflattenedSums(runs.end, shrink, log_shrink, np.exp(log_ratio), direct, rest, constant)
 
 
-def _settled(fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
+def _taylor_coefficients(fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
     """Taylor coefficients of such a sum, in the distance of ln zeta from its fixed point."""
     # Order j of exp(x) (constant - x) has the coefficient exp(fixed) (constant - fixed - j)/j!, and the
     # powers of distance/2^k sum to geometric series.
@@ -125,32 +125,32 @@ def _settled(fixed: Array, terms: Array, log_ratio: Array, constant: float) -> A
 
 
 @kernel
-def _light_sums(zeta: Array, log_zeta: Array, waves: Waves) -> None:
+def _sums_at_light_loads(zeta: Array, log_zeta: Array, sums: UnflattenedSums) -> None:
     """The sums, in place of ln zeta, a few loads at a time."""
     start, scratch = 0, np.empty((2, CHUNK))
-    for r in range(waves.end.size):
-        while start < waves.end[r]:
-            stop = min(start + CHUNK, waves.end[r])
-            _light_sum(zeta[start:stop], log_zeta[start:stop], waves, r, scratch)
+    for r in range(sums.end.size):
+        while start < sums.end[r]:
+            stop = min(start + CHUNK, sums.end[r])
+            _sum_at_light_loads(zeta[start:stop], log_zeta[start:stop], sums, r, scratch)
             start = stop
 
 
 @kernel
-def _light_sum(zeta: Array, y: Array, waves: Waves, run: int, scratch: Array) -> None:
+def _sum_at_light_loads(zeta: Array, y: Array, sums: UnflattenedSums, run: int, scratch: Array) -> None:
     """The sums for some loads of one run, in place of y = ln zeta."""
     total, z = scratch[0, : y.size], scratch[1, : y.size]
     for i in range(y.size):
         total[i], z[i], y[i] = 0.0, min(zeta[i], 1.0), min(y[i], 0.0)
-    weight, shrink, log_shrink = 1.0, waves.shrink[run], waves.log_shrink[run]
-    for _ in range(int(waves.direct[run])):
+    weight, shrink, log_shrink = 1.0, sums.shrink[run], sums.log_shrink[run]
+    for _ in range(int(sums.direct[run])):
         for i in range(y.size):
-            total[i] += weight * z[i] * (waves.constant - y[i])
+            total[i] += weight * z[i] * (sums.constant - y[i])
             z[i], y[i] = min(shrink * math.sqrt(z[i]), 1.0), min(log_shrink + y[i] / 2, 0.0)
-        weight *= waves.ratio[run]
+        weight *= sums.ratio[run]
     fixed = min(2 * log_shrink, 0.0)
     z[:] = 0.0
-    for j in range(waves.rest.shape[1] - 1, -1, -1):
-        coefficient = waves.rest[run, j]
+    for j in range(sums.rest.shape[1] - 1, -1, -1):
+        coefficient = sums.rest[run, j]
         for i in range(y.size):
             z[i] = z[i] * (y[i] - fixed) + coefficient
     for i in range(y.size):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.estimate import offer, solve_by
-from weier.methods.flattened import Runs, behind_flat_waves, over_series, with_flat_waves
+from weier.methods.flattened import Runs, add_flat_waves, over_series, scale_behind_flat_waves
 from weier.methods.method import Method, Reference, Style
 from weier.methods.segment import Segment, Task
 from weier.theory.profile import Profile
@@ -52,21 +52,21 @@ def _fixed(D: Array, _: Array) -> Array:
 
 
 def _compliance(xi: Array, log_xi: Array, runs: Runs) -> Array:
-    """(26) for the waves that are not flat."""
+    """Compliance of all waves, by (26) for those that are not flat."""
     zeroth, first = _moments(runs.gamma, runs.left)
-    _light_compliance(xi, log_xi, runs.end, zeroth, zeroth + (runs.D - 1) * np.log(runs.gamma) * first)
-    return with_flat_waves(log_xi, runs)
+    _compliance_at_light_loads(xi, log_xi, runs.end, zeroth, zeroth + (runs.D - 1) * np.log(runs.gamma) * first)
+    return add_flat_waves(log_xi, runs)
 
 
 def _resistance(_: Array, log_xi: Array, runs: Runs) -> Array:
-    """Its derivative with xi."""
+    """Derivative of the compliance with xi."""
     zeroth, first = _moments(runs.gamma, runs.left)
-    _light_resistance(log_xi, runs.end, zeroth, (runs.D - 1) * np.log(runs.gamma) * first)
-    return behind_flat_waves(log_xi, runs)
+    _resistance_at_light_loads(log_xi, runs.end, zeroth, (runs.D - 1) * np.log(runs.gamma) * first)
+    return scale_behind_flat_waves(log_xi, runs)
 
 
 @kernel
-def _light_compliance(xi: Array, log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
+def _compliance_at_light_loads(xi: Array, log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
     """xi (constant - slope ln xi), in place of ln xi."""
     start = 0
     for r in range(end.size):
@@ -77,7 +77,7 @@ def _light_compliance(xi: Array, log_xi: Array, end: Indices, slope: Array, cons
 
 
 @kernel
-def _light_resistance(log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
+def _resistance_at_light_loads(log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
     """Constant - slope ln xi, in place of ln xi."""
     start = 0
     for r in range(end.size):
@@ -99,14 +99,14 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
-LARGEST_ERROR = 0.7  # of the compliance, in the amplitude of the terms after the first
+MAX_ERROR_SHARE = 0.7  # of the compliance, in the amplitude of the terms after the first
 SECONDS = 5e-5, 2e-6  # to start, and for each load
 
 _solve = solve_by(compliance, resistance)
 
 
 def _candidates(task: Task) -> Iterator[Segment]:
-    return offer(task, "demelio", LARGEST_ERROR, SECONDS, _solve)
+    return offer(task, "demelio", MAX_ERROR_SHARE, SECONDS, _solve)
 
 
 def _reference(profile: Profile, loads: Array) -> Reference:

@@ -13,9 +13,10 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 
-# What misses the contact conditions by a length is exact for a surface as far from the given one, and the bounds
-# theorem holds the compliance to that length: measured 1.25 of it, since it is looked for at every second node.
-RESIDUAL = 2.0
+# A solution whose residual is some length is exact for a surface that differs from the given one by that length. By
+# the bounds theorem its compliance is off by that length at most. But the residual is evaluated at every second node
+# only: the largest error that was measured is 1.25 times the residual.
+RESIDUAL_FACTOR = 2.0
 COMPLIANCE_ROUNDING = 1e-14  # of the total amplitude
 RESISTANCE_ROUNDING = 1e-12  # of itself; also of the compliance while planning
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods.error_model import estimate_error
 from weier.methods.method import Estimate
-from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # of loads, D, gamma and m
@@ -54,11 +54,11 @@ def offer(
     def error(loads: Array) -> Array:
         return estimate_error(share, loads, profile.D, task.first_contact, profile.total_amplitude - 1)
 
-    def solution(loads: Array) -> Solution:
+    def solution(loads: Array) -> SegmentSolution:
         solved = solve(profile, loads)
-        return Solution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
+        return SegmentSolution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
 
-    yield segment(
+    yield make_segment(
         task,
         method,
         "an estimate whose measured error is small enough",

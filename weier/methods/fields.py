@@ -14,9 +14,9 @@ from weier.theory.profile import Profile
 ATTRIBUTES = {
     "x": ("position along the surface", "lambda_0"),
     "pressure": ("contact pressure", "p_0*"),
-    "gap": ("gap between flat and surface", "g_0"),
+    "gap": ("gap between rigid plane and surface", "g_0"),
     "displacement": (
-        "elastic displacement away from the flat, of mean 0: gap = mean gap - height + displacement",
+        "elastic displacement away from the rigid plane, of mean 0: gap = mean gap - height + displacement",
         "g_0",
     ),
     "left": ("left edge of a contact", "lambda_0"),
@@ -61,29 +61,30 @@ def fields(profile: Profile, mean_pressure: float, method: str = "patches", poin
     Examples
     --------
     >>> import weier
-    >>> along = weier.fields(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 0.1)
-    >>> for left, right in zip(along.left.values, along.right.values):
+    >>> field = weier.fields(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 0.1)
+    >>> for left, right in zip(field.left.values, field.right.values):
     ...     print(f"contact from {left:.3f} to {right:.3f}")
     contact from 0.142 to 0.164
     contact from 0.937 to 1.008
-    >>> print(along.pressure.dims, f"mean gap {along.mean_gap:.3f}")
+    >>> print(field.pressure.dims, f"mean gap {field.mean_gap:.3f}")
     ('x',) mean gap 0.784
 
     """
     load = checked_load(mean_pressure)
     check_resolvable(profile)
-    if method == "bem":
+    if method == bem.METHOD.name:
         found = bem.field(profile, load, points)
         return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
-    if method != "patches":
-        raise ValueError(f'method must be "patches" or "bem" for fields, got {method!r}')
+    if method != patches.METHOD.name:
+        choice = f"{patches.METHOD.name} or {bem.METHOD.name}"
+        raise ValueError(f"method must be {choice} for the fields along the surface, got {method!r}")
     contact = patches.solve_load(profile, load)
     points = bem.checked_points(profile, points)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
-    along = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
+    curves = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
     ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}
     ends |= {"left_strength": contact.edge_strength[:, 0], "right_strength": contact.edge_strength[:, 1]}
-    data = _dataset(("x",), along, mean_pressure=load, mean_gap=contact.mean_gap, method=method)
+    data = _dataset(("x",), curves, mean_pressure=load, mean_gap=contact.mean_gap, method=method)
     return data.merge(_dataset(("patch",), ends))
 
 

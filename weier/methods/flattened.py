@@ -99,7 +99,7 @@ def _in_blocks(
     gamma: Array,
     m: Array,
 ) -> Array:
-    """Sums for loads of shape (series, loads)."""
+    """The sums for loads of shape (series, loads), computed in blocks that fit the cache."""
     values = np.empty(p.shape)
     series, loads = p.shape
     rows = max(BLOCK // max(loads, 1), 1)
@@ -113,14 +113,14 @@ def _in_blocks(
     return values
 
 
-def with_flat_waves(h: Array, runs: Runs) -> Array:
+def add_flat_waves(h: Array, runs: Runs) -> Array:
     """Compliance of all waves from that of those that remain, in place."""
     _rescale(h, runs, leading_amplitude(runs.flat, runs.D, runs.gamma), amplitude(runs.flat, runs.D, runs.gamma))
     return h
 
 
-def behind_flat_waves(slope: Array, runs: Runs) -> Array:
-    """Resistance likewise: flat waves have none."""
+def scale_behind_flat_waves(slope: Array, runs: Runs) -> Array:
+    """Resistance of all waves from that of those that remain, in place: flat waves have none."""
     _rescale(slope, runs, np.zeros_like(runs.flat), runs.gamma**-runs.flat)  # g_n/p_n* = gamma^-n
     return slope
 

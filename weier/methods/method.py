@@ -65,16 +65,11 @@ class Variant(NamedTuple):
 def applies_to_resolvable(profile: Profile) -> None:
     """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
 
-    Raises
-    ------
-    ValueError
-        If the finest wave fits too often into the period; NotApplicableError if there is no finest wave.
-
+    NotApplicableError is raised if there is no finest wave, ValueError if it fits too often into the period.
     """
     if math.isinf(profile.m):
         raise NotApplicableError(
-            "m = inf has no finest wave to resolve: choose a finite m, or a method for the infinite series, such as "
-            "layer or planned"
+            "m = inf has no finest wave to resolve: choose a finite m, or a method for the infinite series"
         )
     check_resolvable(profile)
 
@@ -125,6 +120,8 @@ class Method:
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
     candidates : callable
         From the task of a plan to the segments of a curve that this method offers, with their errors and costs.
+    runs_others : bool
+        Whether it solves nothing itself but runs whichever of the other methods meets a tolerance.
     solution_error : callable, optional
         From a profile and what `solve` returned to the error of the compliance, in g_0, where the method knows it.
     seconds : callable
@@ -144,6 +141,7 @@ class Method:
     algorithms: tuple[Settings, ...] = ({},)
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = _default_variant
     candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
+    runs_others: bool = False
     solution_error: Callable[[Profile, Any], float] | None = None
     seconds: Callable[[Profile, Array], float] = _instantaneous
     reference: Callable[[Profile, Array], Reference | None] | None = None
@@ -156,7 +154,7 @@ class Method:
             return False
         return True
 
-    def named_variants(self, profile: Profile) -> list[Variant]:
+    def all_variants(self, profile: Profile) -> list[Variant]:
         """The variants with their full names, such as "bem 96"."""
         own = self.variants(profile)
         return [Variant(f"{self.name} {name}".strip(), self.name, settings) for name, settings in own]

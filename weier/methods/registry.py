@@ -1,4 +1,4 @@
-"""All methods of solution, from the roughest to the most accurate; whatever the program knows of them it asks here.
+"""All methods of solution, from the least to the most accurate; whatever the program knows of them it asks here.
 
 To add a method, write its `METHOD` and list it in METHODS.
 """
@@ -19,9 +19,9 @@ METHODS: tuple[Method, ...] = (
     hybrid.METHOD,
     bem.METHOD,
     patches.METHOD,
-    planned.method(among=lambda: METHODS),
+    planned.planning_method(among=lambda: METHODS),
 )
-PLANNED = METHODS[-1].name  # runs whichever of the others meets a tolerance
+PLANNED = next(method.name for method in METHODS if method.runs_others)
 
 
 def names() -> list[str]:
@@ -40,15 +40,8 @@ def infinite_names() -> list[str]:
     return [method.name for method in METHODS if method.takes(infinite)]
 
 
-def method_named(name: str) -> Method:
-    """The method of this name.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-
-    """
+def find_method(name: str) -> Method:
+    """The method of this name; ValueError is raised if there is none."""
     for method in METHODS:
         if method.name == name:
             return method

@@ -35,7 +35,7 @@ class Task(NamedTuple):
     first_contact: float
 
 
-class Solution(NamedTuple):
+class SegmentSolution(NamedTuple):
     """What running a segment gives, in the datum of the terms modelled; each of shape (loads,).
 
     compliance, resistance : in g_0 and g_0/p_0*
@@ -78,7 +78,7 @@ class Segment(NamedTuple):
     seconds_load: Array
     memory: float
     why: str
-    solve: Callable[[Array], Solution]
+    solve: Callable[[Array], SegmentSolution]
     whole: bool = False
     other_loads: Array | None = None
 
@@ -89,7 +89,7 @@ class Segment(NamedTuple):
 
     @property
     def seconds(self) -> float:
-        """Expected seconds on one core."""
+        """Expected seconds to start and to solve all loads, on one core."""
         return self.seconds_start + float(self.seconds_load.sum())
 
     def fails_like(self, other: Segment) -> bool:
@@ -105,7 +105,9 @@ class Segment(NamedTuple):
         return self._replace(other_loads=others, **{name: getattr(self, name)[loads] for name in names})
 
 
-def segment(task: Task, method: str, why: str, solve: Callable[[Array], Solution], **known: Any) -> Segment:
+def make_segment(
+    task: Task, method: str, why: str, solve: Callable[[Array], SegmentSolution], **known: Any
+) -> Segment:
     """A segment over all loads of a task; what is not known of it is no error and no cost."""
     none = np.zeros(task.mean_pressure.size)
     fields: dict[str, Any] = {

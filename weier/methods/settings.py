@@ -15,7 +15,7 @@ from weier.theory.limits import MAX_POINTS
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
 
 
-class Kind(NamedTuple):
+class SettingKind(NamedTuple):
     """What values a setting takes, and that in words."""
 
     types: tuple[Any, ...]
@@ -23,23 +23,16 @@ class Kind(NamedTuple):
 
 
 KINDS = {  # by the annotation of a solver's keyword
-    "int": Kind((Integral,), "a whole number such as 512"),
-    "int | None": Kind((Integral, NoneType), "a whole number such as 512, or null"),
-    "float": Kind((Real,), "a number"),
-    "bool": Kind((bool,), "true or false"),
-    "str": Kind((str,), "a word"),
+    "int": SettingKind((Integral,), "a whole number such as 512"),
+    "int | None": SettingKind((Integral, NoneType), "a whole number such as 512, or null"),
+    "float": SettingKind((Real,), "a number"),
+    "bool": SettingKind((bool,), "true or false"),
+    "str": SettingKind((str,), "a word"),
 }
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:
-    """Refuse settings that the method does not have.
-
-    Raises
-    ------
-    ValueError
-        If there is one.
-
-    """
+    """Refuse settings that the method does not have."""
     known = defaults(method)
     for setting in settings:
         if setting not in known:
@@ -48,14 +41,7 @@ def check_names(method: Method, settings: Iterable[str]) -> None:
 
 
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings, if the method takes them: of the right kind and within range. Numbers may be written as text.
-
-    Raises
-    ------
-    ValueError
-        If the method has no such setting, or its value is of another kind or out of any range.
-
-    """
+    """The settings, if the method takes them: of the right kind and within range. Numbers may be written as text."""
     check_names(method, settings)
     keywords = _keywords(method.solve)
     return {

@@ -13,7 +13,7 @@ from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.kernels.jit import compiling_seconds
 from weier.methods.method import Method
-from weier.methods.registry import METHODS, method_named
+from weier.methods.registry import METHODS, find_method
 from weier.methods.settings import check_names
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -36,9 +36,8 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     Returns
     -------
     Dataset
-        Over the dimension mean_pressure: compliance, in g_0, and resistance, in g_0/p_0*; the numerical methods
-        add contact_fraction, patch_count, residual and work, "patches" the indentation from first contact and the
-        contact edges, "planned" the errors it expects. The attribute seconds is the time it took.
+        Over the dimension mean_pressure: compliance, in g_0, and resistance, in g_0/p_0*; and
+        whatever else the method returns: see the table of variables. The attribute seconds is the time it took.
 
     Raises
     ------
@@ -57,7 +56,7 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **set
     array([0.0706, 0.4208, 1.3527])
 
     """
-    loads, solver = checked_loads(mean_pressure), method_named(method)
+    loads, solver = checked_loads(mean_pressure), find_method(method)
     check_names(solver, settings)
     solution, seconds = solve_checked(profile, loads, solver, settings)
     return dataset.curve(loads, solution._asdict(), {"method": method, **settings, "seconds": seconds})

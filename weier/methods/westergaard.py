@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Estimate, Method, Reference, Style
-from weier.methods.segment import Segment, Solution, Task, segment
+from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 SECONDS_LOAD = 1e-6
@@ -86,15 +86,15 @@ def _candidates(task: Task) -> Iterator[Segment]:
     """The only way that a plan takes for one wave."""
     if task.profile.m == 1:
         seconds = np.full(task.mean_pressure.size, SECONDS_LOAD)
-        yield segment(
+        yield make_segment(
             task, "westergaard", "one wave has a closed form", _solution, seconds_start=SECONDS_LOAD,
             seconds_load=seconds,
         )  # fmt: skip
 
 
-def _solution(loads: Array) -> Solution:
+def _solution(loads: Array) -> SegmentSolution:
     exact = np.zeros(loads.size)
-    return Solution(compliance(loads), resistance(loads), exact, exact)
+    return SegmentSolution(compliance(loads), resistance(loads), exact, exact)
 
 
 def _reference(profile: Profile, loads: Array) -> Reference:

@@ -18,7 +18,7 @@ from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.methods.solve import solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
@@ -61,7 +61,7 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         describe_case(data, number, case)
         for method in case.methods:
             position = {"case": number, "solution_method": methods.index(method)}
-            _solve_into(curves, costs, position, case, method_named(method))
+            _solve_into(curves, costs, position, case, find_method(method))
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
         seconds = np.nansum(costs["seconds"][number])

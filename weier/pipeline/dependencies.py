@@ -16,7 +16,7 @@ from typing import Any
 from weier.kernels.definitions import definitions, modules_of
 from weier.kernels.sources import PACKAGE
 from weier.methods import registry
-from weier.methods.registry import PLANNED, method_named
+from weier.methods.registry import find_method
 
 BATCH = ("weier.pipeline.batch.solve_batch", "weier.data.dataset.write")
 STUDY = "weier.pipeline.gather.read_study"
@@ -35,8 +35,8 @@ def _batch_digest(methods: tuple[str, ...]) -> str:
 
 def batch_definitions(methods: Iterable[str]) -> dict[str, str]:
     """The text of all that the numbers of a batch by these methods depend on, by name."""
-    used = [method_named(name) for name in methods]
-    if any(method.name == PLANNED for method in used):  # which runs any of the others
+    used = [find_method(name) for name in methods]
+    if any(method.runs_others for method in used):
         return definitions(*BATCH)
     functions = [each for method in used for each in (method.solve, method.applies, method.solution_error) if each]
     return definitions(*BATCH, *(name for each in functions for name in _names(each)), without=[LISTED])

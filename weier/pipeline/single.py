@@ -18,7 +18,7 @@ from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.planned.plan import Plan
-from weier.methods.registry import PLANNED, method_named
+from weier.methods.registry import PLANNED, find_method
 from weier.methods.settings import checked_settings
 from weier.pipeline.batch import solve_batch
 from weier.pipeline.plan import plan
@@ -64,7 +64,7 @@ def solve_one(
     foreign = [method for method in settings if method not in methods]
     if foreign:
         raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")
-    checked = {method: checked_settings(method_named(method), settings.get(method, {})) for method in methods}
+    checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
     case.check()
     title = f"Weierstrass profile, {case.profile.describe()}"

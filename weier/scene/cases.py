@@ -15,7 +15,7 @@ import numpy as np
 
 from weier.data.yaml import number
 from weier.kernels.arrays import Array
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.theory.limits import check_resolvable
 from weier.theory.phases import RandomPhases, random_phases
 from weier.theory.profile import Profile
@@ -75,7 +75,7 @@ class Case:
         drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
         if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
-        if any(method_named(method).numerical for method in self.methods):
+        if any(find_method(method).numerical for method in self.methods):
             check_resolvable(profile)
 
 

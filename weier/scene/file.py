@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from weier.data.variables import of_curves
 from weier.data.yaml import number, parse_yaml
-from weier.methods.registry import PLANNED, method_named, names
+from weier.methods.registry import PLANNED, find_method, names
 from weier.methods.settings import checked_settings
 from weier.scene.cases import Case, Figure, Scene, SceneError
 from weier.scene.products import MAX_CASES, axis, check_count, combinations
@@ -124,7 +124,7 @@ def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
     settings = study.get("settings", raw.get("settings", {}))
     if plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
-    checked = {method: checked_settings(method_named(method), settings.get(method, {})) for method in methods}
+    checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
     for parameters in combinations(study):
         case = Case(parameters, methods, own)

@@ -67,7 +67,7 @@ def resistance_bounds(
     amplitude: ArrayLike,
     first_contact: ArrayLike | None = None,
 ) -> tuple[Array, Array]:
-    """Bounds on dh/dp of the complete series: the flattest and steepest line that its concave curve allows.
+    """Bounds on dh/dp of the complete series: the shallowest and steepest line that its concave curve allows.
 
     The line through the complete curve at p stays above that curve, hence above the lower bound on it, and starts
     no higher than the upper bound: R <= [h(p) - h(p') + 2 G]/(p - p') for every p' < p, and
@@ -119,9 +119,9 @@ def resistance_bounds(
     rise = h[..., :, None] - other_h[..., None, :] + 2 * G
     with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
         steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
-        flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+        shallowest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
     missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
-    lower = np.maximum(np.fmax.reduce(flattest, axis=-1), 0)
+    lower = np.maximum(np.fmax.reduce(shallowest, axis=-1), 0)
     upper = np.fmin.reduce(steepest, axis=-1)
     return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
 
@@ -156,6 +156,6 @@ def chord_bounds(
     run, rise = p[:, None] - there, top[:, None] - (h - off)
     with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
         steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
-        flattest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+        shallowest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
         start = top / p
-    return flattest.max(axis=1, initial=0.0), np.minimum(steepest.min(axis=1, initial=np.inf), start)
+    return shallowest.max(axis=1, initial=0.0), np.minimum(steepest.min(axis=1, initial=np.inf), start)

@@ -19,7 +19,7 @@ def countable(waves: int) -> bool:
     return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
-def sampled(amplitude: Array, waves_per_period: Sequence[int], phase: Array, points: int) -> Array:
+def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, points: int) -> Array:
     """The series at equal steps over one period, shape (points,).
 
     The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
@@ -39,7 +39,7 @@ def find_crests(
     """
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
-    z = sampled(amplitude, waves_per_period, phase, points)
+    z = sample(amplitude, waves_per_period, phase, points)
     top = np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
     x = np.asarray(top * (period / points), float)
     theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase

@@ -17,30 +17,16 @@ def resolvable(profile: Profile) -> bool:
 
 
 def check_resolvable(profile: Profile) -> None:
-    """Refuse a finite series whose period holds more waves than a computer does.
-
-    Raises
-    ------
-    ValueError
-        If the finest wave fits too often into the period.
-
-    """
+    """Refuse a finite series whose finest wave fits more often into the period than a computer can hold."""
     if not resolvable(profile):
         raise ValueError(
             f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
-            "exceeds: take fewer terms, or methods other than bem and patches"
+            "exceeds: take fewer terms, or a method that does not resolve every wave"
         )
 
 
 def check_points(points: int, dense: bool = False) -> None:
-    """Refuse a grid that no computer holds, with a dense matrix or without.
-
-    Raises
-    ------
-    ValueError
-        If it has too many nodes.
-
-    """
+    """Refuse a grid whose nodes, or whose dense matrix, no computer can hold."""
     most, instead = (MAX_DENSE_POINTS, 'take solver "fft", or fewer') if dense else (MAX_POINTS, "take fewer")
     if points > most:
         raise ValueError(f"points must be at most {most}, got {points}: {instead}")

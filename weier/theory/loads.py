@@ -12,14 +12,7 @@ LOAD_RANGE = 1e-12, 1e12  # p_0*
 
 
 def checked_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array, if they are positive, finite and increasing.
-
-    Raises
-    ------
-    ValueError
-        If they are not.
-
-    """
+    """The loads as an array, if they are positive, finite and increasing."""
     loads = np.atleast_1d(np.asarray(mean_pressure, float))
     if loads.ndim != 1 or loads.size == 0:
         raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
@@ -34,14 +27,7 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
 
 
 def checked_load(mean_pressure: float) -> float:
-    """One load, if it is positive and finite.
-
-    Raises
-    ------
-    ValueError
-        If it is not, or there are several.
-
-    """
+    """The load, if there is only one and it is positive and finite."""
     loads = checked_loads(mean_pressure)
     if loads.size != 1:
         raise ValueError(f"mean_pressure must be one load, got {loads.size}: ask for the fields of each by itself")
@@ -49,14 +35,7 @@ def checked_load(mean_pressure: float) -> float:
 
 
 def check_range(loads: Array) -> None:
-    """Refuse loads so many, light or heavy that no number is left of them.
-
-    Raises
-    ------
-    ValueError
-        If a load or their count is out of range.
-
-    """
+    """Refuse more loads than a scene may have, and loads so light or heavy that rounding leaves nothing of them."""
     if loads.size > MAX_LOADS:
         raise ValueError(f"there must be at most {MAX_LOADS} loads, got {loads.size}")
     low, high = LOAD_RANGE

@@ -44,14 +44,7 @@ Phases = float | tuple[float, ...] | RandomPhases
 
 
 def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: float) -> Phases:
-    """The phases, if they are finite, and one for all terms or one for each of m.
-
-    Raises
-    ------
-    ValueError
-        If they are not.
-
-    """
+    """The phases, if they are finite, and one for all terms or one for each of m."""
     if isinstance(phases, RandomPhases):
         return phases
     values = np.asarray(phases, float)

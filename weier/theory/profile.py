@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory import series
-from weier.theory.crests import find_crests, sampled
+from weier.theory.crests import find_crests, sample
 from weier.theory.phases import Phases, RandomPhases, checked_phases
 
 MAX_PHASES_DESCRIBED = 8  # phases in a line
@@ -34,7 +34,7 @@ class Profile:
     gamma : int, Fraction, str or float
         Ratio of successive wavelengths, > 1 and rational: 5, Fraction(5, 2), "5/2", 2.5.
     m : int or inf
-        Number of terms. An infinite series has no heights: it is for the methods archard, demelio, layer and planned.
+        Number of terms. An infinite series has no heights: it is for methods that resolve no finest wave.
     phases : float, sequence of m floats, or RandomPhases
         Radians. A number is phi_n for every n >= 1, with phi_0 = 0.
 
@@ -163,7 +163,7 @@ class Profile:
 
     def sampled_height(self, points: int, terms: int | None = None) -> Array:
         """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
-        return sampled(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
+        return sample(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
 
     @cached_property
     def crest(self) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from weier import Profile
 from weier.accuracy.extremes import checks
 from weier.accuracy.runner import Outcome, attempt
 from weier.methods.method import Variant
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 
 FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)
@@ -51,7 +51,7 @@ def waves(draw):
 
 
 def check(name, profile, mean_pressure, **options):
-    made, method = attempt(Variant(name, name, options), profile, mean_pressure), method_named(name)
+    made, method = attempt(Variant(name, name, options), profile, mean_pressure), find_method(name)
     assert not made.warned
     assert set(made.outcome) <= {Outcome.finite, Outcome.clear_error}, made.message
     solved = made.outcome == Outcome.finite

@@ -9,7 +9,7 @@ from weier.accuracy import runner, tradeoff
 from weier.accuracy.metrics import seconds_per_load, worst_over_loads
 from weier.data import dataset
 from weier.methods.errors import ConvergenceError
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.methods.settings import check_names
 
 PATCHES = [f"patches {tolerance:.0e}" for tolerance in (1e-6, 1e-8, 1e-10, 1e-12)]
@@ -51,7 +51,7 @@ def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
 
 def test_every_variant_is_a_method_with_its_settings():
     for variant in tradeoff.variants(Profile(1.25, 5, 2)):
-        check_names(method_named(variant.method), variant.settings)
+        check_names(find_method(variant.method), variant.settings)
         assert len(variant.name) <= 16
 
 

@@ -113,7 +113,7 @@ def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tupl
         if not resolvable(profile):
             yield algorithm, algorithm
         elif is_in_reach(profile, loads):
-            coarsest = next(iter(method.named_variants(profile)))
+            coarsest = next(iter(method.all_variants(profile)))
             yield algorithm, {**coarsest.settings, **algorithm}
 
 

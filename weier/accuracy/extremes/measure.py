@@ -19,7 +19,7 @@ from weier.data.check import Check
 from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, kept_in
 from weier.kernels.arrays import Array
 from weier.methods.method import Noise, Reference, Variant
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.theory.profile import Profile
 
 CHECKS = {
@@ -66,7 +66,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 
 def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     """The values of one run: its curve, what became of it, how far it is right, and the checks."""
-    method, profile = method_named(variant.method), each.case.profile
+    method, profile = find_method(variant.method), each.case.profile
     made = attempt(variant, profile, each.loads)
     solved, right = made.outcome == Outcome.finite, reference(method, profile, each.loads, made)
     h, R = (np.where(solved, values, np.nan) for values in (made.compliance, made.resistance))

@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from weier.accuracy.metrics import by_load
 from weier.kernels.arrays import Array
 from weier.methods import bem, demelio, error_model, layer, patches
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline import curves
 from weier.theory.profile import Profile
@@ -93,7 +93,7 @@ def _samples(data: xr.Dataset, method: str) -> Iterator[Sample]:
     run = np.isfinite(data["seconds"].values) & (data["solution_method"].values == method)
     for case, variant in np.argwhere(run):
         one = data.isel(case=case, variant=variant)
-        settings = all_settings(method_named(method), json.loads(one["settings"].item()))
+        settings = all_settings(find_method(method), json.loads(one["settings"].item()))
         first_contact, seconds, points = (float(one[name]) for name in ("first_contact", "seconds", "points"))
         arrays = one["mean_pressure"].values, one["patch_count"].values, *(error[case, variant] for error in errors)
         yield Sample(curves.profile(one), settings, first_contact, seconds, points, *arrays)
@@ -116,7 +116,7 @@ def _is_default(method: str, but: str = "") -> Callable[[Sample], bool]:
     """Whether a sample of a method has its default settings, all or all but one."""
 
     def used(sample: Sample) -> bool:
-        default = all_settings(method_named(method), {})
+        default = all_settings(find_method(method), {})
         return all(name == but or sample.settings[name] == value for name, value in default.items())
 
     return used
@@ -176,10 +176,14 @@ FITS = {
         lambda sample: sample.settings["tolerance"] in patches.error_model.TOLERANCES,
         (
             Term(
-                "PATCHES_COMPLIANCE", patches.error_model.COMPLIANCE, lambda s: _in_tolerances(s.compliance_error, s)
+                "PATCHES_COMPLIANCE",
+                patches.error_model.COMPLIANCE_FACTOR,
+                lambda s: _in_tolerances(s.compliance_error, s),
             ),
             Term(
-                "PATCHES_RESISTANCE", patches.error_model.RESISTANCE, lambda s: _in_tolerances(s.resistance_error, s)
+                "PATCHES_RESISTANCE",
+                patches.error_model.RESISTANCE_FACTOR,
+                lambda s: _in_tolerances(s.resistance_error, s),
             ),
         ),
         (
@@ -193,6 +197,6 @@ FITS = {
         ),
         patches.error_model.SECONDS_START,
     ),
-    layer.METHOD.name: Fit(_is_default("layer"), (Term("LAYER", layer.method.LARGEST_ERROR, _estimate),)),
-    demelio.METHOD.name: Fit(_is_default("demelio"), (Term("DEMELIO", demelio.LARGEST_ERROR, _estimate),)),
+    layer.METHOD.name: Fit(_is_default("layer"), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)),
+    demelio.METHOD.name: Fit(_is_default("demelio"), (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)),
 }

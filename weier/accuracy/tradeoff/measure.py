@@ -79,7 +79,7 @@ def variants(profile: Profile) -> list[Variant]:
         )
     check_resolvable(profile)
     applicable = [method for method in registry.METHODS if method.takes(profile)]
-    return [variant for method in applicable for variant in method.named_variants(profile)]
+    return [variant for method in applicable for variant in method.all_variants(profile)]
 
 
 def _measure(each: Comparison, variant: Variant) -> dict[str, Any]:

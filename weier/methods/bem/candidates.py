@@ -10,8 +10,8 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.solver import curve
-from weier.methods.error_model import RESIDUAL
-from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.methods.error_model import RESIDUAL_FACTOR
+from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 
@@ -19,7 +19,7 @@ def candidates(task: Task) -> Iterator[Segment]:
     """Grids for the compliance or the resistance; none for one wave, which has a closed form."""
     if task.profile.m == 1:
         return
-    residual = RESIDUAL * error_model.PLANNED_RESIDUAL if task.quantity == COMPLIANCE else 0.0
+    residual = RESIDUAL_FACTOR * error_model.PLANNED_RESIDUAL if task.quantity == COMPLIANCE else 0.0
     for share in error_model.GRID_SHARES[task.quantity]:
         allowed = share * task.tolerance - residual
         if allowed > 0:
@@ -37,7 +37,7 @@ def _grid(task: Task, points: int) -> Segment:
         others = error_model.neighbouring_loads(profile, points, loads)
     start, load = error_model.seconds(points, task.contacts)
     waves = profile.waves_per_period[-1]
-    return segment(
+    return make_segment(
         task,
         "bem",
         f"{points / waves:.0f} points for each of {waves} waves are the fewest that do",
@@ -51,13 +51,13 @@ def _grid(task: Task, points: int) -> Segment:
     )
 
 
-def _solve(profile: Profile, points: int, with_neighbours: bool, loads: Array) -> Solution:
+def _solve(profile: Profile, points: int, with_neighbours: bool, loads: Array) -> SegmentSolution:
     grid = curve(profile, loads, points=points, tolerance=error_model.PLANNED_RESIDUAL)
     relative = error_model.resistance_error(profile, points, loads)
     light = error_model.light_resistance_error(profile, points, loads, grid.resistance)
     # Without neighbouring loads nothing tells whether a contact is about to be born, or was just now.
     known = relative * np.maximum(grid.resistance, 1) if with_neighbours else np.full(loads.size, np.inf)
-    return Solution(
+    return SegmentSolution(
         grid.compliance,
         grid.resistance,
         error_model.solution_error(profile, points, grid.residual),

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.error_model import RESIDUAL
+from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.theory.profile import Profile
 
 Number = TypeVar("Number", float, Array)
@@ -48,7 +48,7 @@ def compliance_error(profile: Profile, points: int) -> float:
 
 def solution_error(profile: Profile, points: int, residual: Number) -> Number:
     """Error of h on `points` nodes by a solution with these residuals, in g_0, of the shape of `residual`."""
-    return compliance_error(profile, points) + RESIDUAL * residual
+    return compliance_error(profile, points) + RESIDUAL_FACTOR * residual
 
 
 def curvature(profile: Profile) -> float:

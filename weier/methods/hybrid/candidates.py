@@ -11,8 +11,9 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem.error_model import compliance_error as mesh_error
 from weier.methods.hybrid import error_model
-from weier.methods.hybrid.solver import LOADS, MAX_POINTS, POINTS_PER_WAVE, curve
-from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.methods.hybrid.closure import MAX_LOAD
+from weier.methods.hybrid.solver import MAX_POINTS, MIN_LOAD, POINTS_PER_WAVE, curve
+from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 
@@ -33,11 +34,11 @@ def candidates(task: Task) -> Iterator[Segment]:
 
 def _resolved(task: Task, kept: Profile) -> Segment:
     loads, points = task.mean_pressure, POINTS_PER_WAVE * kept.waves_per_period[-1]
-    carried = (LOADS[0] <= loads) & (loads <= LOADS[1])
+    carried = (loads >= MIN_LOAD) & (loads <= MAX_LOAD)
     estimate = np.where(carried, error_model.compliance_error(loads, kept), np.inf)
     mesh = np.full(loads.size, mesh_error(kept, points))
     start, load = error_model.seconds(points)
-    return segment(
+    return make_segment(
         task,
         "hybrid",
         f"on a layer of all finer terms, {kept.tail_amplitude:.1e} g_0 in all",
@@ -53,9 +54,11 @@ def _resolved(task: Task, kept: Profile) -> Segment:
     )
 
 
-def _solve(profile: Profile, terms: int, points: int, loads: Array) -> Solution:
+def _solve(profile: Profile, terms: int, points: int, loads: Array) -> SegmentSolution:
     """The estimate, with the least of what its error model and its bounds say."""
     kept, solved = profile.truncated(terms), curve(profile, loads, terms, points)
     beside = np.maximum(solved.compliance_upper - solved.compliance, solved.compliance - solved.compliance_lower)
     modelled = error_model.compliance_error(loads, kept) + mesh_error(kept, points)
-    return Solution(solved.compliance, solved.resistance, np.minimum(modelled, beside), np.full(loads.size, np.inf))
+    return SegmentSolution(
+        solved.compliance, solved.resistance, np.minimum(modelled, beside), np.full(loads.size, np.inf)
+    )

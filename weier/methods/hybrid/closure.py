@@ -1,4 +1,4 @@
-"""The layer that stands for all finer terms, as a law of one number s at every node."""
+"""The layer that stands for all finer terms: pressure and compression at a node as functions of one number s."""
 
 from __future__ import annotations
 
@@ -7,22 +7,20 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array
 from weier.methods import layer
 from weier.theory.profile import Profile
 
-Array = NDArray[np.float64]
-
 SUBDIVISION = 8  # of the layer's own table: between its rows ln p as a cubic in ln s is as good as that table
-HEAVIEST = 1e3  # mean pressure in p_0*
+MAX_LOAD = 1e3  # p_0*, which the table of the layer reaches
 
 
-class Law(NamedTuple):
+class NodalClosure(NamedTuple):
     """The layer at a node of self-influence c: ln p over ln(w + c p), and c."""
 
     log_pressure: scipy.interpolate.CubicHermiteSpline
-    stiffness: float
+    self_influence: float
 
 
 class Node(NamedTuple):
@@ -34,24 +32,24 @@ class Node(NamedTuple):
     compression_slope: Array
 
 
-def law_of(kept: Profile, stiffness: float) -> Law:
-    """The tail's layer, in the units of the first wave."""
+def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
+    """The layer of all terms after these, in the units of the first wave, at nodes of this self-influence."""
     D, gamma, n = kept.D, float(kept.gamma), kept.terms
     peaks = 1 / math.expm1((D - 1) * math.log(gamma))  # of all resolved waves in full contact, in p_k*, at most
-    log_xi, log_W, power = layer.tail_table(D, gamma, HEAVIEST + peaks, SUBDIVISION)
+    log_xi, log_W, power = layer.tail_table(D, gamma, MAX_LOAD + peaks, SUBDIVISION)
     compression, pressure = gamma ** ((D - 2) * n) * np.exp(log_W), gamma ** ((D - 1) * n) * np.exp(log_xi)
-    s = compression + stiffness * pressure
-    slope = s / (power * compression + stiffness * pressure)  # d ln p/d ln s
+    s = compression + self_influence * pressure
+    slope = s / (power * compression + self_influence * pressure)  # d ln p/d ln s
     log_pressure = scipy.interpolate.CubicHermiteSpline(np.log(s), np.log(pressure), slope)
-    return Law(log_pressure, stiffness)
+    return NodalClosure(log_pressure, self_influence)
 
 
-def state_of_nodes(s: Array, law: Law) -> Node:
-    """What the law says at every s, shape (N,): outside contact, s <= 0, there is no pressure."""
+def state_of_nodes(s: Array, closure: NodalClosure) -> Node:
+    """Pressure and compression at every s, shape (N,): outside contact, s <= 0, there is no pressure."""
     inside = s > 0
     log_s = np.log(np.where(inside, s, 1.0))
-    near = np.clip(log_s, *law.log_pressure.x[[0, -1]])
-    slope = law.log_pressure(near, 1)
-    p = np.where(inside, np.exp(law.log_pressure(near) + slope * (log_s - near)), 0.0)
+    near = np.clip(log_s, *closure.log_pressure.x[[0, -1]])
+    slope = closure.log_pressure(near, 1)
+    p = np.where(inside, np.exp(closure.log_pressure(near) + slope * (log_s - near)), 0.0)
     p_slope = np.where(inside, slope * p / np.where(inside, s, 1.0), 0.0)
-    return Node(p, s - law.stiffness * p, p_slope, 1 - law.stiffness * p_slope)
+    return Node(p, s - closure.self_influence * p, p_slope, 1 - closure.self_influence * p_slope)

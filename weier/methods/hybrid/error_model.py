@@ -8,17 +8,17 @@ from weier.kernels.arrays import Array
 from weier.methods.error_model import CREST_LOAD, partial_share
 from weier.theory.profile import Profile
 
-LIGHT, HEAVY = 0.8, 0.16  # error at light loads and at heavy ones, in the amplitude of the tail
+LIGHT_SHARE, HEAVY_SHARE = 0.8, 0.16  # error at light loads and at heavy ones, in the amplitude of the tail
 
 SECONDS_START, SECONDS_LOAD = 0.15, 4e-3
 SECONDS_NODE = 1.2e-5  # of each load and node
 START_LOADS = 3  # a start takes as long as so many loads
-BYTES_NODE = 900  # the directions of GMRES
+BYTES_NODE = 900
 
 
 def compliance_error(mean_pressure: Array, kept: Profile) -> Array:
     """Error of h of an infinite series with all but these terms on the layer, in g_0, but that of the mesh."""
-    share = np.maximum(LIGHT * (CREST_LOAD / np.maximum(mean_pressure, CREST_LOAD)), HEAVY)
+    share = np.maximum(LIGHT_SHARE * (CREST_LOAD / np.maximum(mean_pressure, CREST_LOAD)), HEAVY_SHARE)
     pressure = float(kept.gamma) ** ((kept.D - 1) * kept.terms)  # p_k*
     return np.asarray(share * kept.tail_amplitude * partial_share(mean_pressure, pressure, kept.D))
 
@@ -30,5 +30,5 @@ def seconds(points: int) -> tuple[float, float]:
 
 
 def memory(points: int) -> float:
-    """Bytes of the solver on so many nodes."""
+    """Bytes of the directions of GMRES, each a number at every node."""
     return float(BYTES_NODE * points)

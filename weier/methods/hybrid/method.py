@@ -29,7 +29,8 @@ def _default_terms(profile: Profile) -> int:
 def _applies(profile: Profile) -> None:
     if math.isfinite(profile.m):
         raise NotApplicableError(
-            f'method "hybrid" is for the infinite series, m = inf, got m = {profile.m}: take layer, bem or patches'
+            f"terms are resolved on a layer for the infinite series, m = inf, got m = {profile.m}: take a method for "
+            "finite series"
         )
 
 
@@ -42,11 +43,11 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
 
 METHOD = Method(
     name="hybrid",
-    label="resolved on a layer",
+    label="resolved terms on the layer",
     summary="coarse terms by boundary elements on the layer of all finer ones; m = inf",
     solve=_solve,
     applies=_applies,
-    style=Style("#56B4E9", (4, 1, 1, 1), "D"),
+    style=Style("#8C510A", (4, 1, 1, 1), "D"),
     solution_error=_solution_error,
     noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
     candidates=candidates,

@@ -9,7 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.closure import Law, Node, state_of_nodes
+from weier.methods.hybrid.closure import NodalClosure, Node, state_of_nodes
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
 
@@ -30,10 +30,10 @@ class Problem(NamedTuple):
 
     height: Array
     influence: Array
-    closure: Law
+    closure: NodalClosure
 
 
-def solve_loads(kept: Profile, loads: Array, points: int, closure: Law) -> tuple[Array, Array, Array]:
+def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure) -> tuple[Array, Array, Array]:
     """Compliance, resistance and residual, from the heaviest load down, each started from the one before."""
     problem = Problem(kept.sampled_height(points), eigenvalues(points, kept.period), closure)
     h, R, residual = np.zeros((3, loads.size))
@@ -52,7 +52,7 @@ def _full_contact(problem: Problem, load: float) -> Array:
     spectrum[1:] /= influence[1:]
     spectrum[0] = load * z.size
     p = np.fft.irfft(spectrum, z.size)
-    return np.append(problem.closure.stiffness * p, 0.0)
+    return np.append(problem.closure.self_influence * p, 0.0)
 
 
 def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, float]:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods.bem.solver import checked_points
 from weier.methods.errors import NotApplicableError
-from weier.methods.hybrid.closure import law_of
+from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads
 from weier.methods.hybrid.truncation_bounds import bounds, check_infinite
 from weier.theory.halfplane import influence_coefficients
@@ -18,7 +18,7 @@ from weier.theory.profile import Profile
 
 POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
 MAX_POINTS = 2**14  # more take minutes
-LOADS = 1e-6, 1e3  # p_0*: lighter ones drown in the tolerance, heavier ones leave the table
+MIN_LOAD = 1e-6  # p_0*: lighter loads drown in the tolerance
 
 
 class Curve(NamedTuple):
@@ -67,7 +67,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     """
     loads = _checked_loads(mean_pressure)
     kept, points = _checked(profile, terms, points)
-    closure = law_of(kept, float(influence_coefficients(points, kept.period)[0]))
+    closure = closure_at_nodes(kept, float(influence_coefficients(points, kept.period)[0]))
     h, R, residual = solve_loads(kept, loads, points, closure)
     return Curve(h, R, *bounds(profile, loads, terms), residual)
 
@@ -83,10 +83,10 @@ def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile,
 
 def _checked_loads(mean_pressure: ArrayLike) -> Array:
     loads = checked_loads(mean_pressure)
-    outside = (loads < LOADS[0]) | (loads > LOADS[1])
+    outside = (loads < MIN_LOAD) | (loads > MAX_LOAD)
     if outside.any():
         raise NotApplicableError(
-            f"mean_pressure must lie in [{LOADS[0]:g}, {LOADS[1]:g}] p_0* where terms are resolved on the layer, got "
-            f"{loads[outside][0]:g}: take method layer"
+            f"mean_pressure must lie in [{MIN_LOAD:g}, {MAX_LOAD:g}] p_0* where terms are resolved on the layer, got "
+            f"{loads[outside][0]:g}: take another method for the infinite series"
         )
     return loads

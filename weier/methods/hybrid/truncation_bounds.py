@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from weier.kernels.arrays import Array
 from weier.methods import bem, error_model
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
-Array = NDArray[np.float64]
-
 BOUND_SHARE = 0.1  # of the tail's amplitude, that boundary elements may be off when they find the bounds
+RESIDUAL_SHARE = 0.01  # of the same, at which they stop
 MAX_POINTS = 2**20
-
-
-RESIDUAL_SHARE = 0.01  # the same, at which they stop
 
 
 class TooManyPointsError(ValueError):
@@ -63,17 +59,11 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     if points > MAX_POINTS:
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
     h = bem.curve(kept, checked_loads(mean_pressure), points=points, tolerance=residual, resistance=False).compliance
-    error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL * residual
+    error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL_FACTOR * residual
     return complete_bounds(h, tail, profile.total_amplitude, error)
 
 
 def check_infinite(profile: Profile) -> None:
-    """Refuse a finite series.
-
-    Raises
-    ------
-    ValueError
-        If m is finite.
-    """
+    """Refuse a finite series."""
     if math.isfinite(profile.m):
-        raise ValueError(f"m must be inf, got {profile.m}: take layer, bem or patches for a finite series")
+        raise ValueError(f"m must be inf, got {profile.m}: take a method for finite series")

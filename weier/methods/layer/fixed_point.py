@@ -36,7 +36,7 @@ from weier.methods.layer.rows import (
     merge,
     position_of,
 )
-from weier.methods.layer.scales import Scale, Scaling, Waves, coarser_units
+from weier.methods.layer.scales import ComplianceTable, Scale, Scaling, coarser_units
 from weier.methods.layer.wave import Mesh, shares
 
 TABLE_SHARE = 0.5  # of the accuracy is for the errors of the table, the rest for the residuals of the waves
@@ -78,7 +78,7 @@ class FixedPoint:
 
     @property
     def scaling(self) -> Scaling:
-        """Of the next finer wave."""
+        """The units of the next finer wave in those of this one."""
         return Scaling.of(self.D, self.gamma)
 
     @property
@@ -86,7 +86,7 @@ class FixedPoint:
         """The sum of all amplitudes."""
         return -1 / math.expm1(self.scaling.log_height)
 
-    def waves(self, bottom: float, tops: list[float]) -> list[Waves]:
+    def waves(self, bottom: float, tops: list[float]) -> list[ComplianceTable]:
         """The waves for positions up to each of these increasing tops, each table a continuation of the one before.
 
         W at a load depends on W at lighter and heavier loads, since the pressure varies along the wave. But up to a
@@ -99,11 +99,11 @@ class FixedPoint:
         """
         self._limit(np.array([self.amplitude]))  # at heavy loads errors of ln W add up to as many at least
         nothing, states = np.zeros(0), np.zeros((0, self.mesh.rise.size + 1))
-        table, found = Table(Rows(nothing, nothing, nothing, states, states), nothing, nothing), []
+        table, tables = Table(Rows(nothing, nothing, nothing, states, states), nothing, nothing), []
         for top in tops:
             table = self._extend(table, lattice(bottom, top))
-            found.append(Waves(table.rows, self.amplitude, math.inf))
-        return found
+            tables.append(ComplianceTable(table.rows, self.amplitude, math.inf))
+        return tables
 
     def _extend(self, known: Table, position: Array) -> Table:
         """The table with further rows up to the last of these positions. Its own rows do not change."""

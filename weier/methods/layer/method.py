@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
-from weier.methods.layer.curve import ACCURACY, POINTS, TOLERANCE, Curve, curve
+from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.segment import Segment, Task
 from weier.theory.profile import Profile
@@ -15,7 +15,7 @@ from weier.theory.profile import Profile
 POINTS_COMPARED = (6, 12, 24, 48)
 REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leave a quarter of the error at most
 MAX_REFERENCE_SCALES = 10  # more take minutes
-LARGEST_ERROR = 0.5  # of the compliance, in the amplitude of the terms after the first
+MAX_ERROR_SHARE = 0.5  # of the compliance, in the amplitude of the terms after the first
 SECONDS = 0.06, 3e-4  # to start, and for each load
 MAX_SECONDS_SCALE = 0.006  # of a scale, for each load: 1000 scales near D = 2
 
@@ -32,11 +32,11 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 
 def _candidates(task: Task) -> Iterator[Segment]:
-    return offer(task, "layer", LARGEST_ERROR, SECONDS, _solve)
+    return offer(task, "layer", MAX_ERROR_SHARE, SECONDS, _solve)
 
 
 def _reference(profile: Profile, loads: Array) -> Reference | None:
-    """A layer of twice the points."""
+    """The solution on a mesh of twice the points, or None where that takes minutes."""
     if MAX_REFERENCE_SCALES < profile.m < math.inf:
         return None
     finer = _solve(profile, loads, REFERENCE_POINTS, REFERENCE_ACCURACY)
@@ -44,7 +44,10 @@ def _reference(profile: Profile, loads: Array) -> Reference | None:
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
-    """At most: in a finite series each scale may have a table of its own, in the infinite one all share theirs."""
+    """Seconds of a curve at most, where each scale of a finite series has a table of its own.
+
+    All scales of the infinite series share one table, which takes next to no time.
+    """
     return MAX_SECONDS_SCALE * profile.m * loads.size if math.isfinite(profile.m) else 0.0
 
 

@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.fixed_point import FixedPoint
 from weier.methods.layer.rows import BOTTOM_POSITIONS, CELL_LENGTH, MAX_POSITION, MIN_LOADS, log_load_at, position_of
-from weier.methods.layer.scales import Answer, Scaling, Waves, finer_waves, scale_on
+from weier.methods.layer.scales import ComplianceTable, Scaling, Solution, finer_waves, scale_on
 from weier.methods.layer.wave import Mesh, midpoints
 from weier.theory.series import tail_amplitude
 
@@ -39,7 +39,7 @@ class Model:
 
     @property
     def scaling(self) -> Scaling:
-        """Of the next finer wave."""
+        """The units of the next finer wave in those of this one."""
         return Scaling.of(self.D, self.gamma)
 
     @property
@@ -59,23 +59,23 @@ class Model:
         """Largest relative residual of the waves in a table."""
         return max(min(self.tolerance, RESIDUAL_SHARE * self.accuracy), MIN_TOLERANCE)
 
-    def solve(self, loads: Array) -> Answer:
+    def solve(self, loads: Array) -> Solution:
         """The coarsest wave under these increasing loads, each on the smallest tables that are made for it."""
         light = int(np.searchsorted(loads, MIN_LOADS[0]))
         parts = []
         for bottom, some in zip(BOTTOM_POSITIONS, (loads[light:], loads[:light]), strict=True):
             if some.size:
                 parts.append(self._solve(bottom, np.log(some)))
-        return Answer(*(np.concatenate(columns) for columns in zip(*parts[::-1], strict=True)))
+        return Solution(*(np.concatenate(columns) for columns in zip(*parts[::-1], strict=True)))
 
-    def _solve(self, bottom: float, log_load: Array) -> Answer:
+    def _solve(self, bottom: float, log_load: Array) -> Solution:
         tops = self.tops(float(log_load[-1]))
         group = np.minimum(np.searchsorted(log_load_at(np.array(tops)), log_load), len(tops) - 1)
         used, parts = np.unique(group), []
         for number, finer in zip(used, self.finer_waves(bottom, tops, used), strict=True):
             scale = scale_on(finer, self.scaling, self.mesh, self.tolerance)
             parts.append(scale.solve(log_load[group == number]))
-        return Answer(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        return Solution(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
     def tops(self, log_load: float) -> list[float]:
         """The positions where tables may end, up to the first that reaches this ln xi or full contact.
@@ -93,13 +93,13 @@ class Model:
             reach *= 2
         return tops
 
-    def finer_waves(self, bottom: float, tops: list[float], used: Array) -> list[Waves]:
+    def finer_waves(self, bottom: float, tops: list[float], used: Array) -> list[ComplianceTable]:
         """The waves finer than the first, on tables from the bottom up to those of the tops that are used."""
         infinite = FixedPoint(self.D, self.gamma, self.mesh, self.accuracy, self.table_tolerance)
         if self._may_be_infinite(bottom):
-            found = infinite.waves(bottom, tops)
-            if self._is_infinite(found[0]):
-                return [found[number] for number in used]
+            tables = infinite.waves(bottom, tops)
+            if self._is_infinite(tables[0]):
+                return [tables[number] for number in used]
         if self.m > MAX_SCALES + 1:
             raise ConvergenceError(
                 f"a series of {self.m} terms still differs from the infinite one, and the layer model takes at most "
@@ -115,7 +115,7 @@ class Model:
         lightest = 2 * math.sqrt(decay * -log_load_at(bottom))
         return self.m * decay >= lightest - math.log(TAIL_SHARE * self.accuracy)
 
-    def _is_infinite(self, waves: Waves) -> bool:
+    def _is_infinite(self, waves: ComplianceTable) -> bool:
         """Whether the tail is negligible: it changes no compliance by more than its amplitude."""
         if math.isinf(self.m):
             return True

@@ -29,7 +29,7 @@ ROUNDING = 1e-13  # of the freshly applied operator
 
 
 class Scaling(NamedTuple):
-    """Of the next finer wave: ln gamma^(D-1), its p*, and ln gamma^(D-2), its g, in units of this one."""
+    """Logarithms of p* and g of the next finer wave, in units of this one: ln gamma^(D-1) and ln gamma^(D-2)."""
 
     log_pressure: float
     log_height: float
@@ -40,15 +40,15 @@ class Scaling(NamedTuple):
         return Scaling((D - 1) * math.log(gamma), (D - 2) * math.log(gamma))
 
 
-class Waves(NamedTuple):
-    """A wave with all finer ones: W(xi), its limit, and ln xi where it gets there."""
+class ComplianceTable(NamedTuple):
+    """The compliance W(xi) of a wave with all finer ones, its limit, and ln xi where it gets there."""
 
     rows: Rows
     amplitude: float
     log_full: float
 
 
-class Answer(NamedTuple):
+class Solution(NamedTuple):
     """h, dh/d ln xi, residual in g and Newton steps of a wave under each load, of shape (loads,)."""
 
     compliance: Array
@@ -73,32 +73,36 @@ class Scale:
 
     def rows(self, position: Array, guess: Array | None) -> Rows:
         """W at these positions, which are not beyond full contact, from waves that start at the guessed states."""
-        found = self._solved(log_load_at(position), guess)
-        h, stretch = np.minimum(found.compliance, self.amplitude), POSITION_SCALE * np.cosh(position)
-        return Rows(position, np.log(h), found.rate / h * stretch, found.state, found.tangent * stretch[:, None])
+        solutions = self._solved(log_load_at(position), guess)
+        h, stretch = np.minimum(solutions.compliance, self.amplitude), POSITION_SCALE * np.cosh(position)
+        return Rows(
+            position, np.log(h), solutions.rate / h * stretch, solutions.state, solutions.tangent * stretch[:, None]
+        )
 
-    def solve(self, log_load: Array) -> Answer:
+    def solve(self, log_load: Array) -> Solution:
         """The wave under increasing loads. Its contact conditions are checked on a freshly applied operator."""
         n = log_load.size
-        answer = Answer(np.full(n, self.amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64))
+        solution = Solution(np.full(n, self.amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64))
         partial = int(np.searchsorted(log_load, self.log_full))  # beyond: full contact, exactly
         if partial:
             loads = log_load[:partial]
-            found = self._solved(loads, None)
-            violation = violations(found, loads, self.closure)
+            solutions = self._solved(loads, None)
+            violation = violations(solutions, loads, self.closure)
             self._check_residual(loads, violation, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
-            answer.compliance[:partial] = np.minimum(found.compliance, self.amplitude)
-            answer.rate[:partial] = found.rate
-            answer.residual[:partial] = violation * depths(found)
-            answer.work[:partial] = found.work
-        return answer
+            solution.compliance[:partial] = np.minimum(solutions.compliance, self.amplitude)
+            solution.rate[:partial] = solutions.rate
+            solution.residual[:partial] = violation * depths(solutions)
+            solution.work[:partial] = solutions.work
+        return solution
 
     def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
         if guess is None:
             guess = np.full((log_load.size, self.mesh.rise.size + 1), np.nan)
-        found = solve_waves(log_load, guess, self.closure, self.mesh, self.tolerance)
-        self._check_residual(log_load, found.residual, np.maximum(self.tolerance, LOG_ROUNDING * np.abs(log_load)))
-        return found
+        solutions = solve_waves(log_load, guess, self.closure, self.mesh, self.tolerance)
+        self._check_residual(
+            log_load, solutions.residual, np.maximum(self.tolerance, LOG_ROUNDING * np.abs(log_load))
+        )
+        return solutions
 
     def _check_residual(self, log_load: Array, residual: Array, limit: Array) -> None:
         over = np.flatnonzero(~(residual <= limit))
@@ -112,7 +116,7 @@ class Scale:
             )
 
 
-def scale_on(finer: Waves, scaling: Scaling, mesh: Mesh, tolerance: float) -> Scale:
+def scale_on(finer: ComplianceTable, scaling: Scaling, mesh: Mesh, tolerance: float) -> Scale:
     """The next coarser wave on these."""
     amplitude = 1 + math.exp(scaling.log_height) * finer.amplitude
     log_full = float(np.logaddexp(0, scaling.log_pressure + finer.log_full))  # trough pressure xi - 1 is enough
@@ -125,7 +129,7 @@ def coarser_units(closure: Closure, scaling: Scaling) -> Closure:
     return closure._replace(log_compression=log_compression, origin=origin)
 
 
-def finest_wave(bottom: float, top: float, accuracy: float) -> Waves:
+def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
     """Westergaard's wave (12)."""
 
     def waves(position: Array, _: Array | None) -> Rows:
@@ -133,17 +137,17 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> Waves:
         slope, nothing = -y / (1 - y) * POSITION_SCALE * np.cosh(position), np.zeros((y.size, 0))
         return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
 
-    return Waves(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
+    return ComplianceTable(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
 
 
 def finer_waves(
     m: int, bottom: float, top: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
-) -> Waves:
+) -> ComplianceTable:
     """The waves finer than the first of m, in the units of the second, on tables between these positions."""
     share = accuracy / (m - 1)
     waves = finest_wave(bottom, top, share)
     for _ in range(m - 2):
         scale = scale_on(waves, scaling, mesh, tolerance)
         rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
-        waves = Waves(rows, scale.amplitude, scale.log_full)
+        waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
     return waves

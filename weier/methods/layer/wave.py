@@ -210,12 +210,12 @@ def _move(state: Array, direction: Array, stride: float, trust: Array) -> None:
 
 @kernel
 def _newton(
-    state: Array, log_load: float, closure: Closure, mesh: Mesh, tolerance: float, most: int
+    state: Array, log_load: float, closure: Closure, mesh: Mesh, tolerance: float, max_steps: int
 ) -> tuple[Balance, float, int]:
     """Newton's method in place: the equations where it stopped, their error, the steps taken."""
     equations = _balance(state, log_load, closure, mesh)
     reached, steps = _error(equations), 0
-    while reached > tolerance and reached < math.inf and steps < most:
+    while reached > tolerance and reached < math.inf and steps < max_steps:
         _move(state, _eliminate(equations.jacobian, equations.residual), -1.0, equations.trust)
         equations = _balance(state, log_load, closure, mesh)
         reached, steps = _error(equations), steps + 1
@@ -347,7 +347,7 @@ def solve_waves(log_load: Array, guess: Array, closure: Closure, mesh: Mesh, tol
 
     """
     n, size = log_load.size, mesh.rise.size + 1
-    found = Solutions(
+    solutions = Solutions(
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros((n, size)), np.zeros((n, size))
     )
     for i in range(n):
@@ -359,8 +359,8 @@ def solve_waves(log_load: Array, guess: Array, closure: Closure, mesh: Mesh, tol
         else:
             at, reached, further = _approach(y, closure, mesh, limit)
             steps += further
-        found.residual[i], found.work[i] = reached, steps
+        solutions.residual[i], solutions.work[i] = reached, steps
         for j in range(size):
-            found.state[i, j], found.tangent[i, j] = at.state[j], at.tangent[j]
-        found.compliance[i], found.rate[i] = _compliance(at.state, y, mesh, at.tangent)
-    return found
+            solutions.state[i, j], solutions.tangent[i, j] = at.state[j], at.tangent[j]
+        solutions.compliance[i], solutions.rate[i] = _compliance(at.state, y, mesh, at.tangent)
+    return solutions

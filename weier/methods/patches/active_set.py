@@ -85,7 +85,7 @@ def _corrected_guess(
     """The next guess, None if the state needs no correction; and whether the state meets all inequalities."""
     if result.status == NewtonStatus.topology:
         return remove_or_merge(surface, state, result.meeting, result.vanishing), False
-    correction = _correct_signs(surface, state, LOOSE_TOLERANCE if loose else tolerance)
+    correction = _correct_inequalities(surface, state, LOOSE_TOLERANCE if loose else tolerance)
     if correction is not None:
         return correction, False
     if loose:
@@ -107,7 +107,7 @@ def solve_on_segments(
     return ContactState(guess.dual, load, *unknowns, np.nan), result
 
 
-def _correct_signs(surface: Surface, state: ContactState, tolerance: float) -> InitialGuess | None:
+def _correct_inequalities(surface: Surface, state: ContactState, tolerance: float) -> InitialGuess | None:
     """A guess with segments added, cut or removed where an inequality is violated; None if all hold."""
     series, tension = surface.series(state.dual), max(tolerance, MAX_TENSION)
     if state.dual:

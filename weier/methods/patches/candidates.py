@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL
+from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
 from weier.methods.patches import error_model
 from weier.methods.patches.solver import curve
-from weier.methods.segment import RESISTANCE, Segment, Solution, Task, segment
+from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.crests import countable
 from weier.theory.profile import Profile
 
@@ -27,7 +27,7 @@ def _patches(task: Task, tolerance: float) -> Segment:
     waves = task.profile.waves_per_period[-1]
     most = error_model.MAX_CONTACTS if waves <= error_model.MAX_CONTACTS else error_model.MAX_EXPECTED_CONTACTS
     error = np.where(task.contacts <= most, error_model.error(tolerance, task.quantity), np.inf)
-    return segment(
+    return make_segment(
         task,
         "patches",
         "exact edges of as few contacts cost less than a grid so fine",
@@ -40,12 +40,12 @@ def _patches(task: Task, tolerance: float) -> Segment:
     )
 
 
-def _solve(profile: Profile, tolerance: float, loads: Array) -> Solution:
+def _solve(profile: Profile, tolerance: float, loads: Array) -> SegmentSolution:
     exact = curve(profile, loads, tolerance)
-    compliance_error = RESIDUAL * exact.residual + COMPLIANCE_ROUNDING * profile.total_amplitude
+    compliance_error = RESIDUAL_FACTOR * exact.residual + COMPLIANCE_ROUNDING * profile.total_amplitude
     resistance_error = error_model.error(tolerance, RESISTANCE) * np.maximum(exact.resistance, 1)
     partial_contact = exact.patch_count > 0
-    return Solution(
+    return SegmentSolution(
         exact.compliance,
         exact.resistance,
         np.where(partial_contact, compliance_error, 0),

@@ -43,7 +43,7 @@ def collocation_point(a: int, count: int) -> float:
 
 @kernel
 def _sines(count: int) -> Array:
-    """sin(j pi/(count+1)) for a full turn, j = 0..2 count + 1."""
+    """sin(j pi/(count+1)) over one period of the sine, j = 0..2 count + 1."""
     sine = np.empty(2 * count + 2)
     for j in range(sine.size):
         sine[j] = np.sin(j * (np.pi / (count + 1)))

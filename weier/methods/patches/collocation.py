@@ -236,7 +236,7 @@ def _fill_closure_rows(system: System, segments: Segments, phi: Array) -> None:
 
 
 def _fill_mean_gap_row(system: System, segments: Segments, phi: Array, approach: float, period: float) -> None:
-    """The approach is the mean gap with its sign turned: approach = (1/L) int (x - c) rho dx."""
+    """The approach is minus the mean gap: approach = (1/L) int (x - c) rho dx."""
     jacobian = system.jacobian
     weight = _at_nodes(segments, segments.half_width**2) * segments.weight * segments.node / period
     moment = _segment_sums(segments, weight * phi)

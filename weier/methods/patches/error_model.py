@@ -7,8 +7,8 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESISTANCE_ROUNDING
 
-COMPLIANCE = 0.01  # error, times the tolerance
-RESISTANCE = 50.0  # the same; 1 but for loads as near as 1e-5 of themselves below a merger
+COMPLIANCE_FACTOR = 0.01  # error, times the tolerance
+RESISTANCE_FACTOR = 50.0  # the same; 1 but for loads as near as 1e-5 of themselves below a merger
 # At a looser tolerance symmetric contacts take hundreds of times as long, and no others less.
 TOLERANCES = (1e-8, 1e-10, 1e-12)
 
@@ -24,7 +24,7 @@ MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
 
 def error(tolerance: float, quantity: str) -> float:
     """Error at this tolerance, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
-    factor = COMPLIANCE if quantity == "compliance" else RESISTANCE
+    factor = COMPLIANCE_FACTOR if quantity == "compliance" else RESISTANCE_FACTOR
     return factor * tolerance + RESISTANCE_ROUNDING
 
 

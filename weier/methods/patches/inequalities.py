@@ -122,7 +122,7 @@ def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIn
     count = 0
     for j in range(first.size - 1):
         a = state.coefficient[first[j] : first[j + 1]]
-        t, value = _sign_samples(state.dual, a)
+        t, value = _sample_inequality(state.dual, a)
         largest = 0.0
         for v in value:
             largest = max(largest, abs(v))
@@ -135,8 +135,8 @@ def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIn
                 while i > 0 and value[i - 1] < 0:
                     i -= 1
                 segment[count] = j
-                start[count] = _sign_change(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
-                end[count] = _sign_change(state.dual, a, t[k], t[k + 1]) if k + 1 < t.size else 1.0
+                start[count] = _find_zero(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
+                end[count] = _find_zero(state.dual, a, t[k], t[k + 1]) if k + 1 < t.size else 1.0
                 count += 1
                 i = k
             i += 1
@@ -144,8 +144,8 @@ def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIn
 
 
 @kernel
-def _sign_samples(dual: bool, a: Array) -> tuple[Array, Array]:
-    """Points t, denser than the nodes, and the sign function there.
+def _sample_inequality(dual: bool, a: Array) -> tuple[Array, Array]:
+    """Points t, denser than the nodes, and the inequality's function there.
 
     A positive sample below both neighbours moves to the minimum between them, which may be negative.
     """
@@ -153,24 +153,24 @@ def _sign_samples(dual: bool, a: Array) -> tuple[Array, Array]:
     t, sample = np.empty(count + 1), np.empty(count + 1)
     for i in range(count + 1):
         t[i] = -np.cos(i * (np.pi / count))
-        sample[i] = _sign_function(dual, a, t[i])
+        sample[i] = _inequality(dual, a, t[i])
     value = sample.copy()
     for i in range(1, count):
         rise = max(sample[i - 1], sample[i + 1]) - sample[i]
         # The minimum is taken to be positive where it is no lowest sample, or exceeds the rise to its neighbours.
         if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
             continue
-        t[i] = _minimise_sign_function(dual, a, t[i - 1], t[i + 1])
-        value[i] = _sign_function(dual, a, t[i])
+        t[i] = _find_minimum(dual, a, t[i - 1], t[i + 1])
+        value[i] = _inequality(dual, a, t[i])
     return t, value
 
 
 @kernel
-def _minimise_sign_function(dual: bool, a: Array, low: float, high: float) -> float:
+def _find_minimum(dual: bool, a: Array, low: float, high: float) -> float:
     """The position of a minimum between low and high, by golden sections."""
     for _ in range(SEARCH_STEPS):
         c, d = high - GOLDEN_SECTION * (high - low), low + GOLDEN_SECTION * (high - low)
-        if _sign_function(dual, a, c) < _sign_function(dual, a, d):
+        if _inequality(dual, a, c) < _inequality(dual, a, d):
             high = d
         else:
             low = c
@@ -178,7 +178,7 @@ def _minimise_sign_function(dual: bool, a: Array, low: float, high: float) -> fl
 
 
 @kernel
-def _sign_function(dual: bool, a: Array, t: float) -> float:
+def _inequality(dual: bool, a: Array, t: float) -> float:
     """A function that is positive up to the ends where the inequality holds: phi, or gap/(r (1-t^2)^(3/2)) (dual).
 
     The latter has the limits -phi/3 at t = 1 and phi/3 at t = -1.
@@ -191,11 +191,11 @@ def _sign_function(dual: bool, a: Array, t: float) -> float:
 
 
 @kernel
-def _sign_change(dual: bool, a: Array, negative: float, positive: float) -> float:
+def _find_zero(dual: bool, a: Array, negative: float, positive: float) -> float:
     """The point between a negative and a positive sample at which the sign changes, by bisection."""
     for _ in range(SEARCH_STEPS):
         middle = 0.5 * (negative + positive)
-        if _sign_function(dual, a, middle) < 0:
+        if _inequality(dual, a, middle) < 0:
             negative = middle
         else:
             positive = middle

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.error_model import RESIDUAL
+from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model
 from weier.methods.patches.candidates import candidates
@@ -24,11 +24,11 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
     """What the residual leaves of the compliance, in g_0."""
-    return RESIDUAL * float(solved.residual.max(initial=0.0))
+    return RESIDUAL_FACTOR * float(solved.residual.max(initial=0.0))
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
-    """At most: at each load as many contacts as there are waves."""
+    """Seconds of a curve at most, with as many contacts at each load as there are waves."""
     waves = profile.waves_per_period[-1]
     return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
 

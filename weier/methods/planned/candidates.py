@@ -12,7 +12,7 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method
 from weier.methods.planned import forecast
 from weier.methods.planned.truncations import chord_tasks, resolvable_lengths, truncation_tasks
-from weier.methods.segment import COMPLIANCE, Segment, Solution, Task, segment
+from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 FULL_CONTACT = "full contact"
@@ -57,19 +57,19 @@ def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[Segment]:
         kept, change = profile.truncated(terms), profile.amplitude_beyond(terms) / 2
         load = forecast.full_contact_load(kept)
         what = "what follows changes that by half of its height" if change else "nothing is left to flatten"
-        yield segment(
+        yield make_segment(
             task,
             FULL_CONTACT,
             f"from {load:.3g} p_0* on these terms are flat, and {what}",
-            partial(_flat, kept),
+            partial(_full_contact_solution, kept),
             terms=terms,
             truncation=np.where(loads >= load, change, np.inf),
         )
 
 
-def _flat(kept: Profile, loads: Array) -> Solution:
+def _full_contact_solution(kept: Profile, loads: Array) -> SegmentSolution:
     none = np.zeros(loads.size)
-    return Solution(none + kept.total_amplitude, none, none, none)
+    return SegmentSolution(none + kept.total_amplitude, none, none, none)
 
 
 def _with_chords(offer: Segment, other_loads: Array) -> Segment:

@@ -42,7 +42,7 @@ def first_contact(profile: Profile, lengths: Sequence[int]) -> float:
 
 
 def contacts(kept: Profile, loads: Array) -> Array:
-    """Contacts to expect, shape (loads,), in nine of ten loads between a third and twice of the truth.
+    """Contacts to expect, shape (loads,), for nine of ten loads between a third of the true number and twice it.
 
     Crests that reach a plane at Demelio's compliance. Gaps are as many as contacts, and each needs a trough that full
     contact would put in tension: the fewer of the two counts.

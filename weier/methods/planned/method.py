@@ -13,7 +13,7 @@ from weier.methods.segment import COMPLIANCE
 from weier.theory.profile import Profile
 
 
-def method(among: Callable[[], tuple[Method, ...]]) -> Method:
+def planning_method(among: Callable[[], tuple[Method, ...]]) -> Method:
     """The method that plans among others, which are looked up when a plan is made."""
 
     def solve(profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
@@ -22,6 +22,7 @@ def method(among: Callable[[], tuple[Method, ...]]) -> Method:
     return Method(
         name="planned",
         label="planned",
+        runs_others=True,
         summary="whichever of these meets a tolerance, as weier.plan chooses and explains; any m",
         solve=solve,
         style=Style("#56B4E9", (3, 0.8), "X"),

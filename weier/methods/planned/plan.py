@@ -43,12 +43,12 @@ class Plan:
 
     @property
     def seconds(self) -> float:
-        """Expected seconds on one core."""
+        """Expected seconds of all segments together, on one core."""
         return sum(segment.seconds for segment in self.segments)
 
     @property
     def memory(self) -> float:
-        """Expected bytes beyond those of the interpreter."""
+        """Expected bytes of the largest segment, beyond those of the interpreter."""
         return max(segment.memory for segment in self.segments)
 
     def __str__(self) -> str:
@@ -77,7 +77,7 @@ def plan(
     quantity: str = COMPLIANCE,
     failed: Sequence[Segment] = (),
 ) -> Plan:
-    """The cheapest way to a curve within a tolerance.
+    """The cheapest methods for a curve within a tolerance.
 
     Parameters
     ----------

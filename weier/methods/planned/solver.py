@@ -8,17 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.plan import Plan, plan
-from weier.methods.segment import COMPLIANCE, Segment, Solution
+from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
 
-ROUNDING = 1e-9  # of a tolerance, to which the errors expected and those found add up alike
-METHOD_NAME = "<U16"  # as the table of variables has it
+ROUNDING = 1e-9  # of a tolerance: expected errors and those found are sums that may be rounded differently
+METHOD_NAME = VARIABLES["planned_method"].dtype
 
 
 class SolvedLoads(NamedTuple):
@@ -60,7 +61,7 @@ class Curve(NamedTuple):
 def curve(
     profile: Profile, mean_pressure: Array, methods: Sequence[Method], tolerance: float, quantity: str = COMPLIANCE
 ) -> Curve:
-    """Plan and run: see `weier.plan`.
+    """Plan a curve and run the plan: see `weier.plan`.
 
     Parameters
     ----------
@@ -106,14 +107,14 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
     for segment in made.segments:
         values = run(made.profile, (segment,))
         error = values.compliance_error if made.quantity == COMPLIANCE else _relative_error(values)
-        missed = ~(error <= made.tolerance * (1 + ROUNDING))
-        if missed.any():
+        exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
+        if exceeding.any():
             try:
-                again = _run_again(made, segment.mean_pressure[missed], methods, (*failed, segment))
+                again = _run_again(made, segment.mean_pressure[exceeding], methods, (*failed, segment))
             except OutOfReachError as refusal:
-                raise OutOfReachError(f"{refusal}; {_missed(segment, error)}") from None
+                raise OutOfReachError(f"{refusal}; {_excess_message(segment, error)}") from None
             for old, new in zip(values, again, strict=True):
-                old[missed] = new
+                old[exceeding] = new
         solved.append(values)
     return _joined(solved)
 
@@ -127,7 +128,7 @@ def _relative_error(solved: SolvedLoads) -> Array:
     return solved.resistance_error / np.maximum(solved.resistance, 1)
 
 
-def _missed(segment: Segment, error: Array) -> str:
+def _excess_message(segment: Segment, error: Array) -> str:
     worst = error.argmax()
     return (
         f"{segment.method} with {segment.terms:g} terms was expected to do, and left an error of {error[worst]:.2g} "
@@ -150,7 +151,7 @@ def _joined(curves: Sequence[SolvedLoads]) -> SolvedLoads:
     return SolvedLoads(*(np.concatenate(columns) for columns in zip(*curves, strict=True)))
 
 
-def _solved_loads(segment: Segment, solved: Solution) -> SolvedLoads:
+def _solved_loads(segment: Segment, solved: SegmentSolution) -> SolvedLoads:
     count = segment.mean_pressure.size
     points = float(segment.settings.get("points", np.nan))
     return SolvedLoads(
@@ -161,8 +162,11 @@ def _solved_loads(segment: Segment, solved: Solution) -> SolvedLoads:
     )
 
 
-def _solved(profile: Profile, segment: Segment) -> Solution:
-    """One segment for the whole series, its resistance held by the chords of each load to the others it brings."""
+def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
+    """The solution of one segment for the whole series.
+
+    Its resistance is bounded by the chords from each load to the other loads that are solved with it.
+    """
     p = segment.mean_pressure
     others = np.empty((p.size, 0)) if segment.other_loads is None else segment.other_loads
     loads, index = np.unique(np.column_stack([p, others]), return_inverse=True)
@@ -172,22 +176,22 @@ def _solved(profile: Profile, segment: Segment) -> Solution:
     low, high = chord_bounds(p, h[:, 0], error[:, 0], others, np.array([h[:, 1:], error[:, 1:]]))
     between = np.clip(R[:, 0], low, high)
     chord_error = np.maximum(high - between, between - low)
-    # What happens to the contacts between a load and those beside it may have happened at the other side of the load.
+    # Contacts that are born or merge between a load and one beside it may do so on the other side of the load.
     own_error = R_error[:, 0] + np.abs(R[:, 1:] - R[:, :1]).max(axis=1, initial=0.0)
     known = own_error <= chord_error
-    return Solution(
+    return SegmentSolution(
         h[:, 0], np.where(known, R[:, 0], between), h_error[:, 0], np.where(known, own_error, chord_error)
     )
 
 
-def _completed(profile: Profile, segment: Segment, solved: Solution) -> Solution:
-    """The same for the whole series: the middle of what the terms left out can make of it."""
+def _completed(profile: Profile, segment: Segment, solved: SegmentSolution) -> SegmentSolution:
+    """The solution of the whole series: the middle of the bounds that the terms left out allow."""
     if segment.whole:
         return solved
     low, high = complete_bounds(solved.compliance, profile.amplitude_beyond(segment.terms), profile.total_amplitude)
     width = high - low
     complete = segment.terms == profile.m
-    return Solution(
+    return SegmentSolution(
         solved.compliance + width / 2,
         solved.resistance,
         solved.compliance_error + width / 2,

@@ -71,9 +71,9 @@ def expected_chords(kept: Profile, loads: Array, amplitude: float) -> tuple[Arra
     p = np.minimum(loads, MAX_LOAD)[:, None]
     here, lighter, heavier = forecast.compliance(kept, p), p * (1 - SHARES), p / (1 - SHARES)
     steepest = (here - forecast.compliance(kept, lighter) + 2 * amplitude) / (p - lighter)
-    flattest = (forecast.compliance(kept, heavier) - here - 2 * amplitude) / (heavier - p)
-    best = steepest.argmin(axis=1, keepdims=True), flattest.argmax(axis=1, keepdims=True)
+    shallowest = (forecast.compliance(kept, heavier) - here - 2 * amplitude) / (heavier - p)
+    best = steepest.argmin(axis=1, keepdims=True), shallowest.argmax(axis=1, keepdims=True)
     other_loads = [np.take_along_axis(*each, axis=1) for each in zip((lighter, heavier), best, strict=True)]
     start = ((here + 2 * amplitude) / p)[:, 0]  # the chord from no load, which needs no solution
-    upper, lower = np.minimum(steepest.min(axis=1), start), np.maximum(flattest.max(axis=1), 0)
+    upper, lower = np.minimum(steepest.min(axis=1), start), np.maximum(shallowest.max(axis=1), 0)
     return (upper - lower) / np.maximum(lower, 1), np.hstack(other_loads)

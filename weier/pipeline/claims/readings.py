@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from weier.kernels.arrays import Array, Flags
-from weier.methods.registry import method_named
+from weier.methods.registry import find_method
 from weier.pipeline import curves
 
 LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, high loads above
@@ -78,7 +78,7 @@ def farthest_from_zero(values: Array) -> float:
 
 def label(method: str) -> str:
     """The name of a method for people."""
-    return method_named(method).label
+    return find_method(method).label
 
 
 def describe(case: xr.Dataset) -> str:

@@ -83,7 +83,7 @@ def curve(
 
     Notes
     -----
-    The answer at a load does not depend on the other loads.
+    The solution at a load does not depend on the other loads.
 
     The resistance is the exact derivative of the discrete compliance. With more `points` the error of the
     compliance falls as N^-2 or faster, that of the resistance as N^-1 to N^-2.7 and at times unevenly: the pressure
@@ -99,16 +99,16 @@ def curve(
     loads, position = np.unique(given, return_inverse=True)
     if m == 1:
         h, R = westergaard.compliance(loads), westergaard.resistance(loads)
-        found = Curve(h, R, np.zeros(loads.size), np.zeros(loads.size, np.int64))
+        solution = Curve(h, R, np.zeros(loads.size), np.zeros(loads.size, np.int64))
     else:
-        answer = Model(D, gamma, m, int(points), accuracy, tolerance).solve(loads)
-        found = Curve(answer.compliance, answer.rate / loads, answer.residual, answer.work)
-    place = position.reshape(given.shape)
+        wave = Model(D, gamma, m, int(points), accuracy, tolerance).solve(loads)
+        solution = Curve(wave.compliance, wave.rate / loads, wave.residual, wave.work)
+    index = position.reshape(given.shape)
     return Curve(
-        np.asarray(found.compliance[place]),
-        np.asarray(found.resistance[place]),
-        np.asarray(found.residual[place]),
-        np.asarray(found.work[place]),
+        np.asarray(solution.compliance[index]),
+        np.asarray(solution.resistance[index]),
+        np.asarray(solution.residual[index]),
+        np.asarray(solution.work[index]),
     )
 
 
@@ -152,8 +152,8 @@ def _check_loads(mean_pressure: ArrayLike) -> Array:
     loads = np.asarray(mean_pressure, float)
     wrong = ~((loads >= MIN_LOADS[1]) & np.isfinite(loads))
     if loads.size == 0 or np.any(wrong):
-        found = loads[wrong].flat[0] if loads.size else "none"
-        raise ValueError(f"mean_pressure must be finite and at least {MIN_LOADS[1]:g} p_0*, got {found}")
+        first = loads[wrong].flat[0] if loads.size else "none"
+        raise ValueError(f"mean_pressure must be finite and at least {MIN_LOADS[1]:g} p_0*, got {first}")
     return loads
 
 
