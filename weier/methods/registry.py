@@ -22,6 +22,8 @@ METHODS: tuple[Method, ...] = (
     planned.method(among=lambda: METHODS),
 )
 PLANNED = METHODS[-1].name  # runs whichever of the others meets a tolerance
+DEFAULT = bem.METHOD.name  # of commands that are given no method
+PLOTTED = tuple(each.METHOD.name for each in (archard, demelio, layer, bem))  # as in the paper's figures
 
 
 def names() -> list[str]:
