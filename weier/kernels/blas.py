@@ -15,7 +15,7 @@ from threadpoolctl import OpenBLASController, ThreadpoolController
 
 
 class _OneThread(ContextDecorator):
-    """A context or decorator for the whole process, since BLAS has one setting for it; the last thread to leave ends it."""
+    """A context or decorator for the whole process: BLAS has one setting, which the last thread to leave restores."""
 
     def __init__(self) -> None:
         self._lock, self._inside = Lock(), 0
