@@ -35,11 +35,7 @@ onstart:
 
 rule all:
     input:
-        [
-            path
-            for name in str(config["scenes"]).split(",")
-            for path in products(name.strip())
-        ],
+        [path for name in scene_names() for path in products(name)],
 
 
 # A job runs again when what it depends on has changed, in the program or in the scene: digests tell. A batch

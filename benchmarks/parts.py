@@ -80,7 +80,7 @@ def batches(solves: int) -> Iterator[Row]:
     """Time of a batch on one and two threads, over the seconds of its solves on one."""
     cases = tuple(Case({"D": 1.25, "gamma": 5, "m": 3, "seed": seed}, ("bem",), {}) for seed in range(solves))
     loads = np.geomspace(1e-3, 2, LOADS)
-    scene = Scene(name="batch", title="Batch", loads=loads, studies={"all": cases}, batch=solves)
+    scene = Scene(name="batch", title="Batch", loads=loads, studies={"all": cases}, batch_size=solves)
     solved = []
     with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stderr(nowhere):
         one, two = least_seconds(

@@ -20,6 +20,7 @@ from weier.data.provenance import VERSION  # noqa: E402 - likewise
 from weier.data.variables import VARIABLES  # noqa: E402 - likewise
 from weier.figures import style  # noqa: E402 - likewise
 from weier.figures.captions import caption  # noqa: E402 - likewise
+from weier.methods.registry import PLOTTED  # noqa: E402 - likewise
 
 project = "weier"
 author = "The weier developers"
@@ -40,7 +41,7 @@ autodoc_typehints = "none"  # the docstrings say types, shapes and units
 plot_include_source = plot_apply_rcparams = True
 plot_html_show_formats = plot_html_show_source_link = False
 plot_formats = [("png", 200)]
-LINES = [style.line(method) for method in ("archard", "demelio", "layer", "bem")]  # as in the paper's figures
+LINES = [style.line(method) for method in PLOTTED]
 plot_rcparams = style.RC | {
     "figure.figsize": (style.WIDTH, style.HEIGHT),
     "figure.constrained_layout.use": True,

@@ -75,10 +75,7 @@ rule measure_extremes:
 rule plan:
     input:
         source=sources("weier.pipeline.plan"),
-        scenes=expand(
-            "config/scenes/{s}.yaml",
-            s=[name.strip() for name in str(config["scenes"]).split(",")],
-        ),
+        scenes=expand("config/scenes/{s}.yaml", s=scene_names()),
     log:
         "results/logs/plan.log",
     conda:

@@ -4,10 +4,7 @@ from weier.pipeline.dependencies import page_digest
 # One HTML page a scene, to look through: snakemake --cores 2 report --config scenes=paper
 rule report:
     input:
-        expand(
-            "results/{s}/page.html",
-            s=str(config["scenes"]).replace(" ", "").split(","),
-        ),
+        expand("results/{s}/page.html", s=scene_names()),
 
 
 rule page:

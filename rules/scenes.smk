@@ -10,10 +10,15 @@ from weier.pipeline.claims import check_names
 
 @cache
 def scene(name):
-    loaded = scenes.load_named(name)
+    loaded = scenes.load_by_name(name)
     check_kinds(loaded)
     check_names(loaded)
     return loaded
+
+
+def scene_names():
+    """The scenes that the configuration names, separated by commas."""
+    return [name.strip() for name in str(config["scenes"]).split(",")]
 
 
 def batches(studies):

@@ -46,7 +46,7 @@ SCENE_KEYS = [
     "figures",
     "claims",
     "studies",
-    "most_cases",
+    "max_cases",
     "tolerance",
     "quantity",
 ]
@@ -215,7 +215,7 @@ def test_yaml_that_means_harm(folder, text, message):
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a/b", "..", "a\n", "", "ü", "-x", "a" * 65, "minimal.yaml"])
 def test_a_scene_name_leads_nowhere_else(name):
     with pytest.raises(scene.SceneError, match="letters, digits"):
-        scene.load_named(name)
+        scene.load_by_name(name)
 
 
 def test_many_cases_want_an_explicit_word(tmp_path):
@@ -225,9 +225,9 @@ def test_many_cases_want_an_explicit_word(tmp_path):
     }
     path = tmp_path / "many.yaml"
     path.write_text(yaml.safe_dump(found))
-    with pytest.raises(scene.SceneError, match="at most 10000 cases, got 10001: say most_cases: 10001"):
+    with pytest.raises(scene.SceneError, match="at most 10000 cases, got 10001: say max_cases: 10001"):
         scene.load(path)
-    path.write_text(yaml.safe_dump(found | {"most_cases": 10001}))
+    path.write_text(yaml.safe_dump(found | {"max_cases": 10001}))
     assert len(scene.load(path).studies["one"]) == 10001
 
 

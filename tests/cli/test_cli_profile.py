@@ -80,7 +80,7 @@ def test_plot_leaves_three_files(run, tmp_path):
             "points of bem must be a whole number such as 512, or null, got 1000000000.0",
         ),
         ([*PROFILE, "--set", "bem.tolerance=nan"], "tolerance of bem must lie in [1e-15, 1), got 'nan'"),
-        ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not among the methods bem"),
+        ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not run"),
         ([*PROFILE, "--method", "westergaard"], "'westergaard' does not apply, as said above"),
     ],
 )

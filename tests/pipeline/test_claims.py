@@ -243,7 +243,7 @@ def scene_of(folder: Path, studies: dict[str, xr.Dataset], **names: tuple[str, .
         SimpleNamespace(
             name="test", title="A scene", text="title: A scene", claims=names, batches=studies,
             cases=dict.fromkeys(key for each in keys.values() for key in each),
-            study_named=lambda name: [SimpleNamespace(key=key) for key in keys[name]], batches_of=lambda name: [name],
+            study=lambda name: [SimpleNamespace(key=key) for key in keys[name]], batches_of=lambda name: [name],
         ),
     )  # fmt: skip
 

@@ -36,5 +36,5 @@ def test_what_no_method_finds_raises():
 
 
 def test_a_setting_of_another_method_is_refused():
-    with pytest.raises(ValueError, match="'layer', which is not among the methods demelio"):
+    with pytest.raises(ValueError, match="'layer', which is not run"):
         single.solve_one(SERIES, LOADS, ["demelio"], {"layer": {"points": 3}})

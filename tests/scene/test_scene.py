@@ -127,12 +127,26 @@ def test_the_digest_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
     assert digest() == digest(studies={"two": longer} | MINIMAL["studies"])
 
 
+def test_a_key_of_an_older_scene_is_told_by_its_new_name(tmp_path):
+    with pytest.raises(scene.SceneError, match="most_cases: this key is called max_cases now"):
+        scene.load(write(tmp_path, most_cases=3))
+
+
+@pytest.mark.parametrize("keys", [("phase", "phases"), ("phase", "seed"), ("phases", "seed")])
+def test_phases_are_given_in_one_way(keys, tmp_path):
+    values = {"phase": 1.0, "phases": [[0.0, 1.0]], "seed": 3}
+    for key in keys:  # each alone is sound
+        scene.load(write(tmp_path, **product(**{key: values[key]})))
+    with pytest.raises(scene.SceneError, match="a profile takes at most one of phase, phases and seed"):
+        scene.load(write(tmp_path, **product(**{key: values[key] for key in keys})))
+
+
 def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
     loaded = scene.load(write(tmp_path))
     with pytest.raises(scene.SceneError, match="scene scene has no study 'two', only one"):
-        loaded.study_named("two")
+        loaded.study("two")
     with pytest.raises(scene.SceneError, match="scene scene has no figure 'two', only none"):
-        loaded.figure_named("two")
+        loaded.figure("two")
 
 
 @pytest.mark.parametrize(

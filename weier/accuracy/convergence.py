@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from weier.data import dataset, variables
 from weier.data.dataset import Status
-from weier.data.variables import CONVERGENCE, LABEL, Variable, kept_in
+from weier.data.variables import CONVERGENCE, LABEL, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
@@ -63,7 +63,7 @@ def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, max_terms
 def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
     counts = np.arange(1, max_terms + 1)
     data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms)
-    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(kept_in(CONVERGENCE))])
+    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(variables_of_file(CONVERGENCE))])
     data = data.rename_dims(solution_method="resolved_terms")
     return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))
 

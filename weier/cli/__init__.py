@@ -1,4 +1,7 @@
-"""The command line: thin, over the same functions as the Python interface."""
+"""The command line: its commands read arguments and call the same functions as the Python interface.
+
+May use all other folders of weier, and none of them uses it.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ def cli() -> None:
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --loads 0.01:1:5        one profile, as JSON
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
-    weier plan -D 1.25 --gamma 5 -m 3 --tolerance 1e-4         what a tolerance takes, and why
+    weier plan -D 1.25 --gamma 5 -m 3 --tolerance 1e-4         methods that reach a tolerance
     weier solve -D 1.25 --gamma 5 -m 3 --method planned        curves within a tolerance
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
 

@@ -19,7 +19,7 @@ from weier.data import dataset
 def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
     """Measure the errors and seconds of all methods and settings.
 
-    On the profiles of a scene.
+    The profiles are those of a scene. The data go to PATH, and the page to TABLE.
     """
     from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
 
@@ -38,7 +38,7 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 def convergence(scene_file: Path, path: Path, terms: int) -> None:
     """Solve infinite series by the number of terms resolved.
 
-    Best estimates and bounds of the cases of a scene.
+    The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it.
     """
     from weier.accuracy import convergence as study
 
@@ -68,7 +68,7 @@ def extremes(path: Path, table: Path) -> None:
 def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
     """Draw a kind of figure from files.
 
-    As PDF, SVG and PNG beside PATH.
+    It is written as PDF, SVG and PNG beside PATH.
     """
     from weier.figures import draw as draw_files  # matplotlib, as in weier.cli.profile
 

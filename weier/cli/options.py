@@ -12,7 +12,7 @@ import numpy as np
 from weier.data.files import check_target
 from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
-from weier.methods.registry import infinite_names, names
+from weier.methods.registry import DEFAULT, PLOTTED, infinite_names, names
 from weier.theory.loads import MAX_LOADS, checked_loads
 
 Command = Callable[..., Any]
@@ -22,14 +22,7 @@ LOADS = "1e-3:4:40"
 
 
 def parse_loads(text: str) -> Array:
-    """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40".
-
-    Raises
-    ------
-    ValueError
-        If the text is neither, or the loads are not positive and increasing.
-
-    """
+    """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
     try:
         if ":" not in text:
             return checked_loads([float(part) for part in text.split(",")])
@@ -46,14 +39,7 @@ def parse_loads(text: str) -> Array:
 
 
 def parse_phases(text: str) -> list[float]:
-    """Phases from "0,1,2".
-
-    Raises
-    ------
-    ValueError
-        If they are not numbers.
-
-    """
+    """Phases from "0,1,2"."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
@@ -61,14 +47,7 @@ def parse_phases(text: str) -> list[float]:
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Settings of methods from texts such as "bem.points=512".
-
-    Raises
-    ------
-    ValueError
-        If a text does not read so.
-
-    """
+    """Settings of methods from texts such as "bem.points=512"."""
     settings: dict[str, dict[str, Any]] = {}
     for text in texts:
         name, _, value = text.partition("=")
@@ -145,11 +124,12 @@ _SOLVED = (
     loads(LOADS, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.'),
     click.option(
         "--method", "methods", multiple=True, type=click.Choice(names()),
-        help="Once for each method [default: bem; plot: archard, demelio, layer and bem].",
+        help="Method of solution; give this option once for each  "
+        f"[default: {DEFAULT}; for plot: {', '.join(PLOTTED)}].",
     ),
     click.option(
         "--set", "settings", multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
-        help="A setting, such as bem.points=512.",
+        help="Setting of a method, such as bem.points=512; give this option once for each.",
     ),
 )  # fmt: skip
 

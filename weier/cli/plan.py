@@ -1,4 +1,4 @@
-"""What a tolerance takes, of one profile or of a scene: `weier plan`."""
+"""Which methods reach a tolerance, and at what cost, for one profile or a scene: `weier plan`."""
 
 from __future__ import annotations
 
@@ -22,21 +22,25 @@ NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 @click.command()
 @click.argument("scene_file", metavar="[SCENE]", required=False, type=FILE)
 @of_any_profile
-@loads(None, f"Mean pressures, as of `weier solve` [default: of the scene; {LOADS}].")
+@loads(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
 @click.option(
     "--tolerance",
     type=float,
-    help="Of the compliance in g_0, of the resistance relative "
-    "to the larger of itself and 1 g_0/p_0* [default: of the scene; 1e-3].",
+    help="Largest error: of the compliance in g_0, of the resistance relative to the larger of itself and "
+    "1 g_0/p_0*  [default: that of the scene, or 1e-3].",
 )
-@click.option("--quantity", type=click.Choice(QUANTITIES), help="[default: of the scene; compliance].")
+@click.option(
+    "--quantity",
+    type=click.Choice(QUANTITIES),
+    help="Which of the two has to be that accurate  [default: that of the scene, or compliance].",
+)
 def plan(
     scene_file: Path | None, loads: Array | None, tolerance: float | None, quantity: str | None, **series: Any
 ) -> None:
-    """What a tolerance takes, and why.
+    """Show which methods reach a tolerance, and at what cost.
 
-    Of one profile, or of each case of a scene: the cheapest methods, load by load, with their errors, seconds and
-    memory. Nothing is solved.
+    The plan is for one profile, or for each case of a scene. It names the cheapest methods, load by load, with their
+    errors, seconds and memory. Nothing is solved.
 
     \b
     weier plan -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --tolerance 1e-4

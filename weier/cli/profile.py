@@ -11,10 +11,9 @@ import xarray as xr
 
 from weier.cli.options import INTO, of_one_profile, output, parameters
 from weier.kernels.arrays import Array
+from weier.methods.registry import DEFAULT, PLOTTED
 from weier.methods.segment import QUANTITIES
 from weier.pipeline import single
-
-PLOTTED = ("archard", "demelio", "layer", "bem")
 
 
 def _solved(loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any) -> xr.Dataset:
@@ -25,9 +24,10 @@ def _solved(loads: Array, methods: Sequence[str], settings: Mapping[str, Any], *
 @of_one_profile
 @INTO
 def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
-    """Compliance and resistance of one profile against mean pressure.
+    """Compute the compliance and resistance of one profile.
 
-    Prints JSON, and progress beside it; lengths along x are in lambda_0, heights in g_0, pressures in p_0*.
+    Prints JSON to standard output and progress to standard error. Lengths along x are in lambda_0, heights in g_0,
+    pressures in p_0*.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
@@ -36,7 +36,7 @@ def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points=6400
     """  # noqa: D301 - click wants the character
-    data = _solved(methods=methods or ("bem",), **options)
+    data = _solved(methods=methods or (DEFAULT,), **options)
     if output is None:
         click.echo(single.as_json(data))
     else:
@@ -48,7 +48,9 @@ def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path", "", ".pdf", ".svg", ".png")
 def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:
-    """Draw the curves of one profile, as PDF, SVG and PNG beside PATH.
+    """Draw the curves of one profile.
+
+    The figure is written as PDF, SVG and PNG beside PATH.
 
     \b
     weier plot -D 1.25 --gamma 5 -m 3 --phase 1 curves.png

@@ -38,7 +38,7 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> 
     from weier.pipeline.compile import compile_once  # kernels of all methods, which only these two commands need
 
     loaded = _load(scene_file)
-    cases = loaded.batch_named(name)
+    cases = loaded.batch(name)
     compile_once()
     curves, seconds = solve_batch(loaded, cases, threads)
     dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
@@ -53,10 +53,10 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> 
 def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
     """Draw one figure of a scene from the folder BATCHES.
 
-    As PDF, SVG and PNG beside PATH.
+    It is written as PDF, SVG and PNG beside PATH.
     """
     loaded = _load(scene_file)
-    wanted = loaded.figure_named(name)
+    wanted = loaded.figure(name)
     draw(wanted.draw, [gather.read_study(loaded, study, batches) for study in wanted.studies], wanted.title, path)
 
 
@@ -68,7 +68,7 @@ def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
 def claims(scene_file: Path, path: Path, table: Path, batches: Path) -> None:
     """Check the claims of a scene, and write its whole dataset.
 
-    From the folder BATCHES.
+    The data come from the folder BATCHES.
     """
     claim.write(_load(scene_file), batches, path, table)
 
@@ -81,7 +81,7 @@ def claims(scene_file: Path, path: Path, table: Path, batches: Path) -> None:
 def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> None:
     """Write the page of a scene.
 
-    From its dataset CONTACT, its figures (.png) and its costs (.nc).
+    The page is made from the scene's dataset CONTACT, its figures (.png) and its costs (.nc).
     """
     from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
 

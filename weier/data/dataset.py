@@ -59,7 +59,7 @@ def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: i
 def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset:
     """The seconds and settings of each case and method, with nothing in it yet."""
     sizes = {"case": cases, "solution_method": len(methods), "term": terms}
-    names = variables.kept_in(COST)
+    names = variables.variables_of_file(COST)
     data = xr.Dataset({name: variables.blank(name, sizes) for name in names})
     data = data.set_coords([name for name in names if name in COORDINATES])
     return data.assign_coords(

@@ -19,12 +19,6 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """A path to write beside the real one, which it replaces when all went well and leaves alone otherwise.
 
     The folder is made where there is none; a link is followed.
-
-    Raises
-    ------
-    OSError
-        If there can be no such file, or the disk is full or closed to writing.
-
     """
     check_target(path)
     path = Path(os.path.realpath(path))
@@ -37,7 +31,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield beside
         os.replace(beside, path)
     except (OSError, RuntimeError) as error:  # of netCDF, which calls a full disk "HDF error" or "Permission denied"
-        _check_room(beside, path)
+        _check_space(beside, path)
         if isinstance(error, OSError) and str(error.filename) == str(beside):  # as where the path is a folder
             raise _unwritable(path, error) from None
         raise
@@ -47,27 +41,13 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a file of text, and the folder that it stands in.
-
-    Raises
-    ------
-    OSError
-        If the disk is full or closed to writing.
-
-    """
+    """Write a file of text, and the folder that it stands in."""
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
 
 
 def check_target(path: str | Path) -> None:
-    """Refuse a path that no file can have, such as that of a folder or a device, or one below a file.
-
-    Raises
-    ------
-    OSError
-        If there can be no such file.
-
-    """
+    """Refuse a path that no file can have, such as that of a folder or a device, or one below a file."""
     path = Path(path)
     try:
         folder = next(parent for parent in path.absolute().parents if parent.exists())
@@ -87,14 +67,7 @@ def check_target(path: str | Path) -> None:
 
 
 def check_writable(folder: str | Path) -> None:
-    """Refuse to start where nothing can be written.
-
-    Raises
-    ------
-    OSError
-        If the folder is closed to writing.
-
-    """
+    """Refuse to start where nothing can be written."""
     if Path(folder).exists() and not os.access(folder, os.W_OK):
         raise OSError(f"{folder} cannot be written to: open it for writing, or work in a copy of the checkout")
 
@@ -131,7 +104,7 @@ def _host() -> str:
     return socket.gethostname().partition(".")[0]
 
 
-def _check_room(beside: Path, path: Path) -> None:
+def _check_space(beside: Path, path: Path) -> None:
     """Say why nothing can be written, if that is so."""
     try:
         with beside.open("ab") as file:

@@ -29,9 +29,33 @@ SUMMARY = (
 KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surface, fractal, Weierstrass profile"
 DEVELOPERS = "The weier developers"
 VERSION = "0.1.0"
-
-
 CHANGED = " with changes"
+
+# The attributes that all files share.
+FIXED = {
+    "Conventions": "CF-1.11, ACDD-1.3",
+    "summary": SUMMARY,
+    "keywords": KEYWORDS,
+    "naming_authority": "weier",
+    "project": "weier",
+    "normalisation": NORMALISED,
+    "references": PAPER,
+    "acknowledgement": f"If you use these data, cite weier and {PAPER}",
+    "license": "MIT",
+    "institution": DEVELOPERS,
+    "creator_name": DEVELOPERS,
+    "creator_type": "group",
+    "creator_institution": DEVELOPERS,
+    "publisher_name": DEVELOPERS,
+    "publisher_type": "group",
+    "publisher_institution": DEVELOPERS,
+    "contributor_name": ", ".join(AUTHORS),
+    "contributor_role": ", ".join(["author of the theory"] * len(AUTHORS)),
+    "program": "weier",
+    "product_version": VERSION,
+    "standard_name_vocabulary": "CF Standard Name Table v93",
+    "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
+}
 
 
 class Commit(NamedTuple):
@@ -69,39 +93,17 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
     made = commit()
     software = f"weier {VERSION}" + (f", commit {made.name}" if made.name else "")
     lines = dict.fromkeys(line for history in before for line in history.splitlines())
-    fixed = {
-        "Conventions": "CF-1.11, ACDD-1.3",
+    changing = {
         "title": title,
-        "summary": SUMMARY,
-        "keywords": KEYWORDS,
         "id": re.sub(r"\W+", "-", title).strip("-").lower(),
-        "naming_authority": "weier",
-        "project": "weier",
         "source": f"numerical model: {software}",
         "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
         "processing_level": step,
         "comment": f"{NORMALISED} {made.dating}",
-        "normalisation": NORMALISED,
-        "references": PAPER,
-        "acknowledgement": f"If you use these data, cite weier and {PAPER}",
-        "license": "MIT",
-        "institution": DEVELOPERS,
-        "creator_name": DEVELOPERS,
-        "creator_type": "group",
-        "creator_institution": DEVELOPERS,
-        "publisher_name": DEVELOPERS,
-        "publisher_type": "group",
-        "publisher_institution": DEVELOPERS,
-        "contributor_name": ", ".join(AUTHORS),
-        "contributor_role": ", ".join(["author of the theory"] * len(AUTHORS)),
-        "program": "weier",
-        "product_version": VERSION,
         "git_commit": made.name or "unknown: not run from a checkout",
-        "standard_name_vocabulary": "CF Standard Name Table v93",
-        "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
     }
     dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), made.date)
-    return fixed | (dates if made.date else {}) | ({"scene": scene} if scene else {})
+    return FIXED | changing | (dates if made.date else {}) | ({"scene": scene} if scene else {})
 
 
 @cache

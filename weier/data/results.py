@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier.data import dataset
 
 CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
-MAX_LISTED = 10  # values that a message lists
+MAX_VALUES_IN_MESSAGE = 10  # values that a message lists
 
 Ratio = int | float | str | Fraction
 
@@ -191,4 +191,4 @@ def _row(labels: NDArray[Any], label: Any, name: str) -> int:
 
 def _some(values: NDArray[Any]) -> str:
     texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values.tolist()]
-    return ", ".join(texts[:MAX_LISTED]) + (", ..." if len(texts) > MAX_LISTED else "")
+    return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 CURVE = ("case", "solution_method", "mean_pressure")
 RUN = ("case", "solution_method")
-LOADS = ("case", "mean_pressure")
+LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
-ROUNDING = 1e-9  # a difference of heights that is 0 may come out this much below
+ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
-# Files beside those of a scene that keep some variables.
+# Other files than those of a scene, which keep some of the variables.
 COST, TRADEOFF, EXTREMES, CONVERGENCE = "cost", "tradeoff", "extremes", "convergence"
 MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
@@ -39,7 +39,7 @@ class Variable(NamedTuple):
     unit, symbol : what it is normalised by, and the symbol of the paper
     dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
     content : what kind of thing it is, in the words of ISO 19115
-    only_with : a method, if no other has it
+    only_with : the method that returns it, if files without this method lack the variable
     files : which files beside those of a scene keep it
     apart : whether it differs from run to run, and so is kept in files of its own
     axis : its name on an axis of a figure, in mathtext
@@ -92,8 +92,8 @@ VARIABLES = {
         ("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED
     ),
     "compliance": Variable(
-        CURVE, "compliance from the profile whose waves peak together", "g_0", "h", least=0, files=ALL_MEASURED,
-        axis="compliance $h/g_0$", plot="compliance h/g_0",
+        CURVE, "compliance, counted from the undeformed profile whose waves all peak together", "g_0", "h", least=0,
+        files=ALL_MEASURED, axis="compliance $h/g_0$", plot="compliance h/g_0",
     ),
     "resistance": Variable(
         CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0,
@@ -101,12 +101,14 @@ VARIABLES = {
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": Variable(
-        CURVE, "lower bound on the compliance of the infinite series, from where all its waves peak together", "g_0",
-        files=(CONVERGENCE,),
+        CURVE,
+        "lower bound on the compliance of the infinite series, counted from its undeformed profile whose waves all "
+        "peak together", "g_0", files=(CONVERGENCE,),
     ),
     "compliance_upper": Variable(
-        CURVE, "upper bound on the compliance of the infinite series, from where all its waves peak together", "g_0",
-        files=(CONVERGENCE,),
+        CURVE,
+        "upper bound on the compliance of the infinite series, counted from its undeformed profile whose waves all "
+        "peak together", "g_0", files=(CONVERGENCE,),
     ),
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
@@ -118,7 +120,7 @@ VARIABLES = {
         CURVE, "error of the resistance, estimated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),
         largest="expected error of R, g_0/p_0*",
     ),
-    "indentation": Variable(CURVE, "compliance from first contact", "g_0", least=-ROUNDING),
+    "indentation": Variable(CURVE, "compliance, counted from first contact", "g_0", least=-ROUNDING),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,)),
     "residual": Variable(
@@ -130,32 +132,32 @@ VARIABLES = {
     ),
     "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
     "settings": Variable(
-        RUN, "settings of the solution, those not given at their defaults, as JSON", dtype="U240", content=AUXILIARY,
+        RUN, "settings of the solution including defaults, as JSON", dtype="U240", content=AUXILIARY,
         files=(COST, *MEASURED),
     ),
     "status": Variable(
         RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY,
         files=(TRADEOFF, CONVERGENCE),
     ),
-    "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn, by method patches", "lambda_0"),
+    "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "planned_method": Variable(
-        LOADS, "method that the plan took at this load, for method planned", dtype="U16", content=AUXILIARY,
-        only_with="planned",
+        LOAD_DIMS, "method that the plan chose at this load", dtype="U16", content=AUXILIARY, only_with="planned"
     ),
     "planned_terms": Variable(
-        LOADS, "terms that it modelled, for method planned", least=1, content=AUXILIARY, only_with="planned"
+        LOAD_DIMS, "terms that the method chosen by the plan models", least=1, content=AUXILIARY, only_with="planned"
     ),
     "planned_points": Variable(
-        LOADS, "nodes of its grid in one period, for method planned", least=1, content=AUXILIARY, only_with="planned"
+        LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1, content=AUXILIARY,
+        only_with="planned",
     ),
     "planned_seconds": Variable(
-        ("case",), "time that the plan expected all loads to take on one core, for method planned", "s", least=0,
-        content=AUXILIARY, only_with="planned",
+        ("case",), "time that the plan expects all loads to take on one core", "s", least=0, content=AUXILIARY,
+        only_with="planned",
     ),
     "planned_error": Variable(
         ("case",),
-        "largest error that the plan expected, in g_0 of the compliance, of the resistance relative to the larger of "
-        "itself and 1 g_0/p_0*, for method planned",
+        "largest error that the plan expects: of the compliance in g_0, of the resistance relative to the larger of "
+        "itself and 1 g_0/p_0*",
         least=0, content=AUXILIARY, only_with="planned",
     ),
     "seconds": Variable(
@@ -166,7 +168,7 @@ VARIABLES = {
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 
 
-def kept_in(file: str) -> list[str]:
+def variables_of_file(file: str) -> list[str]:
     """The variables that a file keeps: COST, TRADEOFF, EXTREMES or CONVERGENCE."""
     return [name for name, entry in VARIABLES.items() if file in entry.files]
 

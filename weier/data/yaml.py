@@ -22,14 +22,7 @@ _Loader.add_implicit_resolver(
 
 
 def parse_yaml(text: str) -> Any:
-    """A YAML text as plain values: no objects, no keys given twice, no alias that grows without bound.
-
-    Raises
-    ------
-    ValueError
-        If it is not YAML, or not plain.
-
-    """
+    """A YAML text as plain values: no objects, no keys given twice, no alias that grows without bound."""
     if len(text) > MAX_CHARACTERS:
         raise ValueError(f"a scene must have at most {MAX_CHARACTERS} characters, got {len(text)}")
     try:
@@ -44,14 +37,7 @@ def parse_yaml(text: str) -> Any:
 
 
 def number(name: str, value: Any) -> float:
-    """A number, be it written as text.
-
-    Raises
-    ------
-    ValueError
-        If it is none, or too large for a float.
-
-    """
+    """A number, be it written as text; a ValueError if it is none, or too large for a float."""
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):

@@ -22,8 +22,8 @@ class Caption(NamedTuple):
 
 def caption(scene: Scene, name: str) -> Caption:
     """The caption of a figure of a scene, as plain text with the paper's symbols."""
-    figure = scene.figure_named(name)
-    methods = [case.methods for study in figure.studies for case in scene.study_named(study)]
+    figure = scene.figure(name)
+    methods = [case.methods for study in figure.studies for case in scene.study(study)]
     text = figures.kinds()[figure.draw].caption.format(methods=_describe_methods(methods))
     title = name.replace("_", " ").capitalize()
     subject, *_ = re.split(r"[:.;] ?", text)

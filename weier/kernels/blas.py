@@ -1,7 +1,7 @@
 """BLAS on one thread, for the dense matrices of a few hundred unknowns that a load takes.
 
-A second thread gains them nothing: it spins while it waits, and on a busy machine the solver then waits for it in
-turn, ten times as long. A case has one core; other cores are for other cases.
+A second thread makes them no faster. It spins while it waits, and on a busy machine the solver then has to wait for
+it, so that a load takes ten times as long. Each case has one core; the other cores are for other cases.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from threadpoolctl import OpenBLASController, ThreadpoolController
 
 
 class _OneThread(ContextDecorator):
-    """A context, or a decorator: the process's, since BLAS knows no other; the last thread to leave ends it."""
+    """A context or decorator for the whole process: BLAS has one setting, which the last thread to leave restores."""
 
     def __init__(self) -> None:
         self._lock, self._inside = Lock(), 0

@@ -1,8 +1,8 @@
-"""Which definitions of the package a function is made of: functions, classes and constants, its own and all it names.
+"""Which definitions of the package a function depends on: the functions, classes and constants that it leads to.
 
-Finer than files: a file that defines a solver may define the model of its costs, too, and say what fits it again.
-Names are followed as Python finds them, through imports and modules, and not what is reached by a text, as by getattr
-or import_module: such modules must be named here.
+This is finer than a list of files: a file that defines a solver may also define the model of its costs, on which no
+solution depends. Names are followed as Python resolves them, through imports and modules. What is reached by a text,
+through getattr or import_module, is not found: the caller has to name such modules.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from weier.kernels.sources import PACKAGE
 
 
 class Module(NamedTuple):
-    """A module as its text says it.
+    """A module, parsed from its text and not imported.
 
     definitions : the statements that define a name, by that name
     imports : what is imported from the package, by the name it has here
@@ -30,7 +30,7 @@ class Module(NamedTuple):
 
 
 def definitions(*names: str, without: Collection[str] = ()) -> dict[str, str]:
-    """The text of what is named, and of all in the package that it is made of, by name; comments do not count.
+    """The text of these definitions and of all in the package that they depend on, by name, without comments.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def definitions(*names: str, without: Collection[str] = ()) -> dict[str, str]:
 
 
 def modules_of(package: str) -> list[str]:
-    """The names of all modules of a package of the package, its own first."""
+    """The names of all modules in a folder of the package, sorted."""
     folder = PACKAGE.parent.joinpath(*package.split("."))
     paths = (path.relative_to(PACKAGE.parent).with_suffix("").parts for path in folder.rglob("*.py"))
     return sorted(".".join(parts[:-1] if parts[-1] == "__init__" else parts) for parts in paths)

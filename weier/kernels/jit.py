@@ -30,7 +30,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel_sources() -> list[Path]:
     """The files of the package that define kernels, and all that they import, sorted.
 
-    But for modules called `method`: these gather what the program knows of a method, and kernels know arrays only.
+    Modules called `method` are left out: they gather what the program knows of a method, and no kernel uses that.
     """
     kernels = [path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8")]
     modules = [".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts) for path in kernels]
@@ -114,7 +114,7 @@ class _FirstCompiling(event.Listener):
 
 
 def announce_compiling(say: Callable[[], None]) -> None:
-    """Have `say` called once, before seconds pass in silence: when the first kernel is compiled."""
+    """Call `say` once, when the first kernel is compiled: without a word, nothing would be seen for many seconds."""
     event.register("numba:compile", _FirstCompiling(say))  # type: ignore[no-untyped-call]  # numba has no types
 
 
@@ -128,12 +128,12 @@ def kernel(function: Function) -> Function:
 
 
 def _forgive(cache: Any) -> None:
-    """Make a damaged file of the cache as good as none, where numba would stop at every later run."""
+    """Treat a damaged file of the cache as a missing one; numba alone would fail on it in every run."""
     load = cache.load_overload
 
-    def load_or_forget(*place: Any) -> Any:
+    def load_or_forget(*arguments: Any) -> Any:
         try:
-            return load(*place)
+            return load(*arguments)
         except Exception:  # whatever pickle makes of torn bytes
             cache.flush()
             return None

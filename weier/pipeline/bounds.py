@@ -28,8 +28,7 @@ def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, er
 
     Notes
     -----
-    That the band holds is a theorem (27), and so is what a grid misses at first touch, z'' dx^2/8; that a grid is off
-    by no more under load was measured (`python -m benchmarks.planned`).
+    `weier.methods.hybrid.truncation_bounds.bounds` says which part of them is proved and which is measured.
     """
     total, tail = profile.total_amplitude, profile.tail_amplitude
     sides = {

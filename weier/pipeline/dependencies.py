@@ -1,8 +1,9 @@
-"""What in the program each step of the pipeline depends on: digests, which Snakemake compares with the last ones.
+"""What in the program each step of the pipeline depends on, as digests that Snakemake compares with the last ones.
 
-Every step asks the registry for its methods, and the registry lists all of them. To follow that list would solve a
-scene again for a change of a method that it does not use, or of a model that only plans ask. So it is left out, and
-what a step does use of a method is added: a batch the functions that it calls, other steps what is said of it.
+Every step asks the registry for its methods, and the registry lists all of them. If the digests followed this list, a
+scene would be solved again after a change of a method that it does not use, or of a cost model that only plans use.
+So the list is left out, and what a step uses of the methods is added: for a batch the functions that it calls, for
+other steps the label and the style of each method and whether it is numerical.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from weier.kernels.sources import PACKAGE
 from weier.methods import registry
 from weier.methods.registry import find_method
 
-BATCH = ("weier.pipeline.batch.solve_batch", "weier.data.dataset.write")
+BATCH_FUNCTIONS = ("weier.pipeline.batch.solve_batch", "weier.data.dataset.write")
 STUDY = "weier.pipeline.gather.read_study"
-LISTED = "weier.methods.registry.METHODS"
+METHOD_LIST = "weier.methods.registry.METHODS"
 
 
 def batch_digest(methods: Iterable[str]) -> str:
-    """Of all that the numbers of a batch by these methods depend on."""
+    """A digest of all that the numbers of a batch by these methods depend on."""
     return _batch_digest(tuple(sorted(methods)))
 
 
@@ -37,9 +38,10 @@ def batch_definitions(methods: Iterable[str]) -> dict[str, str]:
     """The text of all that the numbers of a batch by these methods depend on, by name."""
     used = [find_method(name) for name in methods]
     if any(method.runs_others for method in used):
-        return definitions(*BATCH)
+        return definitions(*BATCH_FUNCTIONS)
     functions = [each for method in used for each in (method.solve, method.applies, method.solution_error) if each]
-    return definitions(*BATCH, *(name for each in functions for name in _names(each)), without=[LISTED])
+    own = [name for each in functions for name in _names(each)]
+    return definitions(*BATCH_FUNCTIONS, *own, without=[METHOD_LIST])
 
 
 def _names(function: Callable[..., Any]) -> Iterator[str]:
@@ -53,28 +55,28 @@ def _names(function: Callable[..., Any]) -> Iterator[str]:
 
 @cache
 def figure_digest(kind: str) -> str:
-    """Of all that a kind of figure depends on."""
+    """A digest of all that a kind of figure depends on."""
     return _step_digest("weier.figures.draw", f"weier.figures.{kind}", STUDY)
 
 
 @cache
 def claims_digest() -> str:
-    """Of all that the claims and the dataset of a scene depend on."""
+    """A digest of all that the claims and the dataset of a scene depend on."""
     return _step_digest(*modules_of("weier.pipeline.claims"))
 
 
 @cache
 def page_digest() -> str:
-    """Of all that a page depends on; captions stand with each figure."""
+    """A digest of all that a page depends on, among it every figure, whose module holds its caption."""
     scripts = sorted((PACKAGE / "figures").rglob("*.js"))
     return _step_digest(*modules_of("weier.figures"), files=scripts)
 
 
 def _step_digest(*names: str, files: Iterable[Path] = ()) -> str:
-    """Of steps that solve nothing: of a method, what is said of it."""
-    said = {each.name: repr((each.label, each.numerical, each.style)) for each in registry.METHODS}
+    """A digest of what a step without solving depends on: definitions, methods as figures show them, and files."""
+    shown = {each.name: repr((each.label, each.numerical, each.style)) for each in registry.METHODS}
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return _digest(definitions(*names, without=[LISTED]) | said | texts)
+    return _digest(definitions(*names, without=[METHOD_LIST]) | shown | texts)
 
 
 def _digest(texts: dict[str, str]) -> str:

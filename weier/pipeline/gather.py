@@ -63,15 +63,8 @@ def gather(
 
 
 def read_study(scene: Scene, study: str, batches: Path) -> xr.Dataset:
-    """The cases of a study, in memory, from the folder of its batches.
-
-    Raises
-    ------
-    ValueError
-        If a batch is missing, or lacks a case.
-
-    """
-    keys = [case.key for case in scene.study_named(study)]
+    """The cases of a study, in memory, from the folder of its batches; a ValueError if one is missing."""
+    keys = [case.key for case in scene.study(study)]
     return read([batch_file(batches, batch) for batch in scene.batches_of(study)], keys)
 
 

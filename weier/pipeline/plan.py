@@ -72,12 +72,12 @@ def plan(
     subject : Profile or Scene
         With any number of terms, inf too; a scene as `weier.scene.load` reads it.
     mean_pressure : array_like, shape (loads,)
-        Positive and increasing, in p_0*. By default, those of the scene.
+        Positive and increasing, in p_0*. By default, those of the scene; a profile has none.
     tolerance : float
-        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*. Of a scene: its
-        own unless told; else 1e-3.
+        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*. By default,
+        that of the scene, and 1e-3 for a profile.
     quantity : "compliance" or "resistance"
-        What is to be that accurate. By default, that of the scene, or the compliance.
+        What is to be that accurate. By default, that of the scene, and the compliance for a profile.
 
     Returns
     -------

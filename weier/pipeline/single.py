@@ -63,13 +63,16 @@ def solve_one(
     check_range(loads)
     foreign = [method for method in settings if method not in methods]
     if foreign:
-        raise ValueError(f"there is a setting of {foreign[0]!r}, which is not among the methods {', '.join(methods)}")
+        raise ValueError(
+            f"settings were given for method {foreign[0]!r}, which is not run: run it, too, or give settings of "
+            f"{', '.join(methods)} only"
+        )
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
     case.check()
     title = f"Weierstrass profile, {case.profile.describe()}"
     text = _text(title, case, loads)
-    scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch=1, text=text)
+    scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch_size=1, text=text)
     data, cost = solve_batch(scene, [case])
     _check_solved(data)
     return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
@@ -78,7 +81,7 @@ def solve_one(
 def plan_one(
     parameters: Mapping[str, Any], loads: Array, tolerance: float | None = None, quantity: str | None = None
 ) -> Plan:
-    """What one profile takes; nothing is solved.
+    """The plan of one profile; nothing is solved.
 
     Parameters
     ----------
@@ -113,7 +116,7 @@ def write(data: xr.Dataset, path: Path) -> None:
 
 
 def as_json(data: xr.Dataset) -> str:
-    """The curves of one case as JSON: what each method has, null where a number is missing or without bound."""
+    """The curves of one case as JSON, by method; null stands for a missing number or minus infinity."""
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
     curves = {method: _curves(_of(case, method)) for method in case["solution_method"].values.tolist()}
@@ -125,13 +128,13 @@ def as_json(data: xr.Dataset) -> str:
 
 
 def _of(case: xr.Dataset, method: str) -> xr.Dataset:
-    """What belongs to a method."""
+    """The variables of one method, without those that only another method returns."""
     run = case.sel(solution_method=method)
     return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].only_with not in ("", method)])
 
 
 def _curves(run: xr.Dataset) -> dict[str, Any]:
-    """What a method has, but what belongs to the profile."""
+    """The variables of one method that have values, without those of the profile."""
     own = [name for name, values in run.items() if values.dtype.kind == "f" and name not in PROFILE]
     own += [name for name, values in run.items() if values.dtype.kind == "U" and values.dims == ("mean_pressure",)]
     numbers = {str(name): _plain(run[name].values) for name in own if run[name].notnull().any()}
@@ -139,7 +142,7 @@ def _curves(run: xr.Dataset) -> dict[str, Any]:
 
 
 def _plain(values: Array) -> Any:
-    """Numbers as JSON has them: it knows neither nan nor inf. Words as they are."""
+    """Numbers and texts as JSON can hold them: it has no nan and no inf."""
     if values.dtype.kind == "U":
         return values.tolist()
     if values.ndim == 0:

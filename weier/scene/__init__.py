@@ -1,6 +1,9 @@
-"""Scenes: what the pipeline solves and draws, as a file says it."""
+"""Scenes: the files that say what to solve and to draw, and the cases that they stand for.
+
+May use methods, data, theory and kernels, and solves nothing itself.
+"""
 
 from weier.scene.cases import Case, Figure, Layout, Scene, SceneError
-from weier.scene.file import load, load_named
+from weier.scene.file import load, load_by_name
 
-__all__ = ["Case", "Figure", "Layout", "Scene", "SceneError", "load", "load_named"]
+__all__ = ["Case", "Figure", "Layout", "Scene", "SceneError", "load", "load_by_name"]

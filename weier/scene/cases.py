@@ -22,7 +22,7 @@ from weier.theory.profile import Profile
 
 Item = TypeVar("Item")
 
-# What a scene or a command may ask for, so that a slip of the pen ends in a sentence and not in a lost night.
+# The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
 MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
 MAX_GAMMA = 10**6
 MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
@@ -58,13 +58,7 @@ class Case:
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
 
     def check(self) -> None:
-        """Refuse a series that no computer holds.
-
-        Raises
-        ------
-        ValueError
-            If it has too many terms or waves, or is no series at all.
-        """
+        """Refuse a series that no computer holds."""
         profile = self.profile
         if profile.gamma > MAX_GAMMA:
             raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {_short(profile.gamma)}")
@@ -108,7 +102,7 @@ class Scene:
     name, title : of the file and for people
     loads : mean pressures, shape (loads,), in p_0*
     studies : cases of each study, in the order of the file
-    batch : most cases in one job
+    batch_size : most cases in one batch
     figures, claims : what is made from the studies
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
@@ -118,7 +112,7 @@ class Scene:
     title: str
     loads: Array
     studies: Mapping[str, tuple[Case, ...]]
-    batch: int
+    batch_size: int
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     contact_edges: bool = False
@@ -141,24 +135,12 @@ class Scene:
         edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
         return Layout(tuple(methods), max((profile.terms for profile in finite), default=1), edges)
 
-    def study_named(self, name: str) -> tuple[Case, ...]:
-        """The cases of a study.
-
-        Raises
-        ------
-        SceneError
-            If there is no such study.
-        """
+    def study(self, name: str) -> tuple[Case, ...]:
+        """The cases of a study; a SceneError if there is no such study."""
         return self._item("study", self.studies, name)
 
-    def figure_named(self, name: str) -> Figure:
-        """What a figure draws.
-
-        Raises
-        ------
-        SceneError
-            If there is no such figure.
-        """
+    def figure(self, name: str) -> Figure:
+        """What a figure draws; a SceneError if there is no such figure."""
         return self._item("figure", self.figures, name)
 
     @cached_property
@@ -172,19 +154,13 @@ class Scene:
         for key, home in homes.items():
             groups.setdefault("+".join(home), []).append(self.cases[key])
         return {
-            f"{group}-{start // self.batch}": tuple(members[start : start + self.batch])
+            f"{group}-{start // self.batch_size}": tuple(members[start : start + self.batch_size])
             for group, members in groups.items()
-            for start in range(0, len(members), self.batch)
+            for start in range(0, len(members), self.batch_size)
         }
 
-    def batch_named(self, name: str) -> tuple[Case, ...]:
-        """The cases of a batch.
-
-        Raises
-        ------
-        SceneError
-            If there is no such batch.
-        """
+    def batch(self, name: str) -> tuple[Case, ...]:
+        """The cases of a batch; a SceneError if there is no such batch."""
         return self._item("batch", self.batches, name)
 
     def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
@@ -194,21 +170,21 @@ class Scene:
 
     def batches_of(self, *studies: str) -> list[str]:
         """Names of the batches that hold the cases of some studies, each once."""
-        keys = {case.key for study in studies for case in self.study_named(study)}
+        keys = {case.key for study in studies for case in self.study(study)}
         return [name for name, cases in self.batches.items() if cases[0].key in keys]
 
     def methods_of(self, batch: str) -> tuple[str, ...]:
         """The methods that a batch runs."""
-        return self.layout_of(self.batch_named(batch)).methods
+        return self.layout_of(self.batch(batch)).methods
 
     def digest(self, batch: str) -> str:
         """A digest of all that the scene says of the numbers of a batch: its own cases, the loads, what is kept."""
-        cases = [case.definition for case in self.batch_named(batch)]
+        cases = [case.definition for case in self.batch(batch)]
         return _digest([self.loads.tolist(), self.contact_edges, cases])
 
     def digest_of_cases(self, *studies: str) -> str:
         """A digest of which cases some studies have, and in which order."""
-        return _digest([[case.key for case in self.study_named(study)] for study in studies])
+        return _digest([[case.key for case in self.study(study)] for study in studies])
 
 
 def _digest(values: Any) -> str:

@@ -1,4 +1,4 @@
-"""From a scene file to a scene: read, check and expand. What is wrong is told with the file and the key."""
+"""Scene files are read, checked and expanded into scenes; an error names the file and the key."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ from weier.scene.products import MAX_CASES, axis, check_count, combinations
 from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-BATCH = 25  # cases a job: some seconds of work for one or two of start-up
+BATCH_SIZE = 25  # cases: some seconds of work for one or two of starting a job
 MAX_BATCH_BYTES = 4 * 2**30  # of one batch
+RENAMED_KEYS = {"most_cases": "max_cases"}
 
 Raw = Mapping[str, Any]  # of the file, as the schema has it
 
@@ -47,15 +48,8 @@ def load(path: str | Path) -> Scene:
     return _scene(raw, text, path)
 
 
-def load_named(name: str) -> Scene:
-    """The scene of this name in config/scenes.
-
-    Raises
-    ------
-    SceneError
-        If the name could lead elsewhere, or the scene is not sound.
-
-    """
+def load_by_name(name: str) -> Scene:
+    """The scene of this name in config/scenes; a SceneError if the name could lead elsewhere."""
     if not re.fullmatch(NAME, name):
         raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
     return load(Path("config/scenes", f"{name}.yaml"))
@@ -71,17 +65,21 @@ def schema() -> dict[str, Any]:
 def _check_schema(raw: Any, path: Path) -> None:
     import jsonschema  # takes longer than the rest of a scene, and nothing else needs it
 
+    for old, new in RENAMED_KEYS.items():
+        if isinstance(raw, dict) and old in raw:
+            raise SceneError(f"{path}: {old}: this key is called {new} now: rename it")
     error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema()).iter_errors(raw))
     if error is not None:
         where = ".".join(str(part) for part in error.absolute_path) or "the top level"
-        raise SceneError(f"{path}: {where}: {_one_line(error.message)}")
+        why = error.validator_value["description"] if error.validator == "not" else error.message
+        raise SceneError(f"{path}: {where}: {_one_line(why)}")
 
 
 def _scene(raw: Raw, text: str, path: Path) -> Scene:
     with _in_file(path, "loads"):
         loads = _loads(raw)
     with _in_file(path, "studies"):
-        check_count(raw["studies"], int(raw.get("most_cases", MAX_CASES)))
+        check_count(raw["studies"], int(raw.get("max_cases", MAX_CASES)))
     with _in_file(path, "tolerance"):
         plan = _plan(raw)
     studies = {}
@@ -93,7 +91,7 @@ def _scene(raw: Raw, text: str, path: Path) -> Scene:
         title=raw["title"],
         loads=loads,
         studies=studies,
-        batch=int(raw.get("batch", BATCH)),
+        batch_size=int(raw.get("batch", BATCH_SIZE)),
         figures=_figures(raw),
         claims={name: tuple(wanted) for name, wanted in raw.get("claims", {}).items()},
         contact_edges=raw.get("contact_edges", False),

@@ -18,14 +18,7 @@ Product = Mapping[str, Any]
 
 
 def combinations(study: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The parameters of each case of a study.
-
-    Raises
-    ------
-    ValueError
-        If a range is too long or has no such values.
-
-    """
+    """The parameters of each case of a study."""
     for product in _products(study):
         axes = {name: values if name == "phases" else axis(values) for name, values in product.items()}
         for combination in itertools.product(*axes.values()):
@@ -33,31 +26,17 @@ def combinations(study: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def check_count(studies: Mapping[str, Any], most: int) -> None:
-    """Count the cases before any is made.
-
-    Raises
-    ------
-    ValueError
-        If there are too many.
-
-    """
+    """Refuse too many cases, before any is made."""
     products = [product for study in studies.values() for product in _products(study)]
     count = sum(math.prod(_length(values) for values in product.values()) for product in products)
     if count > most:
         raise ValueError(
-            f"a scene must have at most {most} cases, got {count}: say most_cases: {count} if you mean it"
+            f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
         )
 
 
 def axis(values: Any) -> list[Any]:
-    """A number, a list or a range, as a list.
-
-    Raises
-    ------
-    ValueError
-        If it is a range too long, or without such values.
-
-    """
+    """A number, a list or a range, as a list."""
     if isinstance(values, list):
         return values
     if not isinstance(values, dict):

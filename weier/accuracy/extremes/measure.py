@@ -16,7 +16,7 @@ from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import reference, uncertainty
 from weier.accuracy.runner import Outcome, Run, attempt
 from weier.data.check import Check
-from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, kept_in
+from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.method import Noise, Reference, Variant
 from weier.methods.registry import find_method
@@ -56,7 +56,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 
     """
     cases = list(extremes() if cases is None else cases)
-    data = comparison.blank(cases, kept_in(EXTREMES), OWN)
+    data = comparison.blank(cases, variables_of_file(EXTREMES), OWN)
     data["extreme"].values[:] = [each.name for each in cases]
     for name in CHECKS:
         data[name].values[:] = Check.not_measured

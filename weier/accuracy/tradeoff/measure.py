@@ -15,7 +15,7 @@ from weier.accuracy.metrics import deviation
 from weier.accuracy.reference import exact_contact
 from weier.accuracy.runner import fastest_run
 from weier.data.dataset import Status
-from weier.data.variables import LOADS, TRADEOFF, VARIABLES, Variable, kept_in
+from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Variable, variables_of_file
 from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant
@@ -25,8 +25,8 @@ from weier.theory.profile import Profile
 
 OWN = {
     "seconds": VARIABLES["seconds"],
-    "reference_compliance": Variable(LOADS, "compliance of the exact contact", "g_0", least=0),
-    "reference_resistance": Variable(LOADS, "resistance of the exact contact", "g_0/p_0*", least=0),
+    "reference_compliance": Variable(LOAD_DIMS, "compliance of the exact contact", "g_0", least=0),
+    "reference_resistance": Variable(LOAD_DIMS, "resistance of the exact contact", "g_0/p_0*", least=0),
 }
 
 
@@ -55,7 +55,7 @@ def measure(scene: Scene) -> xr.Dataset:
         Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
         for case in scene.cases.values()
     ]
-    data = comparison.blank(comparisons, kept_in(TRADEOFF), OWN)
+    data = comparison.blank(comparisons, variables_of_file(TRADEOFF), OWN)
     for case, each in enumerate(comparisons):
         right = exact_contact(each.case.profile, tuple(each.loads.tolist()))
         data["reference_compliance"].values[case] = np.array(right.compliance, float)

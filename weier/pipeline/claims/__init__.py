@@ -25,14 +25,7 @@ CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
 
 
 def check_names(scene: Scene) -> None:
-    """Refuse a scene with a claim that is not in CLAIMS.
-
-    Raises
-    ------
-    SceneError
-        If there is no claim of one of the names.
-
-    """
+    """Refuse a scene with a claim that is not in CLAIMS."""
     for name in scene.claims:
         if name not in CLAIMS:
             raise SceneError(f"scene {scene.name}: claims: {_unknown(name)}")
@@ -72,14 +65,7 @@ def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> N
 
 
 def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
-    """What a claim measures on these studies, or a text that says what they lack for it.
-
-    Raises
-    ------
-    ValueError
-        If there is no claim of this name.
-
-    """
+    """What a claim measures on these studies, or a text that says what they lack for it."""
     if name not in CLAIMS:
         raise ValueError(_unknown(name))
     try:

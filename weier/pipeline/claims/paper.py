@@ -49,7 +49,7 @@ MIN_COMMON_START = 0.1  # p_0*: at lighter loads the curves of different phases 
 INTERMEDIATE = (0.1, 0.9)
 DEMELIO_ERROR = 0.30  # of the resistance, in the paper: "by as much as"
 LAYER_ERROR = 0.12  # of the resistance, in the paper: "about"
-ABOUT = 1.25  # "as much as 30%" and "about 12%" allow up to this times the number
+QUOTED_TOLERANCE = 1.25  # "as much as 30%" and "about 12%" allow up to this times the number
 NUMERICAL_ERROR = 1e-3  # g_0, of the boundary elements: a smaller difference has no sign
 
 CRITERIA = (
@@ -324,9 +324,9 @@ def _fits_the_paper(errors: ResistanceErrors) -> tuple[bool, bool, bool, bool]:
     size = {method: np.sqrt(np.mean(error**2)) for method, error in errors.by_method.items()}
     return (
         bool(archard[high].mean() < 0),
-        bool(demelio.min() > -CLOSE and demelio.max() < ABOUT * DEMELIO_ERROR),
+        bool(demelio.min() > -CLOSE and demelio.max() < QUOTED_TOLERANCE * DEMELIO_ERROR),
         min(size, key=size.__getitem__) == "layer",
-        bool(np.abs(layer).max() < ABOUT * LAYER_ERROR),
+        bool(np.abs(layer).max() < QUOTED_TOLERANCE * LAYER_ERROR),
     )
 
 
