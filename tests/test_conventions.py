@@ -14,7 +14,7 @@ import xarray as xr
 
 from tests.trade import small_trade
 from weier import scene
-from weier.accuracy.convergence import convergence
+from weier.accuracy.convergence import measure_convergence
 from weier.data import dataset, provenance, variables
 from weier.methods import demelio
 from weier.pipeline import batch, claims
@@ -62,7 +62,7 @@ def folder(tmp_path_factory):
     dataset.write(cost, folder / "cost.nc", loaded.title, "solved", loaded.text)
     claims.write(loaded, folder, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
-    infinite = convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
+    infinite = measure_convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
     dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
     dataset.write(small_trade(folder, TRADE, 100), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder

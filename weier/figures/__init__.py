@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 
 
-class Kind(NamedTuple):
+class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
 
     caption : CAPTION, in plain text; {methods} stands for the sentence that tells the curves of methods apart
@@ -40,12 +40,12 @@ class Kind(NamedTuple):
     variable: str = ""
 
 
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, FigureKind]:
     """All kinds of figures, by the names of their modules."""
     modules = sorted((path for folder in __path__ for path in Path(folder).glob("*.py")), key=lambda path: path.stem)
     constants = {path.stem: _text_constants(path) for path in modules}
     return {
-        name: Kind(words["CAPTION"], words.get("COMMAND", ""), words.get("VARIABLE", ""))
+        name: FigureKind(words["CAPTION"], words.get("COMMAND", ""), words.get("VARIABLE", ""))
         for name, words in constants.items()
         if "CAPTION" in words
     }

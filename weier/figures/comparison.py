@@ -73,7 +73,7 @@ def _curves_by_method(case: xr.Dataset, quantity: str) -> dict[str, np.ndarray]:
 
 
 def _in_drawing_order(methods: Iterable[str]) -> list[str]:
-    """The estimates from the roughest on, then methods that are not listed, then the numerical ones on top."""
+    """The estimates from the least accurate on, then methods that are not listed, then the numerical ones on top."""
     numerical = numerical_names()
     estimates = [name for name in names() if name not in numerical]
     distinct = list(dict.fromkeys(methods))

@@ -68,7 +68,7 @@ def _convergence(axes: Axes, case: xr.Dataset) -> None:
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
     width = (high - low)[bounded].max(axis=1) / 2
-    axes.plot(terms[bounded], width, label="rigorous: half of the bounds", color=style.BLACK, marker="s")
+    axes.plot(terms[bounded], width, label="rigorous: half-width of the bounds", color=style.BLACK, marker="s")
     if bounded[-1] > estimated[-1]:
         compared, best, name = estimated, (low + high)[bounded[-1]] / 2, f"bounds by {terms[bounded[-1]]}"
     else:

@@ -20,7 +20,7 @@ from weier.scene import Case
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
-MAX_SECONDS = 60.0  # that a method may take for an extreme, as one curve and then once more, load by load
+MAX_RUN_SECONDS = 60.0  # that a method may take for an extreme, as one curve and then once more, load by load
 MIN_NODES, MAX_NODES = 3, 2**20
 DISTANCES = (1e-12, 1e-8, 1e-4)  # of loads from an event, relative to it
 EVENT_STEP = 3  # of the births and merges, one in so many
@@ -98,7 +98,7 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     except ValueError:  # a profile out of range: to say so takes no time, and is what the extreme is for
         return True
     each = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
-    return method.seconds(profile, loads) + each <= MAX_SECONDS
+    return method.seconds(profile, loads) + each <= MAX_RUN_SECONDS
 
 
 def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
