@@ -1,10 +1,10 @@
 """Figures: each kind is one module of this folder, drawn in the style of `weier.figures.style`.
 
-A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. It may use data,
-theory, methods, scene, pipeline and accuracy, not the command line.
+A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. Figures may use data,
+theory, methods, scene, pipeline and accuracy, but not the command line.
 
-Who lists the kinds needs no matplotlib, whose import takes longer than all the rest: the constants of the modules are
-read from their text.
+The constants of the modules are read from their text, so that the kinds can be listed without importing matplotlib,
+which takes longer than all the rest.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
 
     from weier.figures.style import RC
 
-    # The reset keeps the matplotlibrc of whoever draws out of the figure.
+    # The reset keeps the user's own matplotlibrc out of the figure.
     with matplotlib.style.context(RC, after_reset=True):
         save(import_module(f"weier.figures.{kind}").draw(studies, title), path)
 

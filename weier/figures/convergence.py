@@ -24,14 +24,7 @@ COUNTS = (1, 2, 4)  # of resolved terms, beside the largest
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Two panels a case: estimates within the best bounds, and how both converge as terms are resolved.
-
-    Raises
-    ------
-    ValueError
-        If fewer than two numbers of terms were resolved.
-
-    """
+    """Two panels a case: estimates within the best bounds, and how both converge as terms are resolved."""
     cases = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
     if not cases:
         raise ValueError("there are no estimates to compare in these data: resolve more terms")

@@ -1,4 +1,4 @@
-"""The extremes, as data: profiles, the loads at which each is hard, and the methods that meet it."""
+"""The extremes as a table: profiles, the loads at which each is hard, and the methods that are run on it."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def around(loads: ArrayLike) -> Array:
 
 
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
-    """All methods that meet an extreme, each with all its algorithms: those that take the profile and end in time."""
+    """All methods that take the profile and end in time, each with all its algorithms."""
     return tuple(
         Variant(_name(method, algorithm), method.name, settings)
         for method in registry.METHODS

@@ -1,4 +1,4 @@
-"""The extremes as a table to read."""
+"""The extremes as a Markdown table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The trade as a table to read."""
+"""The trade between speed and accuracy as a Markdown table."""
 
 from __future__ import annotations
 

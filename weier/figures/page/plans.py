@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from weier.data.dataset import Status
+from weier.figures.page.cells import largest, significant
 from weier.methods.registry import PLANNED, numerical_names
 
 REFERENCE = numerical_names()[0]  # against it errors are measured, where a scene runs it beside its plans
@@ -86,10 +87,11 @@ def _error(case: xr.Dataset, quantity: str) -> float:
 def _row(methods: str, outcomes: Sequence[PlannedCase]) -> list[object]:
     planned, took, *errors = np.array([outcome[1:] for outcome in outcomes]).T
     sums = np.nansum(planned), np.nansum(took)
-    ratio = f"{float(f'{sums[1] / sums[0]:.2g}'):g}" if all(sums) else ""
-    return [methods, len(outcomes), *(f"{each:.3g}" for each in sums), ratio, *map(_largest, errors)]
-
-
-def _largest(errors: np.ndarray) -> str:
-    known = errors[np.isfinite(errors)]
-    return f"{known.max():.1e}" if known.size else "unknown"
+    ratio = significant(sums[1] / sums[0], 2) if all(sums) else ""
+    return [
+        methods,
+        len(outcomes),
+        *(f"{each:.3g}" for each in sums),
+        ratio,
+        *(largest(each, "unknown") for each in errors),
+    ]
