@@ -1,8 +1,8 @@
-"""One thread for everybody, then the command line."""
+"""One thread for all programs, then the command line."""
 
 import os
 
-# Before NumPy, whose BLAS reads them once.
+# These are set before NumPy is imported, because its BLAS reads them once.
 for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[threads] = "1"
 

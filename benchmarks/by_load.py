@@ -1,6 +1,7 @@
-"""What a plan by load saves over the best single way for all loads: `python -m benchmarks.by_load`.
+"""What a plan by load saves over the best single method for all loads: `python -m benchmarks.by_load`.
 
-Both in the same run, by processor time; "one method" is the cheapest plan of a single segment below full contact.
+Both are timed in the same run, by processor time. "One method" is the cheapest plan with a single segment below full
+contact.
 """
 
 from __future__ import annotations
@@ -40,24 +41,19 @@ def main() -> None:
     for profile, quantity, tolerance in CASES:
         by_load, alone = plan(profile, LOADS, tolerance, quantity).segments, one_method(profile, quantity, tolerance)
         took, single = seconds(profile, by_load), seconds(profile, alone)
-        what = f"{profile.describe()} | {quantity} | {tolerance:g}"
-        print(f"| {what} | {names(by_load)} | {took:.3g} | {names(alone)} | {single:.3g} | {single / took:.2g} |")
+        case = f"{profile.describe()} | {quantity} | {tolerance:g}"
+        print(f"| {case} | {names(by_load)} | {took:.3g} | {names(alone)} | {single:.3g} | {single / took:.2g} |")
 
 
 def one_method(profile: Profile, quantity: str, tolerance: float) -> tuple[Segment, ...]:
-    """The cheapest of the offers that do for all loads alone, but for full contact.
-
-    Raises
-    ------
-    OutOfReachError
-        If none does.
-    """
-    flat, others = [], []
-    for offer in candidates(profile, LOADS, tolerance, quantity, METHODS):
-        (flat if offer.method == FULL_CONTACT and offer.terms == profile.m else others).append(offer)
+    """The cheapest candidate that reaches the tolerance at all loads by itself, but for full contact."""
+    full_contact, others = [], []
+    for candidate in candidates(profile, LOADS, tolerance, quantity, METHODS):
+        is_full = candidate.method == FULL_CONTACT and candidate.terms == profile.m
+        (full_contact if is_full else others).append(candidate)
     plans = []
-    for offer in others:
-        pair = [offer, *flat]
+    for candidate in others:
+        pair = [candidate, *full_contact]
         if np.all(np.any([each.error <= tolerance for each in pair], axis=0)):
             plans.append(cheapest(pair, tolerance))
     if not plans:
@@ -66,7 +62,7 @@ def one_method(profile: Profile, quantity: str, tolerance: float) -> tuple[Segme
 
 
 def seconds(profile: Profile, segments: tuple[Segment, ...]) -> float:
-    """The least of two runs."""
+    """Processor time of these segments, the least of two runs."""
     least = math.inf
     for _ in range(2):
         start = process_time()

@@ -9,16 +9,16 @@ import click
 import numpy as np
 
 from benchmarks import report
-from benchmarks.contenders import CONTENDERS, seconds
 from benchmarks.measure import compare
-from benchmarks.problem import Problem, truth
+from benchmarks.problem import Problem, find_reference
+from benchmarks.programs import PROGRAMS, seconds
 from weier import Profile
 from weier.data import dataset
 
 PHASES = (0.0, 1.0, 2.0)
 
 
-def numbers(context: click.Context, parameter: click.Parameter, text: str) -> list[int]:
+def parse_numbers(context: click.Context, parameter: click.Parameter, text: str) -> list[int]:
     """Whole numbers from a list with commas; 2^20 is one."""
     try:
         return [int(base) ** int(power or 1) for base, _, power in (part.partition("^") for part in _parts(text))]
@@ -26,11 +26,11 @@ def numbers(context: click.Context, parameter: click.Parameter, text: str) -> li
         raise click.BadParameter(f'must be whole numbers with commas, such as "512,2^17", got {text!r}') from None
 
 
-def names(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
+def parse_names(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
     """Known programs from a list with commas."""
     for name in _parts(text):
-        if name not in CONTENDERS:
-            raise click.BadParameter(f"must be among {', '.join(CONTENDERS)}, got {name!r}")
+        if name not in PROGRAMS:
+            raise click.BadParameter(f"must be among {', '.join(PROGRAMS)}, got {name!r}")
     return _parts(text)
 
 
@@ -39,11 +39,11 @@ def _parts(text: str) -> list[str]:
 
 
 def installed(programs: Sequence[str]) -> list[str]:
-    """Those that can take part; for the others, how to get them."""
+    """The programs that are installed; it says of the others how to get them."""
     present = []
     for name in programs:
         try:
-            CONTENDERS[name].version(CONTENDERS[name].package)
+            PROGRAMS[name].version(PROGRAMS[name].package)
             present.append(name)
         except LookupError as why:
             click.echo(why.args[0], err=True)
@@ -51,13 +51,20 @@ def installed(programs: Sequence[str]) -> list[str]:
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
-@click.option("--points", callback=numbers, default="512,2048,8192,32768", help="Nodes N, for everyone.")
-@click.option("--alone", callback=numbers, default="2^17,2^20", help="Nodes N, for weier alone.")
-@click.option("--programs", callback=names, default=",".join(CONTENDERS), help="Who takes part.")
-@click.option("--repeats", type=click.IntRange(1), default=3, help="Runs of each, in turn.")
-@click.option("--loads", type=click.IntRange(2), default=40, help="Mean pressures in [1e-3, 2] p_0*, log-spaced.")
-@click.option("--m", type=click.IntRange(1), default=3, help="Terms of the series; 8 needs 156252 nodes or more.")
-@click.option("--tolerance", type=click.FloatRange(0, min_open=True), default=1e-8, help="Residual wanted, in g_0.")
+@click.option(
+    "--points", callback=parse_numbers, default="512,2048,8192,32768", help="Numbers of nodes, for all programs."
+)
+@click.option("--alone", callback=parse_numbers, default="2^17,2^20", help="Numbers of nodes, for weier alone.")
+@click.option("--programs", callback=parse_names, default=",".join(PROGRAMS), help="Programs to compare.")
+@click.option("--repeats", type=click.IntRange(1), default=3, help="Number of runs of each program, taken in turn.")
+@click.option("--loads", type=click.IntRange(2), default=40, help="Number of loads, log-spaced in [1e-3, 2] p_0*.")
+@click.option("--m", type=click.IntRange(1), default=3, help="Terms of the series: 8 need 156252 nodes or more.")
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(0, min_open=True),
+    default=1e-8,
+    help="Residual to be reached, in g_0.",
+)
 @click.option("--output", type=click.Path(path_type=Path), default="results/benchmark", help="Folder to write to.")
 def main(
     points: list[int], alone: list[int], programs: list[str], repeats: int, loads: int, m: int, tolerance: float,
@@ -72,18 +79,18 @@ def main(
     pressure = np.geomspace(1e-3, 2, loads)
     plan = dict.fromkeys(alone, (report.OURS,)) | {size: _able(programs, size) for size in points}
     plan = dict(sorted(plan.items()))
-    known = truth(profile, pressure, max(plan))
+    reference = find_reference(profile, pressure, max(plan))
     for name in programs:  # compiles
-        seconds(CONTENDERS[name], Problem(profile, pressure[-1:], min(plan), tolerance), np.full(1, tolerance))
-    data = compare(profile, pressure, plan, tolerance, repeats, known, _progress)
-    dataset.write(data, output / "benchmark.nc", "weier and others, side by side")
+        seconds(PROGRAMS[name], Problem(profile, pressure[-1:], min(plan), tolerance), np.full(1, tolerance))
+    data = compare(profile, pressure, plan, tolerance, repeats, reference, _progress)
+    dataset.write(data, output / "benchmark.nc", "weier and other programs, side by side")
     report.write_table(data, output / "benchmark.md")
     report.draw(data, output / "benchmark.pdf")
     click.echo(report.table(data))
 
 
 def _able(programs: Sequence[str], points: int) -> tuple[str, ...]:
-    return tuple(name for name in programs if points <= CONTENDERS[name].largest)
+    return tuple(name for name in programs if points <= PROGRAMS[name].max_points)
 
 
 def _progress(text: str) -> None:

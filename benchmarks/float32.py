@@ -1,4 +1,4 @@
-"""What single precision would gain boundary elements, and where it would stop: `python -m benchmarks.float32`."""
+"""What single precision would gain for boundary elements, and what it would lose: `python -m benchmarks.float32`."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from weier.theory.halfplane import eigenvalues
 
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 POINTS = [2**power for power in range(9, 18)]
-PER_WAVE = (64, 512, 4096)
+POINTS_PER_WAVE = (64, 512, 4096)
 LOADS = (1e-3, 0.1, 1.0)
-WORK = 2**22  # nodes that make a time long enough
+MIN_TIMED_NODES = 2**22  # over all repetitions of a run, so that its time is well above the resolution of the clock
 
 
 def main() -> None:
-    """Print the time of a pair of FFTs in both precisions, and the residual that single precision sees."""
+    """Print the time of a pair of FFTs in both precisions, and the residual that it finds of an exact solution."""
     for points in POINTS:
-        double, single = (_pair_seconds(points, kind) for kind in (np.float64, np.float32))
+        double, single = (_pair_seconds(points, dtype) for dtype in (np.float64, np.float32))
         print(f"{points} nodes: {1e6 * double:.0f} us, {1e6 * single:.0f} us, {double / single:.2f} times as fast")
-    for per_wave in PER_WAVE:
-        points = per_wave * PROFILE.waves_per_period[-1]
-        seen = ", ".join(f"{residual:.0e} g_0 at {load:g} p_0*" for load, residual in _residuals(points))
-        print(f"{points} nodes: an exact solution has the residual {seen}")
+    for points_per_wave in POINTS_PER_WAVE:
+        points = points_per_wave * PROFILE.waves_per_period[-1]
+        residuals = ", ".join(f"{residual:.0e} g_0 at {load:g} p_0*" for load, residual in _residuals(points))
+        print(f"{points} nodes: an exact solution has the residual {residuals}")
 
 
-def _pair_seconds(points: int, kind: Any) -> float:
-    x, influence = np.random.default_rng(0).normal(size=points).astype(kind), eigenvalues(points, 1).astype(kind)
-    least, repeat = np.inf, max(20, WORK // points)
+def _pair_seconds(points: int, dtype: Any) -> float:
+    x, influence = np.random.default_rng(0).normal(size=points).astype(dtype), eigenvalues(points, 1).astype(dtype)
+    least, repeat = np.inf, max(20, MIN_TIMED_NODES // points)
     for _ in range(5):
         start = process_time()
         for _ in range(repeat):
@@ -48,15 +48,15 @@ def _product(influence: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
 
 
 def _residuals(points: int) -> list[tuple[float, float]]:
-    """By load: half the range of z - A p in contact, of a solution to 1e-10 g_0, in single precision."""
+    """Each load, with half the range of z - A p in contact: a solution to 1e-10 g_0, examined in single precision."""
     grids, state = nested_grids(PROFILE, points, 1e-10), fft.make_grid_state(points)
     influence, z = eigenvalues(points, 1).astype(np.float32), PROFILE.sampled_height(points).astype(np.float32)
-    found = []
+    residuals = []
     for load in LOADS:
         fft.cascade(load, grids, full_contact(grids, load), state)
         deformed = z - _product(influence, state.pressure.astype(np.float32))
-        found.append((load, float(np.ptp(deformed[state.contact]) / 2)))
-    return found
+        residuals.append((load, float(np.ptp(deformed[state.contact]) / 2)))
+    return residuals
 
 
 if __name__ == "__main__":

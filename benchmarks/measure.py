@@ -1,4 +1,4 @@
-"""Take the times in turn, judge the answers, and keep everything in one self-describing dataset."""
+"""Take the times in turn, examine the answers, and keep everything in one self-describing dataset."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from benchmarks.contenders import CONTENDERS, calibrate, march, seconds
-from benchmarks.problem import Judgement, Problem, Truth, judge
+from benchmarks.problem import Examination, Problem, Reference, examine
+from benchmarks.programs import PROGRAMS, calibrate, seconds, solve_loads
 from weier import Profile, solve
+from weier.kernels.arrays import Array
 
-Array = NDArray[np.float64]
 Say = Callable[[str], None]
-Plan = Mapping[int, Sequence[str]]  # who is asked for how many nodes
+Plan = Mapping[int, Sequence[str]]  # the programs to run, by their nodes
 
 WRONG = 10.0  # times the residual wanted: an answer said to have converged, yet wrong
 
@@ -45,30 +44,30 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
         }
     )
     return data.assign_coords(
-        program=("program", programs, {"long_name": "who solved"}),
+        program=("program", programs, {"long_name": "program that solved the problem"}),
         points=("points", list(plan), {"long_name": "nodes in one period", "units": "1"}),
         mean_pressure=(
             "mean_pressure", loads, {"long_name": "mean pressure", "units": "1", "normalised_by": "p_0*"}
         ),
-        label=("program", [CONTENDERS[name].label for name in programs], {"long_name": "program, for people"}),
-        work_unit=("program", [CONTENDERS[name].work for name in programs], {"long_name": "what work counts"}),
+        label=("program", [PROGRAMS[name].label for name in programs], {"long_name": "program, for people"}),
+        work_unit=("program", [PROGRAMS[name].work for name in programs], {"long_name": "what work counts"}),
     )  # fmt: skip
 
 
 def describe(
-    data: xr.Dataset, profile: Profile, tolerance: float, known: Truth, truth_seconds: Sequence[float]
+    data: xr.Dataset, profile: Profile, tolerance: float, reference: Reference, reference_seconds: Sequence[float]
 ) -> xr.Dataset:
-    """The truth as a variable, and what else one must know to read the numbers, as attributes."""
-    programs = [CONTENDERS[str(name)] for name in data["program"].values]
-    attributes = {"long_name": f"compliance by method {known.method}, in g_0", "units": "1"}
-    return data.assign(truth=("mean_pressure", known.compliance, attributes)).assign_attrs(
+    """The reference as a variable, and what else one must know to read the numbers, as attributes."""
+    programs = [PROGRAMS[str(name)] for name in data["program"].values]
+    attributes = {"long_name": f"compliance by method {reference.method}, in g_0", "units": "1"}
+    return data.assign(reference_compliance=("mean_pressure", reference.compliance, attributes)).assign_attrs(
         D=profile.D,
         gamma=str(profile.gamma),
         m=profile.m,
         phase=profile.phase,
         tolerance=tolerance,
-        truth_method=known.method,
-        truth_seconds=float(np.median(truth_seconds)),
+        reference_method=reference.method,
+        reference_seconds=float(np.median(reference_seconds)),
         threads=1,
         packages=", ".join(dict.fromkeys(program.version(program.package) for program in programs)),
         machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
@@ -80,9 +79,9 @@ def describe(
 
 
 def compare(
-    profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, known: Truth, say: Say
+    profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, reference: Reference, say: Say
 ) -> xr.Dataset:
-    """Judge every program on every size, and time them in turn, and the truth with them: A B C T A B C T.
+    """Examine every program on every size, and time them in turn, with the reference among them: A B C R A B C R.
 
     Parameters
     ----------
@@ -91,12 +90,12 @@ def compare(
     loads : array, shape (loads,)
         Mean pressures, increasing, in p_0*.
     plan : mapping
-        From the nodes in one period to the names of those who are asked.
+        From the nodes in one period to the names of the programs to run.
     tolerance : float
-        Residual wanted of everyone, in g_0.
+        Residual that every program must reach, in g_0.
     repeats : int
         Runs of each to time.
-    known : Truth
+    reference : Reference
         What the compliance should be.
     say : function
         Told about each step.
@@ -104,41 +103,41 @@ def compare(
     Returns
     -------
     Dataset
-        Over program, points, repeat and mean_pressure; NaN where someone was not asked.
+        Over program, points, repeat and mean_pressure; NaN where a program was not run.
 
     """
-    data, truth_seconds = blank(plan, loads, repeats), list[float]()
+    data, reference_seconds = blank(plan, loads, repeats), list[float]()
     for points, programs in plan.items():
         problem = Problem(profile, loads, points, tolerance)
         for name in programs:
-            _examine(name, problem, known, data)
-            say(f"N = {points}: {CONTENDERS[name].label} judged")
+            _examine_program(name, problem, reference, data)
+            say(f"N = {points}: {PROGRAMS[name].label} examined")
         for repeat in range(repeats):
             for name in programs:
                 at = {"program": name, "points": points}
-                taken = seconds(CONTENDERS[name], problem, data["own_tolerance"].sel(at).values)
+                taken = seconds(PROGRAMS[name], problem, data["own_tolerance"].sel(at).values)
                 data["seconds"].loc[{**at, "repeat": repeat}] = taken
-                say(f"N = {points}: {CONTENDERS[name].label}, run {repeat + 1} of {repeats}: {taken:.4g} s")
-            truth_seconds.append(solve(profile, loads, **known.settings).attrs["seconds"])
-    return describe(data, profile, tolerance, known, truth_seconds)
+                say(f"N = {points}: {PROGRAMS[name].label}, run {repeat + 1} of {repeats}: {taken:.4g} s")
+            reference_seconds.append(solve(profile, loads, **reference.settings).attrs["seconds"])
+    return describe(data, profile, tolerance, reference, reference_seconds)
 
 
-def _examine(name: str, problem: Problem, known: Truth, data: xr.Dataset) -> None:
+def _examine_program(name: str, problem: Problem, reference: Reference, data: xr.Dataset) -> None:
     """All but the time, into the row of this program and size."""
-    contender = CONTENDERS[name]
-    own_tolerance = calibrate(contender, problem)
-    solver = (contender.counted or contender.begin)(problem)
-    height, eigenvalue = problem.height, contender.eigenvalue(problem.points, problem.profile.period)
+    program = PROGRAMS[name]
+    own_tolerance = calibrate(program, problem)
+    solver = (program.counted or program.begin)(problem)
+    height, eigenvalue = problem.height, program.eigenvalue(problem.points, problem.profile.period)
     rows = []
-    steps = march(solver, problem.loads, own_tolerance)
+    steps = solve_loads(solver, problem.loads, own_tolerance)
     for load, step in zip(problem.loads[::-1], steps, strict=True):
-        rows.append((step.work, step.converged, *judge(problem, height, eigenvalue, load, step.pressure)))
+        rows.append((step.work, step.converged, *examine(problem, height, eigenvalue, load, step.pressure)))
     at = {"program": name, "points": problem.points}
-    names = ("work", "converged", *Judgement._fields)
+    names = ("work", "converged", *Examination._fields)
     for variable, values in zip(names, np.array(rows, float)[::-1].T, strict=True):
         data[variable].loc[at] = values
     data["own_tolerance"].loc[at] = own_tolerance
-    data["error"].loc[at] = np.abs(data["compliance"].sel(at) - known.compliance).max()
+    data["error"].loc[at] = np.abs(data["compliance"].sel(at) - reference.compliance).max()
 
 
 def wrong(data: xr.Dataset) -> xr.DataArray:

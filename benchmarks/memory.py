@@ -14,8 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from weier import Profile, random_phases
-from weier.methods import bem, patches
-from weier.methods import hybrid as endless
+from weier.methods import bem, hybrid, patches
 
 UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
 NODES = (2**14, 2**17, 2**20)
@@ -33,7 +32,7 @@ def main() -> None:
         used, points = _measured(_on_layer, terms)
         print(
             f"hybrid, {points:g} nodes: {used / points:.0f} bytes a node; the model has "
-            f"{endless.error_model.BYTES_NODE}"
+            f"{hybrid.error_model.BYTES_NODE}"
         )
     for terms in TERMS:
         used, contacts = _measured(_exact, terms)
@@ -61,8 +60,8 @@ def _grid(points: int) -> float:
 
 
 def _on_layer(terms: int) -> float:
-    endless.curve(Profile(1.5, 2, float("inf"), random_phases(1)), LOADS[1:], terms)
-    return endless.POINTS_PER_WAVE * 2 ** (terms - 1)
+    hybrid.curve(Profile(1.5, 2, float("inf"), random_phases(1)), LOADS[1:], terms)
+    return hybrid.POINTS_PER_WAVE * 2 ** (terms - 1)
 
 
 def _exact(terms: int) -> float:

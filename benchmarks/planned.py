@@ -1,7 +1,7 @@
-"""How far the errors that planned curves expect are from those they have: `python -m benchmarks.planned [COUNT]`.
+"""Expected errors of planned curves against their true errors: `python -m benchmarks.planned [COUNT]`.
 
-COUNT random finite series against contact patches, a fifth as many endless ones against more terms, at loads from
-1e-12 p_0*.
+COUNT random finite series are compared with contact patches, and a fifth as many infinite series with more terms of
+themselves, at loads from 1e-12 p_0*.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tests.verification import Verified, verify, verify_infinite
 def main() -> None:
     """Print each curve that misses what it expects, and how much too wide the others are."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    for what, found in (("finite", list(verify(count))), ("endless", list(verify_infinite(count // 5)))):
+    for what, found in (("finite", list(verify(count))), ("infinite", list(verify_infinite(count // 5)))):
         for each in found:
             if not each.inside or not each.kept:
                 print("missed:", each)
@@ -30,7 +30,7 @@ def main() -> None:
 
 
 def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> None:
-    """How much too wide the expected errors of curves by the same methods are."""
+    """Print by which factors the expected errors of curves by the same methods exceed the true ones."""
     checks = [getattr(each, quantity) for each in found]
     width = [check.expected / check.true for check in checks if check.true > 1e-14 and check.expected > 0]
     if width:

@@ -1,19 +1,17 @@
-"""What all are given, and what all are judged by: one profile, its loads, the operator, the residual, the truth."""
+"""The problem that all programs solve, and how a solution is examined: operators, residual and reference."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier import Profile, solve
+from weier.kernels.arrays import Array
 from weier.theory.halfplane import eigenvalues
 
-Array = NDArray[np.float64]
-
 PATCHES_TERMS = 4  # beyond, thousands of contact patches take too long
-FINEST_TRUTH = 2**17  # nodes; leave an error of 1e-8 g_0 with m = 3
+MIN_REFERENCE_POINTS = 2**17  # of boundary elements, which leave an error of 1e-8 g_0 with m = 3
 
 
 class Problem(NamedTuple):
@@ -31,15 +29,15 @@ class Problem(NamedTuple):
 
 
 class Step(NamedTuple):
-    """The answer to one load: nodal pressure in p_0*, work done, whether the solver says that it converged."""
+    """The solution for one load: nodal pressure in p_0*, work done, whether the solver says that it converged."""
 
     pressure: Array
     work: float
     converged: bool
 
 
-class Judgement(NamedTuple):
-    """What one pressure is worth: compliance and largest violation of a contact condition in g_0, load error (1)."""
+class Examination(NamedTuple):
+    """Of one solution: compliance and largest violation of a contact condition in g_0, and relative load error."""
 
     compliance: float
     residual: float
@@ -57,21 +55,21 @@ def fourier(points: int, period: float) -> Array:
     return np.concatenate([[0.0], period / waves])
 
 
-def judge(problem: Problem, height: Array, eigenvalue: Array, load: float, pressure: Array) -> Judgement:
+def examine(problem: Problem, height: Array, eigenvalue: Array, load: float, pressure: Array) -> Examination:
     """Apply the operator afresh: |gap| where there is pressure, penetration elsewhere, tension as its own deflection.
 
-    The flat rests at the mean height of the surface under pressure.
+    The rigid plane rests at the mean height of the surface under pressure.
     """
     deformed = height - np.fft.irfft(eigenvalue * np.fft.rfft(pressure), problem.points)
     contact = pressure > 0
-    flat = deformed[contact].mean()
-    gap = flat - deformed
+    plane = deformed[contact].mean()
+    gap = plane - deformed
     node = np.fft.irfft(eigenvalue, problem.points)[0]
     residual = max(np.abs(gap[contact]).max(), -gap.min(), -pressure.min() * node)
-    return Judgement(problem.profile.total_amplitude - flat, residual, abs(pressure.mean() / load - 1))
+    return Examination(problem.profile.total_amplitude - plane, residual, abs(pressure.mean() / load - 1))
 
 
-class Truth(NamedTuple):
+class Reference(NamedTuple):
     """Compliance over the loads, in g_0, and the method and settings of `weier.solve` that give it."""
 
     compliance: Array
@@ -79,15 +77,15 @@ class Truth(NamedTuple):
 
     @property
     def method(self) -> str:
-        """Who tells the truth."""
+        """The method that gives the reference."""
         return str(self.settings["method"])
 
 
-def truth(profile: Profile, loads: Array, points: int) -> Truth:
-    """By the contact patches, exact to ten digits; for many terms, by boundary elements as fine as any compared."""
+def find_reference(profile: Profile, loads: Array, points: int) -> Reference:
+    """Contact patches, exact to ten digits; for many terms boundary elements, as fine as any that are compared."""
     settings: dict[str, Any]
     if profile.terms <= PATCHES_TERMS:
         settings = {"method": "patches"}
     else:
-        settings = {"method": "bem", "points": max(FINEST_TRUTH, points), "resistance": False}
-    return Truth(solve(profile, loads, **settings)["compliance"].values, settings)
+        settings = {"method": "bem", "points": max(MIN_REFERENCE_POINTS, points), "resistance": False}
+    return Reference(solve(profile, loads, **settings)["compliance"].values, settings)

@@ -1,4 +1,4 @@
-"""What the numbers say: a Markdown table with ratios, and a figure."""
+"""The comparison as a Markdown table with ratios, and as a figure."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from benchmarks.contenders import PAIRS
 from benchmarks.measure import failed, wrong
+from benchmarks.programs import PAIRS
 from weier.data import markdown
 from weier.data.files import write_text
 from weier.figures import save, style
@@ -40,7 +40,7 @@ def median(data: xr.Dataset) -> xr.DataArray:
 
 
 def table(data: xr.Dataset) -> str:
-    """The whole comparison as Markdown: who takes how long, times of ours, and whether the answer is right."""
+    """The whole comparison as Markdown: seconds of each program, their ratio to weier's, and errors."""
     head = ("N", "program", "seconds", f"times {OURS}", "work a load", "residual", "error of h", "loads wrong")
     rows = []
     for points in data["points"].values:
@@ -59,8 +59,9 @@ def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
         else np.nan
     )
     own = float(median(data).sel(at))
-    lies, gives_up = int(wrong(data).sel(at)), int(failed(data).sel(at))
-    verdict = [f"{lies} said to have converged"] * (lies > 0) + [f"{gives_up} given up"] * (gives_up > 0)
+    wrong_count, failed_count = int(wrong(data).sel(at)), int(failed(data).sel(at))
+    faults = [f"{wrong_count} reported as converged"] * (wrong_count > 0)
+    faults += [f"{failed_count} not converged"] * (failed_count > 0)
     return [
         f"{int(row['points'])}",
         markdown.plain(str(row["label"].values)),
@@ -69,28 +70,30 @@ def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
         f"{float(row['work'].mean()):.3g} {row['work_unit'].values}",
         f"{float(row['residual'].max()):.1e}",
         f"{float(row['error']):.1e}",
-        ", ".join(verdict) or "0",
+        ", ".join(faults) or "0",
     ]
 
 
 def _preface(data: xr.Dataset) -> list[str]:
-    about = data.attrs
+    attributes = data.attrs
     loads = data["mean_pressure"].values
     repeats = data.sizes["repeat"]
     return [
         "# Benchmarks",
         "",
         f"The same curve by several programs: {loads.size} loads in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, "
-        f"D = {about['D']:g}, gamma = {about['gamma']}, m = {about['m']}. {about['machine']}; one thread; "
-        f"{about['packages']}. Medians of {repeats} runs, taken in turn; seconds for the whole curve, from the "
-        "heaviest load down, each load from the one before.",
+        f"D = {attributes['D']:g}, gamma = {attributes['gamma']}, m = {attributes['m']}. {attributes['machine']}; "
+        f"one thread; {attributes['packages']}. Medians of {repeats} runs, taken in turn; seconds for "
+        "the whole curve, from the heaviest load down, each load from the one before.",
         "",
-        f"Everyone is asked for a residual of {about['tolerance']:.0e} g_0: the largest |gap| under pressure or "
-        f"penetration elsewhere, from the pressure it returns and a freshly applied operator. "
-        f"{about['discretisation']} Their own tolerances are, load by load, the loosest that leave this residual.",
+        f"Every program must reach a residual of {attributes['tolerance']:.0e} g_0: the largest |gap| under pressure "
+        f"or penetration elsewhere, from the pressure it returns and a freshly applied operator. "
+        f"{attributes['discretisation']} The tolerances of the other programs are, load by load, the loosest that "
+        "leave this residual.",
         "",
-        f"Errors of h, in g_0, against method {about['truth_method']}, which took {about['truth_seconds']:.3g} s "
-        "for the same curve, at the median of its runs among the others. Work counts pairs of FFTs, those of coarser "
+        f"Errors of h, in g_0, are those against method {attributes['reference_method']}, which took "
+        f"{attributes['reference_seconds']:.3g} s for the same curve, at the median of its runs among the others. "
+        "Work counts pairs of FFTs, those of coarser "
         "grids by their size, or dense solutions.",
     ]
 
@@ -132,9 +135,9 @@ def _panel(axes: Axes, number: int, data: xr.Dataset, x: str, y: str) -> None:
 
 
 def _mark_patches(axes: Axes, data: xr.Dataset) -> None:
-    """The time that contact patches take for ten digits: off the scale of errors."""
-    if data.attrs["truth_method"] == "patches":
-        at = data.attrs["truth_seconds"]
+    """Mark the time that contact patches take for ten digits, which are off the scale of errors."""
+    if data.attrs["reference_method"] == "patches":
+        at = data.attrs["reference_seconds"]
         axes.axvline(at, color="0.5", linewidth=0.8, zorder=0)
         axes.annotate(
             "contact patches:\nten digits", (at, 0.05), (-4, 0), xycoords=("data", "axes fraction"),

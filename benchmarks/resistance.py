@@ -1,17 +1,15 @@
-"""Two ways to the resistance from boundary elements, on the reference values: python -m benchmarks.resistance."""
+"""Two schemes for the resistance from boundary elements, on the reference values: python -m benchmarks.resistance."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tests.reference import REFERENCES, Reference
 from weier.data import markdown
+from weier.kernels.arrays import Array
 from weier.methods.bem import curve
 
-Array = NDArray[np.float64]
-
-LIGHTEST = 1e-3  # a lighter load touches a single node of the default grid
+MIN_LOAD = 1e-3  # a lighter load touches a single node of the default grid
 STEPS = (0.01, 0.03, 0.1, 0.2)
 
 
@@ -28,12 +26,12 @@ def by_active_set(reference: Reference) -> Array:
 
 def main() -> None:
     """Print median, ninth decile and maximum of the relative errors as a Markdown table."""
-    seen = [reference.above(LIGHTEST) for reference in REFERENCES]
+    references = [reference.above(MIN_LOAD) for reference in REFERENCES]
     schemes = {"active set": by_active_set}
     schemes |= {f"differences, delta = {s}": (lambda r, s=s: by_differences(r, s)) for s in STEPS}
     rows = []
     for name, scheme in schemes.items():
-        errors = np.concatenate([relative_errors(reference, scheme(reference)) for reference in seen])
+        errors = np.concatenate([relative_errors(reference, scheme(reference)) for reference in references])
         rows.append([name, f"{np.median(errors):.2%}", f"{np.quantile(errors, 0.9):.1%}", f"{errors.max():.0%}"])
     print(markdown.table(["scheme", "median", "90 %", "largest"], rows))
 

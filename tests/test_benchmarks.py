@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, contenders, measure, parts, report
-from benchmarks.contenders import CONTENDERS
-from benchmarks.problem import Problem, Truth, fourier, judge, linear_elements
+from benchmarks import command, measure, parts, programs, report
+from benchmarks.problem import Problem, Reference, examine, fourier, linear_elements
+from benchmarks.programs import PROGRAMS
 from benchmarks.solvers import slippy
 from weier import Profile
 from weier.data import dataset
@@ -20,7 +20,7 @@ from weier.methods import westergaard
 
 PROFILE = Profile(1.25, 5, 1)
 LOADS = np.geomspace(0.05, 1.5, 4)
-KNOWN = Truth(westergaard.compliance(LOADS), {"method": "westergaard"})
+REFERENCE = Reference(westergaard.compliance(LOADS), {"method": "westergaard"})
 TOLERANCE = 1e-8
 
 
@@ -28,12 +28,12 @@ TOLERANCE = 1e-8
 def compared() -> xr.Dataset:
     """The fast and the dense solver, the latter not asked for the finer grid."""
     plan = {32: ["weier", "dense"], 64: ["weier"]}
-    return measure.compare(PROFILE, LOADS, plan, TOLERANCE, 2, KNOWN, lambda text: None)
+    return measure.compare(PROFILE, LOADS, plan, TOLERANCE, 2, REFERENCE, lambda text: None)
 
 
 def made_up(repeats: int = 2) -> xr.Dataset:
-    """All contenders on two sizes, with numbers that no one measured."""
-    data = measure.blank({512: list(CONTENDERS), 2048: list(CONTENDERS)}, LOADS, repeats)
+    """All programs on two sizes, with made-up numbers."""
+    data = measure.blank({512: list(PROGRAMS), 2048: list(PROGRAMS)}, LOADS, repeats)
     for rank, name in enumerate(data["program"].values):
         row = data.sel({"program": name})
         for variable in ("work", "compliance", "residual", "load_error", "own_tolerance", "error"):
@@ -41,7 +41,7 @@ def made_up(repeats: int = 2) -> xr.Dataset:
         row["converged"].values[:] = 1
         row["seconds"].values[:] = 0.1 * (rank + 1)
     return data.assign_attrs(
-        D=1.25, gamma="5", m=1, tolerance=TOLERANCE, truth_method="patches", truth_seconds=0.05,
+        D=1.25, gamma="5", m=1, tolerance=TOLERANCE, reference_method="patches", reference_seconds=0.05,
         packages="numpy 2", machine="a computer", discretisation="Made up.",
     )  # fmt: skip
 
@@ -59,22 +59,22 @@ def test_the_dense_inversion_solves_the_same_system(compared):
     assert np.all(measure.failed(compared) == 0)
 
 
-def test_the_judge_finds_what_is_wrong():
-    """Full contact is exact in both discretisations; a shifted, a scaled and a pulling pressure are not."""
+def test_a_wrong_solution_is_found():
+    """Full contact is exact in both discretisations; a shifted, a scaled and a tensile pressure are not."""
     problem = Problem(PROFILE, np.array([2.0]), 64, TOLERANCE)
     for operator in (linear_elements, fourier):
         eigenvalue = operator(64, 1.0)
         inverse = np.concatenate([[0.0], 1 / eigenvalue[1:]])
         pressure = 2.0 + np.fft.irfft(inverse * np.fft.rfft(problem.height), 64)
-        right = judge(problem, problem.height, eigenvalue, 2.0, pressure)
+        right = examine(problem, problem.height, eigenvalue, 2.0, pressure)
         assert right.compliance == pytest.approx(1.0, abs=1e-12)
         assert max(right.residual, right.load_error) <= 1e-12
-        assert judge(problem, problem.height, eigenvalue, 2.0, np.roll(pressure, 1)).residual > 1e-2
-        assert judge(problem, problem.height, eigenvalue, 2.0, 1.1 * pressure).load_error == pytest.approx(0.1)
-        assert judge(problem, problem.height, eigenvalue, 2.0, pressure - 1.5).residual > 1e-3
+        assert examine(problem, problem.height, eigenvalue, 2.0, np.roll(pressure, 1)).residual > 1e-2
+        assert examine(problem, problem.height, eigenvalue, 2.0, 1.1 * pressure).load_error == pytest.approx(0.1)
+        assert examine(problem, problem.height, eigenvalue, 2.0, pressure - 1.5).residual > 1e-3
 
 
-def test_the_table_tells_ratios_and_lies():
+def test_the_table_holds_ratios_and_counts_wrong_solutions():
     data = made_up()
     data["residual"].loc[{"program": "tamaas", "points": 512}] = 1e-3
     data["converged"].loc[{"program": "contact_mechanics", "points": 512, "mean_pressure": LOADS[0]}] = 0
@@ -82,12 +82,12 @@ def test_the_table_tells_ratios_and_lies():
         tuple(cell.strip() for cell in line.split("|")[1:3]): line for line in report.table(data).splitlines()[9:]
     }
     assert "| 3 |" in lines["512", "tamaas"]
-    assert "4 said to have converged" in lines["512", "tamaas"]
-    assert "1 given up" in lines["512", "ContactMechanics"]
+    assert "4 reported as converged" in lines["512", "tamaas"]
+    assert "1 not converged" in lines["512", "ContactMechanics"]
     assert lines["2048", "tamaas"].endswith("| 0 |")
 
 
-def test_the_report_is_written_even_where_someone_was_not_asked(compared, tmp_path: Path):
+def test_the_report_is_written_even_where_a_program_was_not_run(compared, tmp_path: Path):
     report.write_table(compared, tmp_path / "new" / "benchmark.md")
     report.draw(compared, tmp_path / "new" / "benchmark.pdf")
     written = {path.name for path in (tmp_path / "new").iterdir()}
@@ -98,15 +98,15 @@ def test_the_file_holds_everything(compared, tmp_path: Path):
     dataset.write(compared, tmp_path / "benchmark.nc", "test")
     with xr.open_dataset(tmp_path / "benchmark.nc") as read:
         xr.testing.assert_equal(read.load(), compared)
-        for name in ("tolerance", "threads", "packages", "machine", "discretisation", "truth_method"):
+        for name in ("tolerance", "threads", "packages", "machine", "discretisation", "reference_method"):
             assert read.attrs[name] == compared.attrs[name]
 
 
-def test_who_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys):
+def test_a_missing_program_is_named_with_how_to_install_it(monkeypatch, capsys):
     def missing(name: str) -> str:
         raise PackageNotFoundError(name)
 
-    monkeypatch.setattr(contenders, "installed_version", missing)
+    monkeypatch.setattr(programs, "installed_version", missing)
     monkeypatch.delenv("SLIPPY_PYTHON", raising=False)
     slippy.worker.cache_clear()
     assert command.installed(["tamaas", "slippy"]) == []
@@ -125,10 +125,10 @@ def test_another_environment_is_asked_through_a_pipe():
 
 def test_sizes_may_be_powers():
     parameter = command.main.params[0]
-    assert command.numbers(None, parameter, "512, 2^17,") == [512, 2**17]
-    assert command.numbers(None, parameter, "") == []
+    assert command.parse_numbers(None, parameter, "512, 2^17,") == [512, 2**17]
+    assert command.parse_numbers(None, parameter, "") == []
     with pytest.raises(command.click.BadParameter, match="whole numbers"):
-        command.numbers(None, parameter, "512;1024")
+        command.parse_numbers(None, parameter, "512;1024")
 
 
 def test_every_part_has_a_row(monkeypatch):

@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import re
 import shutil
 import subprocess
@@ -12,9 +11,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.conventions import check, complaints
 from tests.trade import small_trade
 from weier import scene
-from weier.accuracy.convergence import convergence
+from weier.accuracy.convergence import measure_convergence
 from weier.data import dataset, provenance, variables
 from weier.methods import demelio
 from weier.pipeline import batch, claims
@@ -62,7 +62,7 @@ def folder(tmp_path_factory):
     dataset.write(cost, folder / "cost.nc", loaded.title, "solved", loaded.text)
     claims.write(loaded, folder, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
-    infinite = convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
+    infinite = measure_convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
     dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
     dataset.write(small_trade(folder, TRADE, 100), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder
@@ -73,32 +73,15 @@ def files(folder):
     return sorted(folder.glob("*.nc"))
 
 
-def checked(files, convention, folder):
-    """The checker's whole answer for each file, with a network that leads nowhere."""
-    output = folder / f"{convention.partition(':')[0]}.json"
-    environment = os.environ | dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
-    command = ["cchecker.py", "-t", convention, "-c", "strict", "-f", "json_new", "-o", output, *files]
-    done = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True, timeout=300)
-    assert "exceptions occurred" not in done.stdout + done.stderr, done.stdout + done.stderr
-    answers = json.loads(output.read_text(encoding="utf-8"))
-    assert set(answers) == set(map(str, files))
-    return {name: answer[convention] for name, answer in answers.items()}
-
-
-def complaints(answer):
-    ranks = ("high_priorities", "medium_priorities", "low_priorities")
-    return [text for rank in ranks for check in answer[rank] for text in check["msgs"]]
-
-
 def test_cf_strict_finds_nothing(files, tmp_path):
     assert len(files) == 5
-    answers = checked(files, "cf:1.11", tmp_path)
+    answers = check(files, "cf:1.11", tmp_path)
     assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
     assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())
 
 
 def test_acdd_misses_only_what_mechanics_cannot_have(files, tmp_path):
-    for name, answer in checked(files, "acdd:1.3", tmp_path).items():
+    for name, answer in check(files, "acdd:1.3", tmp_path).items():
         said = complaints(answer)
         assert [word for word in IMPOSSIBLE if not any(word in text for text in said)] == []  # no excuse without need
         lacking = [text for text in said if not any(word in text for word in IMPOSSIBLE)]
@@ -131,10 +114,10 @@ def test_the_checker_would_complain(folder, tmp_path):
         file["compliance"].units = "nonsense"
         file.delncattr("summary")
     assert any(
-        "nonsense" in text for text in complaints(checked([tmp_path / "bad.nc"], "cf:1.11", tmp_path).popitem()[1])
+        "nonsense" in text for text in complaints(check([tmp_path / "bad.nc"], "cf:1.11", tmp_path).popitem()[1])
     )
     assert any(
-        "summary" in text for text in complaints(checked([tmp_path / "bad.nc"], "acdd:1.3", tmp_path).popitem()[1])
+        "summary" in text for text in complaints(check([tmp_path / "bad.nc"], "acdd:1.3", tmp_path).popitem()[1])
     )
 
 

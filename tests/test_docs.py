@@ -200,7 +200,7 @@ def test_all_that_is_public_is_described(site):
     text = page(site, "interface")
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
     public |= {
-        "weier.accuracy.convergence.convergence",
+        "weier.accuracy.convergence.measure_convergence",
         "weier.methods.bem.curve",
         "weier.methods.hybrid.curve",
         "weier.methods.layer.curve",

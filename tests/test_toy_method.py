@@ -1,6 +1,6 @@
 """A method defined here, outside the package, and listed: everything else follows from its one object.
 
-The trade between speed and accuracy and the extremes have their own tests of it in tests/accuracy.
+tests/test_toy_comparison.py drives it through the trade between speed and accuracy and through the extremes.
 """
 
 import numpy as np

@@ -44,7 +44,7 @@ class Verified(NamedTuple):
 
     `points` is the finest grid, NaN without any.
 
-    The resistance of an infinite series is None: nothing tells the truth.
+    The resistance of an infinite series is None, because there is no reference for it.
     """
 
     profile: Profile
@@ -87,7 +87,7 @@ def verify(count: int, seed: int = 0) -> Iterator[Verified]:
 
 
 def verify_infinite(count: int, seed: int = 0) -> Iterator[Verified]:
-    """Random infinite series, D in (1.05, 1.7), to 0.1 g_0 or less, as 2^16 points tell the truth."""
+    """Random infinite series, D in (1.05, 1.7), to 0.1 g_0 or less, against 2^16 points."""
     random = np.random.default_rng(seed)
     done = 0
     while done < count:
@@ -127,7 +127,7 @@ def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: f
 
 
 def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Verified:
-    """The truth lies within [h_k, h_k + 2 G_k], and below full contact."""
+    """The infinite series lies within [h_k, h_k + 2 G_k], and below full contact."""
     kept, found = _longest(profile), _planned(profile, loads, tolerance)
     points = bem.error_model.MIN_POINTS_PER_WAVE * kept.waves_per_period[-1]
     h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False).compliance

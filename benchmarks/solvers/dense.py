@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import circulant
 
 from benchmarks.problem import Problem, Step
+from weier.kernels.arrays import Array
 from weier.methods.bem import direct
 from weier.theory.halfplane import influence_coefficients
-
-Array = NDArray[np.float64]
 
 
 class Inversion(NamedTuple):
@@ -22,10 +20,10 @@ class Inversion(NamedTuple):
     influence: Array
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """Begin on the nodes that carry in `start`."""
+        """Solve from the nodes that carry load in `start`."""
         contact = np.ones(self.height.size, bool) if start is None else start > 0
         found = direct.solve_load(self.influence, self.height, contact, load, tolerance)
-        return Step(found.pressure, found.rounds, found.settled)
+        return Step(found.pressure, found.rounds, found.converged)
 
 
 def begin(problem: Problem) -> Inversion:

@@ -15,22 +15,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.problem import Problem, Step, linear_elements
-
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 ITERATIONS = 20_000
-HINT = "slippy is left out: its interpreter is to stand in SLIPPY_PYTHON, see benchmarks/slippy-requirements.txt"
+HINT = "slippy is left out: set SLIPPY_PYTHON to its interpreter, see benchmarks/slippy-requirements.txt"
 
 
 class Worker:
-    """The other process."""
+    """The process in which slippy runs."""
 
     def __init__(self, python: str) -> None:
         script = Path(__file__).with_name("slippy_worker.py")
-        # Isolated, -I, or it would import this file as slippy.
+        # -I isolates the interpreter, which would otherwise import this file as slippy.
         self.process = subprocess.Popen([python, "-I", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def ask(self, name: str, *arguments: object) -> Any:
@@ -49,7 +47,7 @@ class Worker:
             self.process.stdin.flush()
             return pickle.load(self.process.stdout)
         except (EOFError, BrokenPipeError):
-            raise RuntimeError("the process that ran slippy has ended: what it said stands above") from None
+            raise RuntimeError("the process that ran slippy has ended: its own message stands above") from None
 
 
 @cache
@@ -69,7 +67,7 @@ def worker() -> Worker:
 
 
 def version(package: str) -> str:
-    """Name and version, asked of the other environment."""
+    """Name and version, as the other environment states them."""
     return f"{package} {worker().ask('version')}"
 
 

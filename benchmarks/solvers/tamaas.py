@@ -7,11 +7,9 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.problem import Problem, Step
-
-Array = NDArray[np.float64]
+from weier.kernels.arrays import Array
 
 ITERATIONS = 20_000
 

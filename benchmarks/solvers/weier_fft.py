@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from benchmarks.problem import Problem, Step
+from weier.kernels.arrays import Array
 from weier.methods.bem import curve as solve_curve
 from weier.methods.bem import fft
 from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
-
-Array = NDArray[np.float64]
 
 
 class Descent(NamedTuple):

@@ -15,7 +15,7 @@ PROFILE = Profile(1.25, 2, np.inf, random_phases(2))
 
 @pytest.fixture(scope="module")
 def convergence():
-    return study.convergence([PROFILE], LOADS, 6).isel(case=0)
+    return study.measure_convergence([PROFILE], LOADS, 6).isel(case=0)
 
 
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
@@ -44,7 +44,7 @@ def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
     monkeypatch.setattr(study, "MAX_POINTS", 300)
     monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
-    data = study.convergence([Profile(1.25, 5, np.inf, random_phases(1))], LOADS[::2], 5)
+    data = study.measure_convergence([Profile(1.25, 5, np.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
     assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
@@ -56,7 +56,7 @@ def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
 
 def test_bad_loads_are_not_taken_for_too_many_points():
     with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\]"):
-        study.convergence([PROFILE], [1e-9, 1.0], 2)
+        study.measure_convergence([PROFILE], [1e-9, 1.0], 2)
 
 
 def test_the_file_counts_resolved_terms(convergence):

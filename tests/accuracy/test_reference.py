@@ -8,7 +8,7 @@ import pytest
 from tests.reference import REFERENCES
 from weier import Profile
 from weier.accuracy import reference as module
-from weier.accuracy.reference import exact_contact, is_in_reach, reference
+from weier.accuracy.reference import contact_reference, find_reference, is_in_reach
 from weier.accuracy.runner import Outcome, attempt
 from weier.methods import registry, westergaard
 from weier.methods.method import Variant
@@ -18,20 +18,22 @@ LOADS = np.array([0.01, 0.1])
 
 
 def reference_of(name, profile, loads=LOADS):
-    return reference(registry.find_method(name), profile, loads, attempt(Variant(name, name, {}), profile, loads))
+    return find_reference(
+        registry.find_method(name), profile, loads, attempt(Variant(name, name, {}), profile, loads)
+    )
 
 
 @pytest.mark.parametrize("known", REFERENCES, ids=str)
 def test_the_exact_contact_is_that_of_independent_values(known):
     """To the digits that these have: 1e-10 of the compliance and 1e-8 of the resistance."""
-    found = exact_contact(known.profile, tuple(known.mean_pressure.tolist()))
+    found = contact_reference(known.profile, tuple(known.mean_pressure.tolist()))
     assert np.array(found.compliance, float) == pytest.approx(known.compliance, rel=1e-10, abs=1e-10)
     assert np.array(found.resistance, float) == pytest.approx(known.resistance, rel=1e-8, abs=1e-8)
 
 
 def test_first_touch_meets_what_the_patches_of_the_shifted_profile_give():
     """Below 1e-20 p_0* a closed form is the reference, above it the patches."""
-    below, above = (exact_contact(THREE, (p,)) for p in (0.9e-20, 1.1e-20))
+    below, above = (contact_reference(THREE, (p,)) for p in (0.9e-20, 1.1e-20))
     # R falls by ln(1.1/0.9) between the two loads.
     assert float(below.resistance[0] - above.resistance[0]) == pytest.approx(math.log(1.1 / 0.9), rel=1e-8)
     assert float(below.compliance[0]) == pytest.approx(float(above.compliance[0]), rel=1e-12)
@@ -41,8 +43,8 @@ def test_full_contact_is_that_of_the_patches():
     """At the load where the closed form takes over, the patches have the same compliance and hardly a resistance."""
     load = module._full_contact_load(THREE)
     assert load < THREE.full_contact_pressure.sum()
-    closed = exact_contact(THREE, (load * 1.0001,))
-    below = exact_contact(THREE, (load * 0.9999,))
+    closed = contact_reference(THREE, (load * 1.0001,))
+    below = contact_reference(THREE, (load * 0.9999,))
     assert closed.resistance == [0]
     assert float(below.compliance[0]) == pytest.approx(float(closed.compliance[0]), rel=1e-6)
     assert 0 < below.resistance[0] < 1e-3
@@ -88,5 +90,5 @@ def test_where_nothing_was_made_nothing_is_looked_up():
     profile, loads = Profile(1.5, 5, 1), np.array([1e-300, 0.1])
     made = attempt(Variant("bem", "bem", {}), profile, loads)
     made.outcome[0] = Outcome.clear_error
-    found = reference(registry.find_method("bem"), profile, loads, made)
+    found = find_reference(registry.find_method("bem"), profile, loads, made)
     assert np.isnan(np.array(found.compliance, float)).tolist() == [True, False]

@@ -65,7 +65,7 @@ def minimum_of_energy(h, D, gamma, n=1024):
     """Mean pressure of two waves at the compliance h: u + w = h - 1 + cos 2 pi x on n equal steps of half a wave."""
     k = np.arange(n)
     softness = np.where(k > 0, 1 / np.maximum(k, 1), 0.0)
-    pull = h - 1 + np.cos(np.pi * (k + 0.5) / n)
+    indentation = h - 1 + np.cos(np.pi * (k + 0.5) / n)
     ratio = gamma ** (1 - D)
 
     def energy(p):
@@ -74,10 +74,10 @@ def minimum_of_energy(h, D, gamma, n=1024):
         below = np.minimum(z, 1)
         w = gamma ** (D - 2) * below * (1 - np.log(below))
         stored = gamma ** (D - 2) / ratio * (below**2 * (0.75 - 0.5 * np.log(below)) + np.maximum(z - 1, 0))
-        return np.sum(p * u / 2 + stored - p * pull), u + w - pull
+        return np.sum(p * u / 2 + stored - p * indentation), u + w - indentation
 
     options = {"maxiter": 20000, "maxfun": 20000, "ftol": 0, "gtol": 1e-9, "maxcor": 30}
-    start = np.maximum(pull, 0)
+    start = np.maximum(indentation, 0)
     best = minimize(energy, start, jac=True, method="L-BFGS-B", bounds=[(0, None)] * n, options=options)
     gap = energy(best.x)[1]
     assert np.all(np.abs(np.minimum(best.x, gap)) < 1e-6)
@@ -215,15 +215,15 @@ def mean_pressure_at(h, log_pressure, n=400):
     k = np.arange(n)
     softness = np.where(k > 0, 1 / np.maximum(k, 1), 0.0)
     operator = idct(softness[:, None] * dct(np.eye(n), axis=0, norm="ortho"), axis=0, norm="ortho") - np.eye(n)
-    clearance = h - 1 + np.cos(np.pi * (k + 0.5) / n)
-    s = clearance.copy()
+    indentation = h - 1 + np.cos(np.pi * (k + 0.5) / n)
+    s = indentation.copy()
     for _ in range(50):
         log_s = np.log(np.maximum(s, 1e-30))
         known = np.clip(log_s, *log_pressure.x[[0, -1]])
         power = log_pressure(known, 1)
         p = np.where(s > 0, np.exp(log_pressure(known) + power * (log_s - known)), 0)
         slope = np.where(s > 0, p * power / np.maximum(s, 1e-30), 0)
-        step = np.linalg.solve(operator * slope + np.eye(n), clearance - s - operator @ p)
+        step = np.linalg.solve(operator * slope + np.eye(n), indentation - s - operator @ p)
         s = s + step
         if np.abs(step).max() < 1e-12:
             return p.mean()

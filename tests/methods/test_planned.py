@@ -11,8 +11,7 @@ import weier
 from tests.verification import verify, verify_infinite
 from weier import Profile, plan, random_phases, scene, solve
 from weier.data import dataset
-from weier.methods import bem, patches, registry
-from weier.methods import hybrid as endless
+from weier.methods import bem, hybrid, patches, registry
 from weier.methods.errors import NotApplicableError, OutOfReachError
 from weier.methods.planned import solver as planned
 from weier.methods.planned import truncations
@@ -27,7 +26,7 @@ PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 
 
 def test_planned_curves_are_within_the_errors_they_expect():
-    """All of 200 others did, by `python -m benchmarks.planned`: of 15, none may miss, nor of 2 endless ones."""
+    """All of 200 others did, by `python -m benchmarks.planned`: of 15, none may miss, nor of 2 infinite ones."""
     found = [*verify(15, seed=1), *verify_infinite(2, seed=1)]
     assert {method for each in found for method in each.methods} >= {"full contact", "westergaard", "bem", "patches"}
     assert {each.quantity for each in found} == {"compliance", "resistance"}
@@ -71,16 +70,16 @@ def test_boundary_elements_follow_their_law_and_not_by_far(D, per_wave):
 @pytest.mark.parametrize("error", [0.3, 1e-2, 1e-4])
 @pytest.mark.parametrize("quantity", ["compliance", "resistance"])
 def test_points_are_the_fewest_that_do(quantity, error):
-    def law(profile, points):
+    def error_model(profile, points):
         heavy = np.array([10.0])
         by_resistance = bem.error_model.resistance_error(profile, points, heavy).item()
         return bem.error_model.compliance_error(profile, points) if quantity == "compliance" else by_resistance
 
     points = bem.error_model.fewest_points(PROFILE, error, quantity)
     waves = PROFILE.waves_per_period[-1]
-    assert law(PROFILE, points) <= error * (1 + 1e-12)
+    assert error_model(PROFILE, points) <= error * (1 + 1e-12)
     # Rounded up to what halves: by 1 in 8 at most, and 1 in 4 of the points is half of the error.
-    assert points == 12 * waves or law(PROFILE, int(points * 0.75)) > error
+    assert points == 12 * waves or error_model(PROFILE, int(points * 0.75)) > error
 
 
 LIGHT_RESISTANCES = [
@@ -105,7 +104,7 @@ def test_the_resistance_of_a_light_load_is_within_its_error(profile, loads, tole
 
 @pytest.mark.parametrize("points", [75, 300, 1200, 4800])
 def test_a_grid_that_does_not_tell_the_resistance_says_so(points):
-    """From a single node in contact to the loads that the law is for."""
+    """From a single node in contact to the loads that the error model holds for."""
     profile = half_a_node_off(PROFILE, points)
     light = bem.error_model.light_load(profile, points)
     loads = light * np.geomspace(1e-9, 100, 23)
@@ -314,7 +313,7 @@ def test_many_heavy_loads_leave_the_finer_terms_to_the_layer():
     assert resolved[-1] == 1
     curve = planned.run(profile, some)
     loads = np.concatenate([part.mean_pressure for part in some])
-    assert np.all(np.abs(curve.compliance - endless.curve(profile, loads, 8).compliance) <= curve.compliance_error)
+    assert np.all(np.abs(curve.compliance - hybrid.curve(profile, loads, 8).compliance) <= curve.compliance_error)
     assert np.all(curve.compliance_error <= 0.3)
 
 
@@ -331,7 +330,7 @@ def test_one_wave_is_a_closed_form():
     assert [part.method for part in found.segments] == ["westergaard", "full contact"]
 
 
-def test_an_endless_series_resolves_what_its_tail_demands():
+def test_an_infinite_series_resolves_what_its_tail_demands():
     part = plan(Profile(1.25, 5, math.inf), LOADS, 1e-2).segments[0]
     assert part.method == "bem"
     assert part.truncation == pytest.approx(Profile(1.25, 5, int(part.terms)).tail_amplitude)
@@ -339,11 +338,11 @@ def test_an_endless_series_resolves_what_its_tail_demands():
 
 
 def test_what_is_out_of_reach_is_refused_with_what_is_missing():
-    endless = Profile(1.9, 2, math.inf)
+    infinite = Profile(1.9, 2, math.inf)
     with pytest.raises(OutOfReachError, match="the others may change it by"):
-        plan(endless, LOADS, 1e-3)
+        plan(infinite, LOADS, 1e-3)
     with pytest.raises(NotApplicableError, match="tolerance must be larger"):
-        weier.solve(endless, LOADS, "planned", tolerance=1e-3)
+        weier.solve(infinite, LOADS, "planned", tolerance=1e-3)
 
 
 @pytest.mark.parametrize("tolerance", [1e-30, 1e-310])

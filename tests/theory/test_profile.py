@@ -40,9 +40,9 @@ def test_profile_and_functions_agree_on_the_sums():
     profile = EXAMPLES[0]
     assert profile.total_amplitude == pytest.approx(leading_amplitude(4, 1.25, 5), rel=2 * EPS)
     assert profile.tail_amplitude == tail_amplitude(4, 1.25, 5)
-    endless = Profile(1.25, 5, np.inf)
-    assert endless.total_amplitude == pytest.approx(1 / (1 - 5**-0.75), rel=4 * EPS)
-    assert endless.tail_amplitude == 0
+    infinite = Profile(1.25, 5, np.inf)
+    assert infinite.total_amplitude == pytest.approx(1 / (1 - 5**-0.75), rel=4 * EPS)
+    assert infinite.tail_amplitude == 0
     # p_n* = 2 pi M g_n/lambda_n, in p_0* = 2 pi M g_0/lambda_0
     np.testing.assert_allclose(profile.full_contact_pressure, profile.amplitude * 5.0 ** np.arange(4), rtol=4 * EPS)
 
@@ -141,7 +141,7 @@ def test_numbers_of_numpy_become_pythons_own(of):
 
 
 @pytest.mark.parametrize("of", NUMPY_FLOATS, ids=lambda each: each.__name__)
-def test_floats_of_numpy_are_ratios_and_endless(of):
+def test_floats_of_numpy_are_ratios_and_infinite(of):
     assert Profile(1.25, of(2.5), of(np.inf)) == Profile(1.25, "5/2", math.inf)
     assert type(Profile(1.25, 5, of(np.inf)).m) is float
 
@@ -193,13 +193,13 @@ def test_irrational_ratio_is_offered_one_that_works():
     assert float(Profile(1.5, offered, 3).gamma) == pytest.approx(math.sqrt(5), rel=1e-4)
 
 
-def test_endless_series_has_sums_but_no_heights():
-    endless = Profile(1.5, 5, np.inf)
+def test_the_infinite_series_has_sums_but_no_heights():
+    infinite = Profile(1.5, 5, np.inf)
     for ask in (
-        lambda: endless.amplitude,
-        lambda: endless.height(0.0),
-        lambda: endless.period,
-        lambda: endless.crest,
+        lambda: infinite.amplitude,
+        lambda: infinite.height(0.0),
+        lambda: infinite.period,
+        lambda: infinite.crest,
     ):
         with pytest.raises(ValueError, match="m = inf has no last term"):
             ask()

@@ -17,7 +17,11 @@ from weier.methods.method import Variant
 from weier.pipeline.batch import describe_case
 from weier.scene import Case
 
-DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # of a case; its coordinates stay in any case
+DESCRIPTION = (
+    "total_amplitude",
+    "tail_amplitude",
+    "first_contact",
+)  # of a case, beside its coordinates
 VARIANT = Variable(("variant",), "method and settings that are compared", content=LABEL)
 
 
@@ -86,7 +90,7 @@ def fill(data: xr.Dataset, comparisons: Sequence[Comparison], measure: Measure) 
 
 
 def _by_name(comparisons: Sequence[Comparison]) -> dict[str, Variant]:
-    """All variants, each once, in the order of the comparison that has the most of them."""
+    """Each variant once, by name, in the order of the comparison that has most of them."""
     for each in comparisons:
         names = [variant.name for variant in each.variants]
         if len(set(names)) < len(names):

@@ -23,7 +23,7 @@ from weier.theory.profile import Profile
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
 
-def convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, max_terms: int) -> xr.Dataset:
+def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, max_terms: int) -> xr.Dataset:
     """The estimate and its bounds with 1, 2, ... resolved terms.
 
     Parameters

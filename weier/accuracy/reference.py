@@ -2,7 +2,7 @@
 
 An estimate is held against the sum that defines it (`Method.reference`), a solution of the series against the exact
 contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
-them. The patches solve the same profile begun at another place, so that no number is the same by construction.
+them. The patches solve the same profile shifted along x, so that no number is the same by construction.
 """
 
 from __future__ import annotations
@@ -29,42 +29,44 @@ AT_FULL_CONTACT = 1 + 1e-12  # times the load of full contact, which is known to
 TOLERANCE = 1e-12
 TIGHTEST = Variant("patches", patches.METHOD.name, {"tolerance": TOLERANCE})
 SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
-MAX_SECONDS = 60.0  # that a reference by contact patches may take
+MAX_REFERENCE_SECONDS = 60.0  # that a reference by contact patches may take
 
 
-def reference(method: Method, profile: Profile, loads: Array, made: Run) -> Reference:
-    """What a method should have made of these loads; NaN where it made nothing, or where nothing is known in time.
+def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
+    """What a method should have found at these loads; NaN where it found nothing, or no reference is in reach.
 
     For one wave all methods are exact. Otherwise an estimate has its own reference; the exact contact is for
     numerical methods, and for those that state the error of each number.
     """
     h, R = [np.full(loads.size, mp.nan, object) for _ in range(2)]
-    solved = made.outcome == Outcome.finite
-    known = _look_up(method, profile, loads[solved], made) if solved.any() else None
-    if known is None:
+    solved = result.outcome == Outcome.finite
+    values = _look_up(method, profile, loads[solved], result) if solved.any() else None
+    if values is None:
         return Reference(h, R, "")
-    h[solved], R[solved] = known.compliance, known.resistance
-    return Reference(h, R, known.source)
+    h[solved], R[solved] = values.compliance, values.resistance
+    return Reference(h, R, values.source)
 
 
-def _look_up(method: Method, profile: Profile, loads: Array, made: Run) -> Reference | None:
+def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
     if profile.m != 1 and method.reference is not None:
         with suppress(ConvergenceError):
             return method.reference(profile, loads)
         return None
-    solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(made.compliance_error).any())
-    return exact_contact(profile, tuple(loads.tolist())) if solves_series and is_in_reach(profile, loads) else None
+    solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(result.compliance_error).any())
+    if not (solves_series and is_in_reach(profile, loads)):
+        return None
+    return contact_reference(profile, tuple(loads.tolist()))
 
 
 def is_in_reach(profile: Profile, loads: Array) -> bool:
     """Whether the exact contact of a profile is found in time."""
     if math.isinf(profile.m) or not resolvable(profile):
         return False
-    return patches.METHOD.seconds(profile, loads) <= MAX_SECONDS
+    return patches.METHOD.seconds(profile, loads) <= MAX_REFERENCE_SECONDS
 
 
 @cache  # for all methods on one profile
-def exact_contact(profile: Profile, loads: tuple[float, ...]) -> Reference:
+def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
     """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
     if profile.m == 1:
         return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
@@ -79,11 +81,11 @@ def exact_contact(profile: Profile, loads: tuple[float, ...]) -> Reference:
     return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12")
 
 
-def uncertainty(made: Run, profile: Profile) -> tuple[Array, Array]:
+def uncertainty(result: Run, profile: Profile) -> tuple[Array, Array]:
     """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,)."""
-    total = np.full(made.compliance.size, profile.total_amplitude)
+    total = np.full(result.compliance.size, profile.total_amplitude)
     h, R = (patches.error_model.error(TOLERANCE, quantity) for quantity in ("compliance", "resistance"))
-    return h * total, R * np.maximum(made.resistance, 1)
+    return h * total, R * np.maximum(result.resistance, 1)
 
 
 def _full_contact_load(profile: Profile) -> float:
@@ -131,6 +133,6 @@ def _total(profile: Profile) -> mp.mpf:
 
 
 def _shift(profile: Profile) -> Profile:
-    """The same profile, begun at another place: the same curves by other numbers."""
+    """The same profile shifted along x: it has the same curves, but other numbers."""
     cycles = SHIFT * np.array(profile.waves_per_period, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

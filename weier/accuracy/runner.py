@@ -1,4 +1,4 @@
-"""One variant of a method on one profile: its curve, what it cost, or in which words it was refused."""
+"""One variant of a method on one profile: its curve and its cost, or the message of its error."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbe
 
 
 class Outcome(IntEnum):
-    """What became of a load."""
+    """How the solution of a load ended."""
 
     not_run = 0
     finite = 1
@@ -39,12 +39,12 @@ class Outcome(IntEnum):
 
 
 class Run(NamedTuple):
-    """What a variant made of some loads.
+    """What a variant returned for some loads.
 
     compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
     compliance_error, resistance_error : what the method itself states for each number, NaN where it states nothing
     solution_error : error of the compliance that the method knows of its solution as a whole, in g_0
-    outcome : what became of each load, shape (loads,)
+    outcome : how the solution of each load ended, shape (loads,)
     seconds : processor time
     others : whatever else the method returned, by name
     message : kind and words of the first error, empty if there was none
@@ -70,9 +70,9 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
-    known = method.solution_error(profile, solved) if method.solution_error else 0.0
+    solution_error = method.solution_error(profile, solved) if method.solution_error else 0.0
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    return Run(h, R, h_error, R_error, known, outcome, seconds, values)
+    return Run(h, R, h_error, R_error, solution_error, outcome, seconds, values)
 
 
 def fastest_run(variant: Variant, profile: Profile, loads: Array) -> Run:
@@ -98,7 +98,7 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
     try:
         return run(variant, profile, loads)
-    except Exception as error:  # whatever it is belongs into the report
+    except Exception as error:  # whatever error it is, the report tells it
         none = np.full(loads.size, np.nan)
         outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
         outcomes = np.full(loads.size, outcome, np.int8)
@@ -107,9 +107,9 @@ def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 
 def _join(parts: list[Run]) -> Run:
     """Runs of single loads as one, without what else they returned."""
-    h, R, h_error, R_error, known, outcome, *_ = zip(*parts, strict=True)
+    h, R, h_error, R_error, solution_error, outcome, *_ = zip(*parts, strict=True)
     h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))
-    return Run(h, R, h_error, R_error, max(known), outcome)
+    return Run(h, R, h_error, R_error, max(solution_error), outcome)
 
 
 def is_clear(error: Exception, method: Method) -> bool:

@@ -44,7 +44,7 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 
     loaded = scene.load(scene_file)
     profiles = [case.profile for case in loaded.cases.values()]
-    data = study.convergence(profiles, loaded.loads, terms)
+    data = study.measure_convergence(profiles, loaded.loads, terms)
     dataset.write(data, path, loaded.title, "solved", loaded.text)
 
 

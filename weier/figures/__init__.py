@@ -1,10 +1,10 @@
 """Figures: each kind is one module of this folder, drawn in the style of `weier.figures.style`.
 
-A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. It may use data,
-theory, methods, scene, pipeline and accuracy, not the command line.
+A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. Figures may use data,
+theory, methods, scene, pipeline and accuracy, but not the command line.
 
-Who lists the kinds needs no matplotlib, whose import takes longer than all the rest: the constants of the modules are
-read from their text.
+The constants of the modules are read from their text, so that the kinds can be listed without importing matplotlib,
+which takes longer than all the rest.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 
 
-class Kind(NamedTuple):
+class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
 
     caption : CAPTION, in plain text; {methods} stands for the sentence that tells the curves of methods apart
@@ -40,12 +40,12 @@ class Kind(NamedTuple):
     variable: str = ""
 
 
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, FigureKind]:
     """All kinds of figures, by the names of their modules."""
     modules = sorted((path for folder in __path__ for path in Path(folder).glob("*.py")), key=lambda path: path.stem)
     constants = {path.stem: _text_constants(path) for path in modules}
     return {
-        name: Kind(words["CAPTION"], words.get("COMMAND", ""), words.get("VARIABLE", ""))
+        name: FigureKind(words["CAPTION"], words.get("COMMAND", ""), words.get("VARIABLE", ""))
         for name, words in constants.items()
         if "CAPTION" in words
     }
@@ -105,7 +105,7 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
 
     from weier.figures.style import RC
 
-    # The reset keeps the matplotlibrc of whoever draws out of the figure.
+    # The reset keeps the user's own matplotlibrc out of the figure.
     with matplotlib.style.context(RC, after_reset=True):
         save(import_module(f"weier.figures.{kind}").draw(studies, title), path)
 

@@ -13,7 +13,7 @@ from weier.scene import Scene
 
 
 class Caption(NamedTuple):
-    """Of one figure: its name for people, the words below it, and a line for those who cannot see it."""
+    """The name of a figure for people, the text below it, and one line for readers who cannot see it."""
 
     name: str
     text: str
@@ -31,7 +31,7 @@ def caption(scene: Scene, name: str) -> Caption:
 
 
 def _describe_methods(cases: Sequence[Collection[str]]) -> str:
-    """A sentence that tells the curves of methods apart, for cases by their methods."""
+    """A sentence that tells the curves of methods apart, for cases given by their methods."""
     if len(cases) > MAX_PANELS:
         return "Thin lines are single profiles; thick lines and markers are the median of each method."
     methods = {method for case in cases for method in case}

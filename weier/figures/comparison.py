@@ -57,10 +57,10 @@ def _draw_medians(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> Non
     """A thin line for each case, and a thick one, or points, for the median of each method."""
     loads, rows = cases[0]["mean_pressure"].values, [_curves_by_method(case, quantity) for case in cases]
     methods = _in_drawing_order(method for row in rows for method in row)
-    less_accurate = [name for name in numerical_names() if name in methods][1:]
+    as_points = style.drawn_as_points(methods)
     for method in methods:
         values = np.array([row[method] for row in rows if method in row])
-        look = style.points(method) if method in less_accurate else style.line(method)
+        look = style.points(method) if method in as_points else style.line(method)
         axes.plot(loads, values.T, color=look["color"], linewidth=0.3, alpha=style.FAINT_ALPHA)
         axes.plot(loads, np.median(values, axis=0), **look, zorder=3)
 
@@ -73,7 +73,7 @@ def _curves_by_method(case: xr.Dataset, quantity: str) -> dict[str, np.ndarray]:
 
 
 def _in_drawing_order(methods: Iterable[str]) -> list[str]:
-    """The estimates from the roughest on, then methods that are not listed, then the numerical ones on top."""
+    """The estimates from the least accurate on, then methods that are not listed, then the numerical ones on top."""
     numerical = numerical_names()
     estimates = [name for name in names() if name not in numerical]
     distinct = list(dict.fromkeys(methods))

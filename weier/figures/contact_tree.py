@@ -28,7 +28,9 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         case for case in curves.cases(studies) if "contact_edge" in case and case["contact_edge"].notnull().any()
     ]
     if not cases:
-        raise ValueError("there are no contact edges in these studies: set contact_edges and run method patches")
+        raise ValueError(
+            "there are no contact edges in these studies: set contact_edges and a method that finds them"
+        )
     note = f"the first of {len(cases)} cases" if len(cases) > 1 else ""
     case = cases[0]
     figure = Figure(figsize=(style.WIDTH, 1.5 * style.HEIGHT), layout="constrained")

@@ -24,14 +24,7 @@ COUNTS = (1, 2, 4)  # of resolved terms, beside the largest
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Two panels a case: estimates within the best bounds, and how both converge as terms are resolved.
-
-    Raises
-    ------
-    ValueError
-        If fewer than two numbers of terms were resolved.
-
-    """
+    """Two panels a case: estimates within the best bounds, and how both converge as terms are resolved."""
     cases = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
     if not cases:
         raise ValueError("there are no estimates to compare in these data: resolve more terms")
@@ -68,7 +61,7 @@ def _convergence(axes: Axes, case: xr.Dataset) -> None:
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
     width = (high - low)[bounded].max(axis=1) / 2
-    axes.plot(terms[bounded], width, label="rigorous: half of the bounds", color=style.BLACK, marker="s")
+    axes.plot(terms[bounded], width, label="rigorous: half-width of the bounds", color=style.BLACK, marker="s")
     if bounded[-1] > estimated[-1]:
         compared, best, name = estimated, (low + high)[bounded[-1]] / 2, f"bounds by {terms[bounded[-1]]}"
     else:

@@ -29,14 +29,7 @@ OTHER_ALGORITHM = style.PURPLE  # than the default of a method
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Correct digits of h over all loads there are, and condition numbers against the number of nodes.
-
-    Raises
-    ------
-    ValueError
-        If there are no digits to draw.
-
-    """
+    """Correct digits of h over all loads there are, and condition numbers against the number of nodes."""
     (data,) = studies
     if not np.isfinite(data["compliance_digits"]).any():
         raise ValueError("there are no digits to draw in these data")

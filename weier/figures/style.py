@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeVar
 
@@ -96,6 +96,11 @@ def points(method: str) -> dict[str, Any]:
     """Keywords of Axes.plot for the points of a numerical method beside the line of a more accurate one."""
     _, look = _label_and_style(method)
     return line(method) | POINTS | {"marker": look.marker}
+
+
+def drawn_as_points(methods: Collection[str]) -> list[str]:
+    """The numerical methods among these that are drawn as points, beside the line of the most accurate one."""
+    return [method for method in registry.numerical_names() if method in methods][1:]
 
 
 def _label_and_style(method: str) -> tuple[str, Style]:

@@ -30,14 +30,7 @@ FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5, "solid_capstyle": "roun
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Seconds a load against the largest error over the loads: a dot a profile, a marker their median.
-
-    Raises
-    ------
-    ValueError
-        If nothing was measured.
-
-    """
+    """Seconds a load against the largest error over the loads: a dot a profile, a marker their median."""
     (data,) = studies
     cost = seconds_per_load(data)
     if not np.isfinite(cost).any():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -111,8 +112,8 @@ def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case
 
 
 def _bounds(profile: Profile, loads: Array, method: Method, solution: Any) -> dict[str, Array]:
-    """Bounds on the infinite series, from the curve of a method whose error is known."""
-    if method.solution_error is None:
+    """Bounds on the infinite series, from the curve of a truncated one by a method whose error is known."""
+    if method.solution_error is None or math.isinf(profile.m):
         return {}
     return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(profile, solution))
 

@@ -47,7 +47,7 @@ def test_loads_stand_beside_and_around():
 
 
 def test_each_extreme_has_a_name_of_its_own_and_loads_that_increase(monkeypatch):
-    monkeypatch.setattr(cases, "_with_events", lambda phases, apart=0.0: (cases._case(1.5, "3", 3, phases), SWEEP))
+    monkeypatch.setattr(cases, "_around_events", lambda case, apart: SWEEP)
     found = list(extremes())
     assert len({each.name for each in found}) == len(found) > 30
     assert all((np.diff(each.loads) > 0).all() and each.variants for each in found)

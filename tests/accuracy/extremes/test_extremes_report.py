@@ -6,7 +6,7 @@ import netCDF4
 import numpy as np
 import pytest
 
-from tests.test_conventions import checked, complaints
+from tests.conventions import check, complaints
 from weier import figures
 from weier.accuracy import extremes, runner
 from weier.accuracy.comparison import Comparison
@@ -69,7 +69,7 @@ def test_a_fault_is_told(measured):
 def test_the_data_are_by_the_conventions(measured, tmp_path):
     path = tmp_path / "extremes.nc"
     dataset.write(measured, path, "Small", "examined")
-    assert complaints(checked([path], "cf:1.11", tmp_path)[str(path)]) == []
+    assert complaints(check([path], "cf:1.11", tmp_path)[str(path)]) == []
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         for variable in file.variables.values():

@@ -1,4 +1,4 @@
-"""The extremes as a table to read."""
+"""The extremes as a Markdown table."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from weier.accuracy.extremes.measure import CHECKS
+from weier.accuracy.extremes.measurement import CHECKS
 from weier.accuracy.report import Column, number, rows_as_table, write_page
 from weier.accuracy.runner import Outcome
 from weier.data.check import Check
 from weier.data.markdown import plain
 
 MADE = (
-    "Made by `snakemake --cores 2 extremes`, which leaves this page as `results/extremes/extremes.md`, the numbers "
-    "beside it as netCDF, and a figure. `docs/stability.md` is a copy."
+    "Made by `snakemake --cores 2 extremes`, which writes `results/extremes/extremes.md`, the numbers beside it as "
+    "netCDF, and a figure. `docs/stability.md` is a copy of that page."
 )
 PICTURE = "![Digits of one profile over all loads, and condition numbers](extremes.png)"
 NOTE = """\
@@ -25,14 +25,14 @@ Each row is one method on one extreme, at the loads of that extreme, in p\\_0\\*
 parentheses refers to the sentences below. Where the curve of all loads ends in an error, each load is tried by
 itself. If numpy had warned of anything, the row would say *warned*.
 
-**Checks.** These columns are about the curve of all finite numbers, and allow for what rounding, iteration and the
-tolerance of the method leave.
+**Checks.** These columns describe the curve of all finite numbers. They allow for the errors that rounding,
+iteration and the tolerance of the method leave.
 
 - *Rises*: the compliance h never falls.
 - *Concave*: the resistance R falls, and the slope of each chord of h lies between the resistances at its ends.
 - *In bounds*: h and R lie within the bounds that the first wave, in closed form, sets to every longer series. The
   bounds are widened by the error that a method knows of its own solution.
-- *As stated*: where a method states an error for each number, h and R at every load are off by no more.
+- *As stated*: where a method states an error for each number, h and R at every load are off by no more than that.
 
 **Accuracy.** *Digits* are the correct digits, relative to the number itself, at the worst of the loads; 16 stands for
 no error. *Error of h* is the largest over the loads, in g\\_0. The last column names the reference:
@@ -41,7 +41,7 @@ no error. *Error of h* is the largest over the loads, in g\\_0. The last column 
 - *finer layer*: the non-linear layer on twice the points.
 - *closed forms, patches 1e-12*: the exact contact, for methods that solve the series. It is known in closed form at
   first touch and at full contact. Between them it is found by contact patches, at a tolerance of 1e-12, on the same
-  profile begun at another place.
+  profile shifted along x.
 
 **Where few digits are right.** Some problems are ill-conditioned:
 
@@ -57,7 +57,7 @@ MARKS = {Check.no: "**no**", Check.yes: "yes", Check.not_measured: ""}
 
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write a row for each extreme and variant, what was said, and the condition numbers, as Markdown."""
+    """Write a row for each extreme and variant, the error messages, and the condition numbers, as Markdown."""
     runs, faults = _runs(data), failures(data)
     messages = list(dict.fromkeys(text for run in runs if (text := run["message"].item())))
     blocks = [
@@ -67,7 +67,7 @@ def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
         PICTURE,
         rows_as_table(_columns(messages), runs),
         NOTE,
-        "## What was said",
+        "## Error messages",
         "\n".join(f"{position}. {plain(message)}" for position, message in enumerate(messages, 1)),
         "## Condition numbers of the boundary elements",
         rows_as_table(CONDITIONS, [data.isel(nodes=row) for row in range(data.sizes["nodes"])]),
@@ -76,7 +76,7 @@ def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
 
 
 def failures(data: xr.Dataset) -> list[str]:
-    """What is not as it should be, a line for each run: none where all is well."""
+    """The faults of each run that has any, one line a run."""
     found = ((run, _faults(run)) for run in _runs(data))
     return [
         f"{run['extreme'].item()}, {run['variant'].item()}: {', '.join(faults)}" for run, faults in found if faults

@@ -157,7 +157,7 @@ def _estimate(sample: Sample) -> float:
 
 FITS = {
     bem.METHOD.name: Fit(
-        _is_default("bem", but="points"),
+        _is_default(bem.METHOD.name, but="points"),
         (
             Term("BEM_COMPLIANCE", bem.error_model.COMPLIANCE, _grid_compliance),
             Term("BEM_RESISTANCE", bem.error_model.RESISTANCE, _grid_resistance),
@@ -197,6 +197,8 @@ FITS = {
         ),
         patches.error_model.SECONDS_START,
     ),
-    layer.METHOD.name: Fit(_is_default("layer"), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)),
-    demelio.METHOD.name: Fit(_is_default("demelio"), (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)),
+    layer.METHOD.name: Fit(_is_default(layer.METHOD.name), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)),
+    demelio.METHOD.name: Fit(
+        _is_default(demelio.METHOD.name), (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)
+    ),
 }

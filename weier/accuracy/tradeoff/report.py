@@ -1,4 +1,4 @@
-"""The trade as a table to read."""
+"""The trade between speed and accuracy as a Markdown table."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from weier.accuracy.tradeoff.fit import Constant, constants
 from weier.data.markdown import plain
 from weier.kernels.arrays import Array
 
-LIGHT, HEAVY = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
+LIGHT_LOAD, HEAVY_LOAD = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
 NOTE = """\
 Each row is one method at one setting, on all profiles that it was run on. `bem 96` has 96 points for each of the
 finest waves (`h`: without the resistance; `1e-04`: stopped at that residual), `layer 24` has 24 points a wave, and
 `patches 1e-06` has that tolerance.
 
 Errors are distances from the exact contact: closed forms for one wave and for full contact, and otherwise contact
-patches at a tolerance of 1e-12 on the same profile begun at another place. The error of the compliance h is in
+patches at a tolerance of 1e-12 on the same profile shifted along x. The error of the compliance h is in
 g\\_0, that of the resistance R is relative to the larger of R and 1 g\\_0/p\\_0\\*. Two columns of each take the
 largest error over the loads: the median over the profiles, and the worst of them. Between them stand three ranges of
 load p, with the largest error of h within each range, as the median over the profiles.
@@ -76,9 +76,9 @@ COLUMNS: list[Column[Row]] = [
     Column("ms a load", lambda row: number(1e3 * np.median(row.seconds), ".2g")),
     Column("error of h", lambda row: number(np.median(_worst(row.compliance)))),
     Column("worst", lambda row: number(_worst(row.compliance).max())),
-    Column("p < 0.03", lambda row: _typical_between(row, 0, np.nextafter(LIGHT, 0))),
-    Column("0.03..1", lambda row: _typical_between(row, LIGHT, HEAVY)),
-    Column("p > 1", lambda row: _typical_between(row, np.nextafter(HEAVY, np.inf), np.inf)),
+    Column("p < 0.03", lambda row: _typical_between(row, 0, np.nextafter(LIGHT_LOAD, 0))),
+    Column("0.03..1", lambda row: _typical_between(row, LIGHT_LOAD, HEAVY_LOAD)),
+    Column("p > 1", lambda row: _typical_between(row, np.nextafter(HEAVY_LOAD, np.inf), np.inf)),
     Column("error of R", lambda row: number(np.median(_worst(row.resistance)))),
     Column("worst", lambda row: number(_worst(row.resistance).max())),
 ]

@@ -24,6 +24,7 @@ from weier.data.files import write_text
 from weier.data.variables import VARIABLES
 from weier.figures.captions import caption
 from weier.figures.page import plans
+from weier.figures.page.cells import largest, significant
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.scene import Scene
 
@@ -149,14 +150,9 @@ def _errors(data: xr.Dataset) -> str:
     for row, method in enumerate(data["solution_method"].values.tolist()):
         status = data["status"][:, row].values
         counts = [int((status == each).sum()) for each in Status]
-        rows.append([method, *counts, *(_largest(data[name][:, row].values) for name in columns)])
+        rows.append([method, *counts, *(largest(data[name][:, row].values) for name in columns)])
     names = [each.name.replace("_", " ") for each in Status]
     return _table(["method", *names, *columns.values()], rows, NUMBERS)
-
-
-def _largest(values: np.ndarray) -> str:
-    known = values[~np.isnan(values)]
-    return f"{known.max():.1e}" if known.size else ""
 
 
 def _costs(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> str:
@@ -166,16 +162,11 @@ def _costs(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> str:
             known = cost["seconds"].values[:, row]
             seconds[method].extend(known[np.isfinite(known)].tolist())
     rows = [
-        [method, len(times), _digits(np.median(times), 2), _digits(max(times), 2), _digits(sum(times), 3)]
+        [method, len(times), significant(np.median(times), 2), significant(max(times), 2), significant(sum(times), 3)]
         for method, times in seconds.items()
         if times
     ]
     return _table(["method", "curves", "median, s", "longest, s", "all, s"], rows, NUMBERS)
-
-
-def _digits(value: float, count: int) -> str:
-    """A number with so many significant digits, in full if it is not too long."""
-    return f"{float(f'{value:.{count}g}'):g}"
 
 
 def _plans(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> dict[str, str]:

@@ -14,7 +14,6 @@ from bokeh.plotting import figure
 
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
-from weier.methods.registry import numerical_names
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last distinguishes cases of different settings
@@ -50,7 +49,7 @@ def curve_explorer(data: xr.Dataset) -> Column:
     all_curves = ColumnDataSource(table, name="all curves")
     sources = [_source(data, number, method) for number, method in enumerate(methods)]
     solved = [number for number in range(len(methods)) if np.isfinite(data["compliance"].values[:, number]).any()]
-    as_points = _less_accurate([methods[number] for number in solved])
+    as_points = style.drawn_as_points([methods[number] for number in solved])
     plots = [_plot(quantity, methods, sources, as_points) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][0]) for name in LABELS]
     stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}
@@ -74,11 +73,6 @@ def curve_explorer(data: xr.Dataset) -> Column:
 def _has_curve(data: xr.Dataset, number: int) -> bool:
     """Whether the first case has a curve by this method."""
     return bool(np.isfinite(data["compliance"].values[0, number]).any())
-
-
-def _less_accurate(methods: list[str]) -> list[str]:
-    """The numerical methods that are drawn as points, as in the figures, beside the line of the most accurate one."""
-    return [method for method in numerical_names() if method in methods][1:]
 
 
 def _select(name: str, value: str) -> Select:

@@ -10,9 +10,10 @@ import numpy as np
 import xarray as xr
 
 from weier.data.dataset import Status
-from weier.methods.registry import PLANNED
+from weier.figures.page.cells import largest, significant
+from weier.methods.registry import PLANNED, numerical_names
 
-REFERENCE = "patches"  # against it errors are measured, where a scene runs it beside its plans
+REFERENCE = numerical_names()[0]  # against it errors are measured, where a scene runs it beside its plans
 NOTE = (
     "Each row stands for the cases that were planned to be solved by the methods in its first column. The seconds "
     "are those of all these cases together, on one core. The errors are the largest ones: of a compliance in g_0, of "
@@ -23,7 +24,7 @@ HEADER = ("planned", "cases", "planned, s", "took, s", "took/planned", "allowed 
 UNSOLVED = {Status.not_applicable: "out of reach", Status.not_converged: "not converged"}
 
 
-class Outcome(NamedTuple):
+class PlannedCase(NamedTuple):
     """One case: the methods of its plan, the seconds that were planned and those it took, and its errors.
 
     Seconds and errors are NaN where they are unknown.
@@ -48,7 +49,7 @@ def rows(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[list[object]]:
     return [*table, _row("all", outcomes)] if len(combinations) > 1 else table
 
 
-def _outcomes(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[Outcome]:
+def _outcomes(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[PlannedCase]:
     if PLANNED not in data["solution_method"].values:
         return
     seconds = {key: took for cost in costs for key, took in _seconds(cost)}
@@ -57,7 +58,7 @@ def _outcomes(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[Outcome
         case = planned.isel(case=number)
         status, wanted = Status(int(case["status"])), json.loads(str(case["settings"].values))
         took = seconds.get(str(case["key"].values), np.nan) if status == Status.solved else np.nan
-        yield Outcome(
+        yield PlannedCase(
             UNSOLVED.get(status) or " and ".join(dict.fromkeys(case["planned_method"].values.tolist())),
             float(case["planned_seconds"]),
             took,
@@ -83,13 +84,14 @@ def _error(case: xr.Dataset, quantity: str) -> float:
     return float(np.nanmax(error)) if np.isfinite(error).any() else np.nan
 
 
-def _row(methods: str, outcomes: Sequence[Outcome]) -> list[object]:
+def _row(methods: str, outcomes: Sequence[PlannedCase]) -> list[object]:
     planned, took, *errors = np.array([outcome[1:] for outcome in outcomes]).T
     sums = np.nansum(planned), np.nansum(took)
-    ratio = f"{float(f'{sums[1] / sums[0]:.2g}'):g}" if all(sums) else ""
-    return [methods, len(outcomes), *(f"{each:.3g}" for each in sums), ratio, *map(_largest, errors)]
-
-
-def _largest(errors: np.ndarray) -> str:
-    known = errors[np.isfinite(errors)]
-    return f"{known.max():.1e}" if known.size else "unknown"
+    ratio = significant(sums[1] / sums[0], 2) if all(sums) else ""
+    return [
+        methods,
+        len(outcomes),
+        *(f"{each:.3g}" for each in sums),
+        ratio,
+        *(largest(each, "unknown") for each in errors),
+    ]

@@ -13,7 +13,7 @@ from weier.accuracy.comparison import Comparison
 from weier.accuracy.extremes import checks
 from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.conditioning import conditioning
-from weier.accuracy.reference import reference, uncertainty
+from weier.accuracy.reference import find_reference, uncertainty
 from weier.accuracy.runner import Outcome, Run, attempt
 from weier.data.check import Check
 from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, variables_of_file
@@ -28,17 +28,17 @@ CHECKS = {
     "within_band": "whether both lie within the bounds that the first wave sets",
     "within_stated_error": "whether both are within the errors that the method itself states",
     "one_curve": "whether all loads were solved as one curve",
-    "without_warning": "whether nothing was warned of",
+    "without_warning": "whether no warning was issued",
 }
 DIGITS = Variable(CURVE, "", least=0.0, most=metrics.MAX_DIGITS, content=QUALITY)
 OWN = {
-    "extreme": Variable(("case",), "what is extreme", dtype="O", content=QUALITY),
-    "outcome": Variable(CURVE, "what became of a load", dtype="i1", flags=Outcome, content=QUALITY),
+    "extreme": Variable(("case",), "name of the extreme case", dtype="O", content=QUALITY),
+    "outcome": Variable(CURVE, "outcome at this load", dtype="i1", flags=Outcome, content=QUALITY),
     "compliance_digits": DIGITS._replace(long_name="correct digits of the compliance, relative to itself"),
     "resistance_digits": DIGITS._replace(long_name="correct digits of the resistance, relative to itself"),
     **{name: Variable(RUN, text, dtype="i1", flags=Check, content=QUALITY) for name, text in CHECKS.items()},
-    "message": Variable(RUN, "what was said where there is no number", dtype="O", content=QUALITY),
-    "reference": Variable(RUN, "what errors and digits are counted from", dtype="O", content=QUALITY),
+    "message": Variable(RUN, "error message, where there is no number", dtype="O", content=QUALITY),
+    "reference": Variable(RUN, "source of the reference values", dtype="O", content=QUALITY),
 }
 
 
@@ -49,7 +49,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
     -------
     Dataset
         As the dataset of a scene, with extremes for cases, each at its own loads, and variants for methods.
-        `outcome` says what became of each load; `monotone`, `concave`, `within_band`, `within_stated_error`,
+        `outcome` is the outcome at each load; `monotone`, `concave`, `within_band`, `within_stated_error`,
         `one_curve` and `without_warning` are checks of the curve; `compliance_digits` and `resistance_digits` count
         what is right, from 0 to 16, where a reference is known. Condition numbers of the boundary elements stand over
         the dimension nodes.
@@ -67,9 +67,9 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     """The values of one run: its curve, what became of it, how far it is right, and the checks."""
     method, profile = find_method(variant.method), each.case.profile
-    made = attempt(variant, profile, each.loads)
-    solved, right = made.outcome == Outcome.finite, reference(method, profile, each.loads, made)
-    h, R = (np.where(solved, values, np.nan) for values in (made.compliance, made.resistance))
+    result = attempt(variant, profile, each.loads)
+    solved, right = result.outcome == Outcome.finite, find_reference(method, profile, each.loads, result)
+    h, R = (np.where(solved, values, np.nan) for values in (result.compliance, result.resistance))
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
     return {
         "compliance": h,
@@ -77,25 +77,25 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
         "compliance_error": metrics.deviation(h, right.compliance),
         "compliance_digits": digits[0],
         "resistance_digits": digits[1] if np.isfinite(method.noise.slope) else np.full(R.size, np.nan),
-        "outcome": made.outcome,
-        "message": made.message,
+        "outcome": result.outcome,
+        "message": result.message,
         "reference": right.source if np.isfinite(digits[0]).any() else "",
-        "points": made.others.get("points", np.nan),
-        "one_curve": Check(not made.message),
-        "without_warning": Check(not made.warned),
-        "within_stated_error": Check.of(_within_stated_errors(profile, made, right)),
-        **_check_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], made.solution_error),
+        "points": result.others.get("points", np.nan),
+        "one_curve": Check(not result.message),
+        "without_warning": Check(not result.warned),
+        "within_stated_error": Check.of(_within_stated_errors(profile, result, right)),
+        **_check_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], result.solution_error),
     }
 
 
-def _within_stated_errors(profile: Profile, made: Run, right: Reference) -> bool | None:
+def _within_stated_errors(profile: Profile, result: Run, right: Reference) -> bool | None:
     """Whether compliance and resistance are within the errors stated, None where none can be told."""
     errors = (
-        metrics.deviation(made.compliance, right.compliance),
-        metrics.deviation(made.resistance, right.resistance),
+        metrics.deviation(result.compliance, right.compliance),
+        metrics.deviation(result.resistance, right.resistance),
     )
-    stated = made.compliance_error, made.resistance_error
-    found = map(checks.within_stated_error, errors, stated, uncertainty(made, profile))
+    stated = result.compliance_error, result.resistance_error
+    found = map(checks.within_stated_error, errors, stated, uncertainty(result, profile))
     told = [each for each in found if each is not None]
     return all(told) if told else None
 

@@ -10,7 +10,7 @@ from tests.trade import small_trade
 from weier import Profile, figures
 from weier.accuracy import extremes, tradeoff
 from weier.accuracy.comparison import Comparison
-from weier.accuracy.extremes.cases import MAX_SECONDS, variants
+from weier.accuracy.extremes.cases import MAX_RUN_SECONDS, variants
 from weier.data import dataset
 from weier.data.check import Check
 from weier.methods import registry
@@ -72,7 +72,7 @@ def test_an_estimate_without_a_reference_has_no_digits(monkeypatch):
 
 
 def test_it_meets_what_it_applies_to_in_time(monkeypatch):
-    slow = replace(TOY, seconds=lambda profile, loads: MAX_SECONDS * loads.size / 5)
+    slow = replace(TOY, seconds=lambda profile, loads: MAX_RUN_SECONDS * loads.size / 5)
     list_method(monkeypatch, slow)
     for profile, loads, meets in (
         (Profile(1.5, 3, 2), LOADS[:1], True),

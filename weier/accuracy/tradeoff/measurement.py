@@ -12,7 +12,7 @@ import xarray as xr
 from weier.accuracy import comparison
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import deviation
-from weier.accuracy.reference import exact_contact
+from weier.accuracy.reference import contact_reference
 from weier.accuracy.runner import fastest_run
 from weier.data.dataset import Status
 from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Variable, variables_of_file
@@ -57,7 +57,7 @@ def measure(scene: Scene) -> xr.Dataset:
     ]
     data = comparison.blank(comparisons, variables_of_file(TRADEOFF), OWN)
     for case, each in enumerate(comparisons):
-        right = exact_contact(each.case.profile, tuple(each.loads.tolist()))
+        right = contact_reference(each.case.profile, tuple(each.loads.tolist()))
         data["reference_compliance"].values[case] = np.array(right.compliance, float)
         data["reference_resistance"].values[case] = np.array(right.resistance, float)
     comparison.fill(data, comparisons, _measure)
@@ -85,15 +85,15 @@ def variants(profile: Profile) -> list[Variant]:
 def _measure(each: Comparison, variant: Variant) -> dict[str, Any]:
     profile, loads = each.case.profile, each.loads
     try:
-        made = fastest_run(variant, profile, loads)
+        result = fastest_run(variant, profile, loads)
     except ConvergenceError as error:
         print(f"{profile.describe()}, {variant.name}: {error}", file=sys.stderr)
         return {"status": Status.not_converged}
-    right = exact_contact(profile, tuple(loads.tolist()))
+    right = contact_reference(profile, tuple(loads.tolist()))
     return {
-        **made.others,
-        "compliance_error": deviation(made.compliance, right.compliance),
-        "resistance_error": deviation(made.resistance, right.resistance),
-        "seconds": made.seconds,
+        **result.others,
+        "compliance_error": deviation(result.compliance, right.compliance),
+        "resistance_error": deviation(result.resistance, right.resistance),
+        "seconds": result.seconds,
         "status": Status.solved,
     }

@@ -31,7 +31,7 @@ def test_errors_fall_with_points_as_the_order_of_the_method_tells(measured):
 
 
 def test_contact_patches_have_an_error_of_their_own(measured):
-    """The reference is of the same profile begun at another place: no variant is right by construction."""
+    """The reference is of the same profile shifted along x: no variant is right by construction."""
     errors = [error(measured, name, quantity="resistance") for name in PATCHES]
     assert errors[0] < 1e-6
     assert 0 < errors[-1] < 1e-11
