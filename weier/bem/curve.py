@@ -9,14 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.bem import direct, fft
+from weier.bem import corrected, direct, fft
 from weier.bem.contact import no_answer
 from weier.bem.grids import full_contact, inverse, nested_grids
+from weier.bem.subgrid import make_continuum
 from weier.errors import ConvergenceError
 from weier.halfplane import eigenvalues, influence_coefficients
 from weier.limits import check_points, check_resolvable
 from weier.loads import checked_loads
 from weier.profile import Profile
+from weier.summits import summits
 
 Array = NDArray[np.float64]
 
@@ -51,6 +53,7 @@ def curve(
     points: int | None = None,
     tolerance: float = 1e-10,
     resistance: bool = True,
+    edges: str = "subgrid",
 ) -> Curve:
     """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
@@ -67,7 +70,11 @@ def curve(
     tolerance : float
         Largest residual, in g_0.
     resistance : bool
-        Whether the fast solver should solve for the resistance too; without, it is NaN.
+        Whether the fast solver should solve for the resistance too; without, it is NaN. It costs nothing beside
+        edges "subgrid", which need it.
+    edges : "subgrid" or "nodes"
+        Whether the edges of contact stand between the nodes, where the continuum has them (docs/subgrid.md), or on
+        them, as in Section 5.1. The direct solver has them on the nodes.
 
     Returns
     -------
@@ -77,15 +84,16 @@ def curve(
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, `solver` is unknown, or `points` are too few for the finest
+        If the loads are not positive and increasing, `solver` or `edges` is unknown, or `points` are too few for the finest
         wave, or too many.
     ConvergenceError
         If a load misses the tolerance.
 
     Notes
     -----
-    The compliance converges as about N^-2. The resistance is the exact derivative of the discrete h(p), which is
-    linear as long as no node changes side; it converges as 1/N, since the edges of contact move by whole nodes.
+    With edges "subgrid" the compliance converges as N^-3 and the resistance as N^-2. With edges "nodes" it is about
+    N^-2 and N^-1, since the edges of contact move by whole nodes: the resistance is then the exact derivative of
+    the discrete h(p), which is linear as long as no node changes side.
 
     """
     loads = checked_loads(mean_pressure)
@@ -93,7 +101,12 @@ def curve(
     check_tolerance(tolerance)
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    if edges not in ("subgrid", "nodes"):
+        raise ValueError(f'edges must be "subgrid" or "nodes", got {edges!r}')
     check_points(points, dense=solver == "direct")
+    if solver == "fft" and edges == "subgrid":
+        found = _between_nodes(profile, loads, points, tolerance)
+        return found if resistance else found._replace(resistance=np.full(loads.size, np.nan))
     partial = loads[loads < flattening_load(profile, points)]
     if partial.size == 0:
         answer = no_answer(0)
@@ -107,17 +120,41 @@ def curve(
         answer = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
     check_residual(answer.residual, partial, points, tolerance)
     _check_resistance(answer.resistance, partial, points)
+    return _with_full_contact(
+        profile, loads, points, answer.flat, answer.resistance, answer.contact_nodes / points, answer.patches,
+        answer.residual, answer.work,
+    )  # fmt: skip
+
+
+def _between_nodes(profile: Profile, loads: Array, points: int, tolerance: float) -> Curve:
+    """The curve with the edges of contact between the nodes."""
+    partial = loads[loads < full_contact_load(profile)]
+    answer = corrected.no_loads(0)
+    if partial.size:
+        hierarchy = nested_grids(profile, points, tolerance)
+        start = full_contact(hierarchy, float(partial[-1]))
+        answer = corrected.solve_loads(hierarchy, start, partial, make_continuum(profile, points))
+    check_residual(answer.residual, partial, points, tolerance)
+    _check_resistance(answer.resistance, partial, points)
+    return _with_full_contact(profile, loads, points, *answer)
+
+
+def _with_full_contact(
+    profile: Profile, loads: Array, points: int, flat: Array, resistance: Array, contact_fraction: Array,
+    patches: NDArray[np.int64], residual: Array, work: Array,
+) -> Curve:  # fmt: skip
+    """The curve from what is known of the lighter loads: the others press all gaps shut."""
 
     def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
-        return np.concatenate([values, np.full(loads.size - partial.size, flattened)])
+        return np.concatenate([values, np.full(loads.size - values.size, flattened)])
 
     return Curve(
-        whole(profile.total_amplitude - answer.flat, profile.total_amplitude),
-        whole(answer.resistance, 0.0),
-        whole(answer.contact_nodes / points, 1.0),
-        whole(answer.patches, 0).astype(np.int64),
-        whole(answer.residual, 0.0),
-        whole(answer.work, 0),
+        whole(profile.total_amplitude - flat, profile.total_amplitude),
+        whole(resistance, 0.0),
+        whole(contact_fraction, 1.0),
+        whole(patches, 0).astype(np.int64),
+        whole(residual, 0.0),
+        whole(work, 0),
         points,
     )
 
@@ -162,6 +199,12 @@ def flattening_load(profile: Profile, points: int) -> float:
     height = profile.sampled_height(points)
     pressure = np.fft.irfft(inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
     return float(-pressure.min())
+
+
+def full_contact_load(profile: Profile) -> float:
+    """The mean pressure from which on no gap is left in the continuum, in p_0*."""
+    _, phase = summits(-profile.full_contact_pressure, profile.wavenumber, profile.phase, profile.period)
+    return float((-np.cos(phase) @ profile.full_contact_pressure).max())
 
 
 def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
