@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from weier.bem import fft
 from weier.bem.edges import find_edges
 from weier.bem.grids import Hierarchy, part_of_hierarchy
+from weier.bem.rate import solve_rate
 from weier.bem.subgrid import Continuum, Solution, correct
 from weier.jit import kernel
 
@@ -70,7 +71,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
     for load in range(loads.size - 1, -1, -1):
         flat, residual, pairs = fft.descend(loads[load], hierarchy, pressure, state)
         carried, deformed = state.pressure.copy(), state.deformed.copy()
-        rate, more = fft.solve_rate(fft.RATE_TOLERANCE, finest, state)
+        rate, more = solve_rate(hierarchy, state)
         answer.residual[load] = residual
         answer.work[load] = pairs + more
         if residual > finest.tolerance or rate == np.inf:  # to be refused

@@ -233,21 +233,22 @@ def add_contact(
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
     if not found or abs(centre) + width > ((nodes - 1) / 2 + MARGIN) / scale:
         return False
-    mixed = energy = 0.0  # of the grid, with the rate of the others at its own nodes
+    mixed = energy = own = 0.0  # of the grid: with the rate of the others at its own nodes, and of its own
     for i in range(nodes):
-        others = solution.displacement[(start + i) % points]
+        others = displacement = solution.displacement[(start + i) % points]
         for j in range(nodes):
             others -= continuum.influence[abs(i - j)] * share[j]
         mixed += force[i] * others
         energy += share[i] * others
+        own += share[i] * (displacement - others)
     rate_bend, outer_bend = _second_at_nodes(rate, nodes, scale), _second_at_nodes(profile - height, nodes, scale)
     contacts.kind[at] = NARROW
     contacts.scale[at] = scale * spacing
     contacts.centre[at], contacts.half_width[at] = centre, width
     contacts.height[at], contacts.rate[at] = height, rate
-    contacts.self_compliance[at] = (contacts.share[at] * solution.rate - energy) / contacts.share[at] ** 2
+    contacts.self_compliance[at] = own / contacts.share[at] ** 2
     contacts.grid_mixed[at] = mixed + np.sum(share * outer_bend + force * rate_bend) / 24
-    contacts.grid_energy[at] = contacts.share[at] * solution.rate + energy + np.sum(share * rate_bend) / 12
+    contacts.grid_energy[at] = own + 2 * energy + np.sum(share * rate_bend) / 12
     return True
 
 
@@ -317,7 +318,7 @@ def correct_edge(start: int, solution: Solution) -> tuple[float, float, float]:
     """What an edge between wide runs adds to compliance and resistance; how far beyond its node it stands, in nodes."""
     points = solution.pressure.size
     inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
-    closing = solution.rate - solution.displacement[outside]
+    closing = solution.displacement[inside] - solution.displacement[outside]
     if not (solution.per_load[inside] > 0 and closing > 0):
         return 0.0, 0.0, EDGE
     since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
