@@ -11,7 +11,8 @@ from weier.bem import fft
 from weier.bem.edges import find_edges
 from weier.bem.grids import Hierarchy, part_of_hierarchy
 from weier.bem.rate import solve_rate
-from weier.bem.subgrid import Continuum, Solution, correct
+from weier.bem.solution import Solution
+from weier.bem.subgrid import Continuum, correct
 from weier.jit import kernel
 
 Array = NDArray[np.float64]
@@ -25,6 +26,7 @@ class Corrected(NamedTuple):
     contact_fraction : length in contact per length
     patches : contacts in one period
     residual, work : of the solution on the grid
+    compliance_error, resistance_error : expected, in the same units
     """
 
     flat: Array
@@ -33,6 +35,8 @@ class Corrected(NamedTuple):
     patches: NDArray[np.int64]
     residual: Array
     work: Array
+    compliance_error: Array
+    resistance_error: Array
 
 
 @kernel
@@ -40,7 +44,7 @@ def no_loads(loads: int) -> Corrected:
     """The same with nothing in it yet."""
     return Corrected(
         np.empty(loads), np.full(loads, np.nan), np.empty(loads), np.empty(loads, np.int64), np.empty(loads),
-        np.zeros(loads),
+        np.zeros(loads), np.full(loads, np.nan), np.full(loads, np.nan),
     )  # fmt: skip
 
 
@@ -85,4 +89,6 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
         answer.resistance[load] = rate + added.resistance
         answer.contact_fraction[load] = added.contact_fraction
         answer.patches[load] = added.patches
+        answer.compliance_error[load] = added.compliance_error
+        answer.resistance_error[load] = added.resistance_error
     return answer

@@ -35,6 +35,7 @@ class Curve(NamedTuple):
     residual : largest violation of a contact condition, on a freshly applied operator, in g_0
     work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
     points : nodes in one period, a scalar
+    compliance_error, resistance_error : expected, in the same units; NaN with edges "nodes", which know none
     """
 
     compliance: Array
@@ -44,6 +45,8 @@ class Curve(NamedTuple):
     residual: Array
     work: Array
     points: int
+    compliance_error: Array
+    resistance_error: Array
 
 
 def curve(
@@ -122,7 +125,7 @@ def curve(
     _check_resistance(answer.resistance, partial, points)
     return _with_full_contact(
         profile, loads, points, answer.flat, answer.resistance, answer.contact_nodes / points, answer.patches,
-        answer.residual, answer.work,
+        answer.residual, answer.work, np.full(partial.size, np.nan), np.full(partial.size, np.nan),
     )  # fmt: skip
 
 
@@ -142,6 +145,7 @@ def _between_nodes(profile: Profile, loads: Array, points: int, tolerance: float
 def _with_full_contact(
     profile: Profile, loads: Array, points: int, flat: Array, resistance: Array, contact_fraction: Array,
     patches: NDArray[np.int64], residual: Array, work: Array,
+    compliance_error: Array, resistance_error: Array,
 ) -> Curve:  # fmt: skip
     """The curve from what is known of the lighter loads: the others press all gaps shut."""
 
@@ -156,6 +160,8 @@ def _with_full_contact(
         whole(residual, 0.0),
         whole(work, 0),
         points,
+        whole(compliance_error, 0.0),
+        whole(resistance_error, 0.0),
     )
 
 

@@ -33,6 +33,8 @@ class Contacts(NamedTuple):
     centre, half_width : in s; where the search for the edges begins
     height, rate : polynomials of the surface as this contact sees it, and of A q of the others, shape (contacts, TERMS)
     grid_mixed, grid_energy : energies of `contact_energy` on the grid
+    penetration, closing : of each crest that is narrow or new, by how much it stands above the flat that it does not
+        touch, in g_0, and the rate of that per mean pressure; found by `redistribute`
     """
 
     kind: NDArray[np.int64]
@@ -50,6 +52,8 @@ class Contacts(NamedTuple):
     rate: Array
     grid_mixed: Array
     grid_energy: Array
+    penetration: Array
+    closing: Array
 
 
 @kernel
@@ -59,7 +63,7 @@ def make_contacts(contacts: int, terms: int) -> Contacts:
         np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
         np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
         np.zeros(contacts), np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros(contacts),
-        np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
     )  # fmt: skip
 
 
@@ -313,6 +317,8 @@ def _sums(
             scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
             width += 2 * half_width * scale
             compliance = punch_compliance(half_width * scale, period)
+            contacts.penetration[at] = (contacts.force[at] + change[i]) * compliance
+            contacts.closing[at] = share * compliance
             others = expansion(contacts.rate[at], centre, half_width)
             if contacts.kind[at] == NARROW:
                 height = expansion(contacts.height[at], centre, half_width)
@@ -321,7 +327,7 @@ def _sums(
                 shape += mixed - contacts.grid_mixed[at] + contacts.edge_compliance[at] * period
             else:
                 matrix[i, i] = compliance
-                closing[i] = rate - others[0]
+                closing[i] = contacts.closing[at] = rate - others[0]
         matrix[i, i] += softer[i]
         right[i] = closing[i] - softer[i] * share
     for j in range(n):
@@ -345,4 +351,10 @@ def _sums(
             own = contacts.self_compliance[at]
             compliance -= share * (pressed[i] + own * change[i]) / (period - lost)
             resistance -= share * (pressed_rate[i] - own * share) / (period - lost)
+    for i in range(n):
+        at = first + i
+        if contacts.kind[at] == BIRTH and not touching[i]:
+            top = value(contacts.height[at], contacts.centre[at])
+            contacts.penetration[at] = top - pressed[i] - (flat - compliance - lifted)
+            contacts.closing[at] = rate - value(contacts.rate[at], contacts.centre[at])
     return compliance, resistance, width, patches

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 # Of the rate, in contact: the resistance holds its square, and of the correction, which is a few per cent of the
 # resistance, about itself (docs/subgrid.md has the measurement).
-RATE_TOLERANCE = 3e-3
+RATE_TOLERANCE = 1e-2
 COARSE_TOLERANCE = 1e-2
 MIN_PER_WAVE = 40  # nodes of the coarse grid for each of the finest waves: on fewer it starts no better
 MIN_STRIDE = 4  # fine nodes for a coarse one, or it costs more than it saves

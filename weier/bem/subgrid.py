@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from scipy.special import zeta
 
 from weier.bem.edges import Edges, Flags
+from weier.bem.errors import expected_errors
 from weier.bem.grids import Grid
 from weier.bem.interaction import BIRTH, NARROW, WIDE, Contacts, make_contacts, redistribute
 from weier.bem.narrow import contact_edges, contact_energy, crest, gap_edges, gap_energy, punch_compliance
 from weier.bem.polynomials import DEGREE, TERMS, derivative, expansion, fit_polynomials, value
+from weier.bem.solution import Solution
 from weier.halfplane import eigenvalues
 from weier.jit import kernel
 from weier.profile import Profile
@@ -37,6 +39,7 @@ class Continuum(NamedTuple):
     stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,), in p_0*/g_0
     bend : second differences of the pressure in full contact, shape (N,), in p_0*
     narrow : nodes of the largest contact, or gap, that is given a polynomial: half a finest wave
+    angle : 2 pi over the points for each of the finest waves
     period : in lambda_0
     """
 
@@ -44,28 +47,19 @@ class Continuum(NamedTuple):
     stiffness: Array
     bend: Array
     narrow: int
+    angle: float
     period: float
 
 
 class Correction(NamedTuple):
-    """What the continuum adds to compliance and resistance, its contact fraction, its patches."""
+    """What the continuum adds to compliance and resistance, its contact fraction and patches, and expected errors."""
 
     compliance: float
     resistance: float
     contact_fraction: float
     patches: int
-
-
-class Solution(NamedTuple):
-    """A solution on the grid: flat H, rate R, pressure p, surface z - A p, pressure per load q, A q, contact."""
-
-    flat: float
-    rate: float
-    pressure: Array
-    deformed: Array
-    per_load: Array
-    displacement: Array
-    contact: Flags
+    compliance_error: float
+    resistance_error: float
 
 
 def make_continuum(profile: Profile, points: int) -> Continuum:
@@ -81,6 +75,7 @@ def make_continuum(profile: Profile, points: int) -> Continuum:
         _line_stiffness(nodes) * points / period,
         sum((b * np.cos(angle) for b, angle in zip(bend, angles)), np.zeros(points)),
         narrow,
+        2 * np.pi * profile.wavenumber[-1] / points,
         period,
     )
 
@@ -145,8 +140,11 @@ def correct(solution: Solution, grid: Grid, edge: Edges, continuum: Continuum) -
     higher, faster, wider, patches = redistribute(
         contacts, used, solution.flat, solution.rate, compliance, continuum.period
     )
+    off, rate_off = expected_errors(
+        solution, edge, polynomial, contacts, used, continuum.angle, grid.tolerance, continuum.period
+    )
     return Correction(
-        compliance + higher, resistance + faster, (width + wider) / continuum.period, patches + holes
+        compliance + higher, resistance + faster, (width + wider) / continuum.period, patches + holes, off, rate_off
     )
 
 
