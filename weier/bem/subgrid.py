@@ -25,10 +25,11 @@ Array = NDArray[np.float64]
 EDGE = 0.384947631413  # nodes from the last one in contact to the edge of a flat punch, in the mean of a step
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
 ALIAS = 2 * zeta(3) / (2 * np.pi) ** 4  # times z'''' dx^3: what aliases of the triangles add to the pressure
-MARGIN = 2  # nodes beyond a contact or a gap that its polynomial is fitted on, at each end
-CREST_MARGIN = 3  # and beyond the highest node of a gap, or the node of least pressure in a contact
+MARGIN = 2  # nodes beyond a contact or a gap that its polynomial is fitted on, at each end; more if it has few itself
+CREST_MARGIN = DEGREE // 2  # and beyond the highest node of a gap, or the node of least pressure in a contact
+MAX_BEYOND = 1.5  # nodes from the last one in contact to its edge: half a node in all that a grid can miss
 MAX_FITTED = 25  # nodes that a polynomial is fitted on: more add nothing
-MAX_NARROW = 128  # nodes of a contact or gap with a polynomial; the next edge is then too far to matter
+MAX_NARROW = 256  # nodes of a contact or gap with a polynomial; the next edge is then too far to matter
 MIN_POLYNOMIAL = 3  # nodes of a window: a parabola
 
 
@@ -37,7 +38,6 @@ class Continuum(NamedTuple):
 
     influence : displacement at j nodes from a unit force, one of the line, without images, shape (nodes,), in g_0/p_0*
     stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,), in p_0*/g_0
-    bend : second differences of the pressure in full contact, shape (N,), in p_0*
     narrow : nodes of the largest contact, or gap, that is given a polynomial: half a finest wave
     angle : 2 pi over the points for each of the finest waves
     period : in lambda_0
@@ -45,7 +45,6 @@ class Continuum(NamedTuple):
 
     influence: Array
     stiffness: Array
-    bend: Array
     narrow: int
     angle: float
     period: float
@@ -65,15 +64,10 @@ class Correction(NamedTuple):
 def make_continuum(profile: Profile, points: int) -> Continuum:
     """Tables for a profile on a grid."""
     narrow = min(points // (2 * profile.wavenumber[-1]) + 1, MAX_NARROW)
-    period, nodes = float(profile.period), narrow + 2 * MARGIN
-    wavenumber = np.array(profile.wavenumber)
-    bend = -profile.full_contact_pressure * (2 * np.pi * wavenumber / points) ** 2
-    j = np.arange(points)
-    angles = ((k * j % points) * (2 * np.pi / points) + phase for k, phase in zip(profile.wavenumber, profile.phase))
+    period, nodes = float(profile.period), narrow + DEGREE + 2 * MARGIN
     return Continuum(
         _line_influence(nodes) - 2 * np.log(2 * np.pi / points),
         _line_stiffness(nodes) * points / period,
-        sum((b * np.cos(angle) for b, angle in zip(bend, angles)), np.zeros(points)),
         narrow,
         2 * np.pi * profile.wavenumber[-1] / points,
         period,
@@ -110,7 +104,7 @@ def correct(solution: Solution, grid: Grid, edge: Edges, continuum: Continuum) -
         start, nodes = edge[run + 1] % points, edge[run + 2] - edge[run + 1]
         if solution.contact[start]:
             contact_of[run] = used
-            narrow = add_contact(start, nodes, polynomial[run], edge, run, solution, grid, continuum, contacts, used)
+            narrow = add_contact(start, nodes, polynomial[run], edge, run, solution, continuum, contacts, used)
             used += 1
             if narrow:
                 owned[run] = owned[(run + 1) % runs] = True
@@ -178,10 +172,10 @@ def window(nodes: int, margin: int) -> tuple[NDArray[np.int64], Array, float]:
 
 @kernel
 def _margin(edge: Edges, run: int) -> int:
-    """Nodes beyond both ends of a run that belong to no further one, at most MARGIN."""
-    before = edge[run + 1] - edge[run]
+    """Nodes beyond both ends of a run that belong to no further one, at most as many as the polynomial needs."""
+    before, nodes = edge[run + 1] - edge[run], edge[run + 2] - edge[run + 1]
     after = edge[run + 3] - edge[run + 2] if run + 3 < edge.size else edge[2] - edge[1]
-    return min(MARGIN, before, after)
+    return min(max(MARGIN, (TERMS - nodes + 1) // 2), before, after)
 
 
 @kernel
@@ -197,7 +191,7 @@ def _second_at_nodes(polynomial: Array, nodes: int, scale: float) -> Array:
 @kernel
 def add_contact(
     start: int, nodes: int, polynomial: bool, edge: Edges, run: int,
-    solution: Solution, grid: Grid, continuum: Continuum, contacts: Contacts, at: int,
+    solution: Solution, continuum: Continuum, contacts: Contacts, at: int,
 ) -> bool:  # fmt: skip
     """Enter a contact; whether it has a polynomial, as it should if `polynomial`."""
     points = solution.pressure.size
@@ -219,17 +213,17 @@ def add_contact(
     if not polynomial or nodes + 2 * margin < MIN_POLYNOMIAL or not contacts.share[at] > 0:
         return False
     offset, s, scale = window(nodes, margin)
-    seen = np.empty((3, offset.size))  # z as this contact sees it, A q of the others, and z
+    seen = np.empty((2, offset.size))  # z as this contact sees it, and A q of the others
     for i in range(offset.size):
         node = (start - margin + offset[i]) % points
-        seen[0, i], seen[1, i], seen[2, i] = solution.deformed[node], solution.displacement[node], grid.height[node]
+        seen[0, i], seen[1, i] = solution.deformed[node], solution.displacement[node]
         for j in range(nodes):
             influence = continuum.influence[abs(offset[i] - margin - j)]
             seen[0, i] += influence * force[j]
             seen[1, i] -= influence * share[j]
-    height, rate, profile = fit_polynomials(s, seen, min(DEGREE, offset.size - 1))
+    height, rate = fit_polynomials(s, seen, min(DEGREE, offset.size - 1))
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
-    if not found or abs(centre) + width > ((nodes - 1) / 2 + MARGIN) / scale:
+    if not found or abs(centre) + width > ((nodes - 1) / 2 + MAX_BEYOND) / scale:
         return False
     mixed = energy = own = 0.0  # of the grid: with the rate of the others at its own nodes, and of its own
     for i in range(nodes):
@@ -239,13 +233,13 @@ def add_contact(
         mixed += force[i] * others
         energy += share[i] * others
         own += share[i] * (displacement - others)
-    rate_bend, outer_bend = _second_at_nodes(rate, nodes, scale), _second_at_nodes(profile - height, nodes, scale)
+    rate_bend = _second_at_nodes(rate, nodes, scale)
     contacts.kind[at] = NARROW
     contacts.scale[at] = scale * spacing
     contacts.centre[at], contacts.half_width[at] = centre, width
     contacts.height[at], contacts.rate[at] = height, rate
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
-    contacts.grid_mixed[at] = mixed + np.sum(share * outer_bend + force * rate_bend) / 24
+    contacts.grid_mixed[at] = mixed + np.sum(force * rate_bend) / 12
     contacts.grid_energy[at] = own + 2 * energy + np.sum(share * rate_bend) / 12
     return True
 
@@ -279,16 +273,15 @@ def correct_gap(
     pressure = _continuous(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
     rate = _continuous(nodal_rate, scale)
     centre, half_width, found = gap_edges(pressure, 0.0, ((nodes + 1) / 2 - EDGE) / scale)
-    if not found or abs(centre) + half_width > ((nodes + 1) / 2 + 1) / scale:
+    if not found or abs(centre) + half_width > ((nodes - 1) / 2 + MAX_BEYOND) / scale:
         return 0.0, 0.0, 0.0
     grid_mixed = grid_energy = 0.0
-    pressure_bend, rate_bend = _second_at_nodes(pressure, nodes, scale), _second_at_nodes(rate, nodes, scale)
+    rate_bend = _second_at_nodes(rate, nodes, scale)
     for i in range(nodes):
         own = solution.per_load[(start + i) % points]
         for j in range(nodes):
             own -= continuum.stiffness[abs(i - j)] * opening[j]
-        outer_bend = pressure_bend[i] - continuum.bend[(start + i) % points]
-        grid_mixed += spacing * (gap[i] * (own + rate_bend[i] / 24) + opening[i] * outer_bend / 24)
+        grid_mixed += spacing * gap[i] * (own + rate_bend[i] / 12)
         grid_energy += spacing * opening[i] * (own + rate_bend[i] / 12)
     half_length = half_width * scale * spacing
     mixed, energy = gap_energy(
