@@ -87,8 +87,8 @@ def curve(
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, `solver` or `edges` is unknown, or `points` are too few for the finest
-        wave, or too many.
+        If the loads are not positive and increasing, `solver` or `edges` is unknown, or `points` are too few for
+        the finest wave, or too many.
     ConvergenceError
         If a load misses the tolerance.
 

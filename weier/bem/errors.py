@@ -13,7 +13,7 @@ from weier.bem.edges import Edges, Flags
 from weier.bem.interaction import BIRTH, WIDE, Contacts
 from weier.bem.narrow import punch_compliance
 from weier.bem.polynomials import derivative, value
-from weier.bem.solution import Solution
+from weier.bem.solution import Solution, rate_tolerance
 from weier.jit import kernel
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 NEAR = np.array([0.3, 1.0])  # times (narrower run/both)^2, for contacts and gaps that bear on each other
 POLYNOMIAL = np.array([0.006, 0.03])  # times (2 pi/points a wave)^4, for polynomials in the place of waves
 ALONE = np.array([0.2, 0.3])  # over the nodes of the narrower run, for edges without a polynomial
-SHARE = 0.02  # for contacts among others, whose shares of the load are known to the tolerance of the rate
+SHARE = 2.0  # times the tolerance of the rate, for contacts among others: it is that of their shares of the load
 LONE = 0.04  # (narrower run/both)^2 of a contact far from its images
 RESIDUALS = 3.0  # what the solver leaves of the compliance, in its tolerance
 RATE_SHARE = 1e-4  # of the resistance, what the tolerance of the rate may cost: its square
@@ -43,7 +43,9 @@ def expected_errors(
         near = (narrower / (here + before)) ** 2
         alone = 0.0 if polynomial[run] or polynomial[run - 1] else 1 / narrower
         step = _step(edge[run + 1] % solution.pressure.size, solution)
-        share = SHARE if edge.size > 4 or near > LONE else 0.0  # one small contact carries all, whatever the rate
+        share = (
+            SHARE * rate_tolerance(tolerance) if edge.size > 4 or near > LONE else 0.0
+        )  # one small contact carries all, whatever the rate
         errors += step * (NEAR * near + POLYNOMIAL * angle**4 + ALONE * alone + share)
     for at in range(used):
         if contacts.kind[at] == BIRTH and contacts.penetration[at] > 0:

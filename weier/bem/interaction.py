@@ -1,4 +1,4 @@
-"""Contacts that bear on each other: the forces and rates that the continuum gives them, and those born between nodes."""
+"""Contacts that bear on each other: their forces and rates in the continuum, and contacts born between nodes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 
 
 class Contacts(NamedTuple):
-    """Contacts on the grid in the order of their positions, and crests that may touch between nodes, each (contacts,).
+    """Contacts on the grid, and crests that may touch between nodes, by position; each of shape (contacts,).
 
     kind : WIDE, NARROW or BIRTH
     position, reach : of the centre, and half width, in lambda_0
@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
     edge_compliance, edge_resistance : what its edges add, if they stand alone
     scale : length of one s of the polynomials, in lambda_0
     centre, half_width : in s; where the search for the edges begins
-    height, rate : polynomials of the surface as this contact sees it, and of A q of the others, shape (contacts, TERMS)
+    height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
     grid_mixed, grid_energy : energies of `contact_energy` on the grid
     penetration, closing : of each crest that is narrow or new, by how much it stands above the flat that it does not
         touch, in g_0, and the rate of that per mean pressure; found by `redistribute`
@@ -112,7 +112,7 @@ def _mutual(contacts: Contacts, first: int, last: int, period: float) -> Array:
 
 @kernel
 def solve_positive(matrix: Array, right: Array) -> bool:
-    """Solve with a symmetric positive matrix, overwritten; `right`, shape (n, k), becomes the solution; False if not."""
+    """Solve with a symmetric positive matrix, overwritten, `right`, shape (n, k), in place; False if it is not."""
     n = right.shape[0]
     for i in range(n):
         for j in range(i + 1):
@@ -160,6 +160,7 @@ def _with_sum(matrix: Array, right: Array, touching: NDArray[np.bool_], total: f
 def _together(
     contacts: Contacts, first: int, last: int, flat: float, rate: float, lifted: float, period: float
 ) -> tuple[float, float, float, int]:
+    """`redistribute` for the contacts from `first` to before `last`."""
     n = last - first
     mutual = _mutual(contacts, first, last, period)
     change = np.zeros(n)  # of each force
@@ -199,7 +200,7 @@ def _heights(
     contacts: Contacts, first: int, flat: float, lifted: float, period: float, touching: NDArray[np.bool_],
     change: Array, excess: Array, slope: Array,
 ) -> bool:  # fmt: skip
-    """Height of the flat for each force, `excess`, and how it falls with the force, `slope`; False if one is not found.
+    """Height of the flat for each force, `excess`, and its fall with the force, `slope`; False if not found.
 
     On a wide contact the height falls by nothing but what `mutual` and its own compliance say: `excess` leaves these
     out for all contacts of the grid.

@@ -137,7 +137,7 @@ def crest(height: Array, start: float, reach: float) -> float:
 def flat_height(
     height: Array, force: float, centre: float, half_width: float, scale: float, period: float
 ) -> tuple[float, float, float, float]:
-    """Height of the flat that presses this force on the contact, its compliance, and the edges; NaN if there are none.
+    """Height of the flat that presses this force on the contact, its compliance, its edges; NaN if not found.
 
     `centre` and `half_width` are where the search begins, `scale` is the length of one s.
     """

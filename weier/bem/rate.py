@@ -1,7 +1,7 @@
-"""The rate problem, solved as far as the corrected edges need it, from a start that has the right shape at the edges.
+"""The rate problem, solved as far as corrected edges need it, from a start that has the right shape there.
 
-Per mean pressure the pressure grows by q on the contact as it stands. Near an edge q is as 1/sqrt(distance), so q over
-the shape of a flat punch is smooth: it is found on a coarse grid first, and carried to the fine one.
+Per mean pressure the pressure grows by q on the contact as it stands. Near an edge q is as 1/sqrt(distance), so
+that q over the shape of a flat punch is smooth: it is found on a coarse grid first, and carried to the fine one.
 """
 
 from __future__ import annotations
@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 from weier.bem import fft
 from weier.bem.edges import Edges, Flags, find_edges
 from weier.bem.grids import Grid, Hierarchy, part_of_hierarchy
+from weier.bem.solution import rate_tolerance
 from weier.bem.subgrid import EDGE
 from weier.jit import kernel
 
 Array = NDArray[np.float64]
 
-# Of the rate, in contact: the resistance holds its square, and of the correction, which is a few per cent of the
-# resistance, about itself (docs/subgrid.md has the measurement).
-RATE_TOLERANCE = 1e-2
-COARSE_TOLERANCE = 1e-2
+COARSE_TOLERANCE = 1e-2  # of the rate
 MIN_PER_WAVE = 40  # nodes of the coarse grid for each of the finest waves: on fewer it starts no better
 MIN_STRIDE = 4  # fine nodes for a coarse one, or it costs more than it saves
 
@@ -77,7 +75,7 @@ def _conjugate_gradients(tolerance: float, edge: Edges, grid: Grid, state: fft.S
     for _ in range(fft.STEPS):
         flat = fft._mean_in_contact(state.deformed, state.contact)
         rate = -fft._dot(state.pressure, state.deformed) / state.pressure.size
-        if fft._violations(flat, grid, state)[0] <= max(tolerance * rate, fft.RATE_TOLERANCE):
+        if fft._violations(flat, grid, state)[0] <= max(tolerance * rate, fft.RATE_TOLERANCE * tolerance):
             return rate, pairs
         energy = fft._conjugate_step(flat, edge, restart, energy, grid, state)
         pairs += 2
@@ -87,7 +85,7 @@ def _conjugate_gradients(tolerance: float, edge: Edges, grid: Grid, state: fft.S
 
 @kernel
 def solve_rate(hierarchy: Hierarchy, state: fft.State) -> tuple[float, float]:
-    """As `fft.solve_rate`, to RATE_TOLERANCE of the rate; coarse pairs of FFTs count by their size."""
+    """As `fft.solve_rate`, to `rate_tolerance`; coarse pairs of FFTs count by their size."""
     finest = hierarchy.points.size - 1
     points = hierarchy.points[finest]
     edge = find_edges(state.contact, state.edge)
@@ -116,5 +114,6 @@ def solve_rate(hierarchy: Hierarchy, state: fft.State) -> tuple[float, float]:
                 before, rest = i * coarse_points // points, i * coarse_points % points / points
                 after = (before + 1) % coarse_points
                 state.pressure[i] *= (1 - rest) * coarse.pressure[before] + rest * coarse.pressure[after]
-    rate, here = _conjugate_gradients(RATE_TOLERANCE, edge, part_of_hierarchy(hierarchy, finest), state)
+    tolerance = rate_tolerance(hierarchy.tolerance[finest])
+    rate, here = _conjugate_gradients(tolerance, edge, part_of_hierarchy(hierarchy, finest), state)
     return rate, pairs + here

@@ -8,8 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.bem.edges import Flags
+from weier.jit import kernel
 
 Array = NDArray[np.float64]
+
+
+MAX_RATE_TOLERANCE = 1e-2  # of the rate: what corrections at 16 points a wave are off themselves
+RATE_EXPONENT = 0.5  # of the residual: 1e-8 g_0 goes with 1e-2, 1e-10 g_0 with 1e-3
+RATE_FACTOR = 100.0
+
+
+@kernel
+def rate_tolerance(residual: float) -> float:
+    """How flat A q is to be in contact, as a share of the rate, beside a residual of the heights, in g_0.
+
+    The resistance holds the square of it; of the correction it is about the share that is lost.
+    """
+    return min(MAX_RATE_TOLERANCE, RATE_FACTOR * residual**RATE_EXPONENT)
 
 
 class Solution(NamedTuple):

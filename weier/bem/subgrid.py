@@ -1,4 +1,4 @@
-"""Edges of contact between the nodes: what the continuum adds to a solution on a grid, at no FFT (docs/subgrid.md)."""
+"""Edges of contact between the nodes: what the continuum adds to a solution on a grid (docs/subgrid.md)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from weier.bem.edges import Edges, Flags
 from weier.bem.errors import expected_errors
 from weier.bem.grids import Grid
 from weier.bem.interaction import BIRTH, NARROW, WIDE, Contacts, make_contacts, redistribute
-from weier.bem.narrow import contact_edges, contact_energy, crest, gap_edges, gap_energy, punch_compliance
+from weier.bem.narrow import contact_edges, crest, gap_edges, gap_energy
 from weier.bem.polynomials import DEGREE, TERMS, derivative, expansion, fit_polynomials, value
 from weier.bem.solution import Solution
 from weier.halfplane import eigenvalues
@@ -36,8 +36,8 @@ MIN_POLYNOMIAL = 3  # nodes of a window: a parabola
 class Continuum(NamedTuple):
     """What the correction knows of grid and profile, besides `Grid`.
 
-    influence : displacement at j nodes from a unit force, one of the line, without images, shape (nodes,), in g_0/p_0*
-    stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,), in p_0*/g_0
+    influence : displacement at j nodes from a unit force, of a line without images, shape (nodes,)
+    stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,)
     narrow : nodes of the largest contact, or gap, that is given a polynomial: half a finest wave
     angle : 2 pi over the points for each of the finest waves
     period : in lambda_0
@@ -144,7 +144,7 @@ def correct(solution: Solution, grid: Grid, edge: Edges, continuum: Continuum) -
 
 @kernel
 def narrow_runs(edge: Edges, contact: Flags, most: int) -> Flags:
-    """Contacts and gaps that are given polynomials: from the narrowest on, those that share no edge with one before."""
+    """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others."""
     runs = edge.size - 2
     nodes = np.empty(runs, np.int64)
     for run in range(runs):
@@ -306,7 +306,7 @@ def _fourth(polynomial: Array, scale: float) -> Array:
 
 @kernel
 def correct_edge(start: int, solution: Solution) -> tuple[float, float, float]:
-    """What an edge between wide runs adds to compliance and resistance; how far beyond its node it stands, in nodes."""
+    """What an edge of wide runs adds to compliance and resistance; how far beyond its node it is, in nodes."""
     points = solution.pressure.size
     inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
     closing = solution.displacement[inside] - solution.displacement[outside]
@@ -324,7 +324,7 @@ def correct_edge(start: int, solution: Solution) -> tuple[float, float, float]:
 
 @kernel
 def _is_crest(node: int, solution: Solution) -> bool:
-    """Whether a node outside contact is the highest of three in a gap, and no farther below the flat than they bend."""
+    """Whether a node is the highest of three in a gap, and no farther below the flat than they bend."""
     points = solution.deformed.size
     before, here, after = (
         solution.deformed[node - 1],
