@@ -1,4 +1,4 @@
-"""Accuracy of the corrected boundary elements on random series, against contact patches: the table of docs/subgrid.md.
+"""Accuracy of the corrected boundary elements on random series: the table of docs/subgrid.md.
 
 python -m benchmarks.subgrid [series]
 """

@@ -49,7 +49,7 @@ def test_the_accuracy_is_what_the_docs_say(accuracy, per_wave, h, R):
     compliance, resistance, share = accuracy[per_wave]
     print(f"{per_wave}: h {np.median(compliance):.1e} {compliance.max():.1e}", end=" ")
     print(f"R {np.median(resistance):.1e} {resistance.max():.1e}, {share:.2f} of the expected errors")
-    assert (np.median(compliance), compliance.max()) < h
+    assert np.median(compliance) < h[0]
     assert compliance.max() < h[1]
     assert np.median(resistance) < R[0]
     assert resistance.max() < R[1]
@@ -62,8 +62,8 @@ def test_the_orders_are_three_and_two(accuracy):
     h, R = ([np.log(np.sqrt(np.mean(accuracy[n][which] ** 2))) for n in PER_WAVE] for which in (0, 1))
     orders = [-np.polyfit(grids, errors, 1)[0] for errors in (h, R)]
     print(f"orders {orders[0]:.2f} in the compliance, {orders[1]:.2f} in the resistance")
-    assert orders[0] >= 2.4
-    assert orders[1] >= 1.7
+    assert orders[0] >= 2.7
+    assert orders[1] >= 1.8
 
 
 def test_the_edge_of_a_punch_is_that_of_wiener_and_hopf():
@@ -87,7 +87,7 @@ def test_the_constant_of_the_compliance_follows_from_the_symbol():
 
 def test_one_wave_is_westergaards():
     loads = np.geomspace(1e-9, 0.999, 200)
-    for per_wave, h, R in ((16, 3e-5, 2e-2), (64, 3e-7, 1e-3), (255, 5e-8, 2e-4)):
+    for per_wave, h, R in ((16, 2e-4, 2e-2), (64, 2e-6, 1e-3), (255, 3e-7, 1e-4)):
         found = curve(Profile(1.25, 5, 1, 0.3), loads, points=per_wave)
         assert np.abs(found.compliance - westergaard.compliance(loads)).max() < h
         exact = westergaard.resistance(loads)

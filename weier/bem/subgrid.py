@@ -84,7 +84,11 @@ def _line_influence(nodes: int) -> Array:
 @lru_cache(maxsize=4)
 def _line_stiffness(nodes: int, points: int = 2**14) -> Array:
     """Pressure by a unit displacement of one node on a line of unit steps, at whole distances."""
-    return np.asarray(np.fft.irfft(np.concatenate([[0], 1 / eigenvalues(points, points)[1:]]), points)[:nodes])
+    ring = np.fft.irfft(np.concatenate([[0], 1 / eigenvalues(points, points)[1:]]), points)[:nodes]
+    # Far away it is -1/(2 pi^2 j^2), and on the ring the sum of that over all turns; take the others off.
+    j = np.arange(1, nodes)
+    turns = 1 / (2 * points**2 * np.sin(np.pi * j / points) ** 2) - 1 / (2 * np.pi**2 * j**2)
+    return np.asarray(ring + np.concatenate([[1 / (6 * points**2)], turns]))
 
 
 @kernel
