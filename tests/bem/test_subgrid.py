@@ -56,14 +56,28 @@ def test_the_accuracy_is_what_the_docs_say(accuracy, per_wave, h, R):
     assert share < 1
 
 
-def test_the_orders_are_three_and_two(accuracy):
-    """Of the mean errors (root of the mean square), from 16 to 256 points a wave."""
-    grids = np.log(PER_WAVE)
-    h, R = ([np.log(np.sqrt(np.mean(accuracy[n][which] ** 2))) for n in PER_WAVE] for which in (0, 1))
-    orders = [-np.polyfit(grids, errors, 1)[0] for errors in (h, R)]
-    print(f"orders {orders[0]:.2f} in the compliance, {orders[1]:.2f} in the resistance")
+def test_the_orders_are_three_and_two():
+    """Of the median errors where there is more than one small contact, with a rate that is solved closely.
+
+    The largest errors fall more unevenly: single loads stand near births, or on contacts that bear on each other.
+    """
+    grids, medians, largest = (16, 32, 64, 128, 256), [], []
+    for per_wave in grids:
+        h, R = [], []
+        for reference in REFERENCES:
+            rows = reference.above(KNOWN)
+            points = per_wave * rows.profile.wavenumber[-1]
+            found = curve(rows.profile, rows.mean_pressure, points=points, tolerance=1e-12)
+            h += list(np.abs(found.compliance - rows.compliance))
+            R += list(relative(found.resistance, rows.resistance))
+        medians.append((np.median(h), np.median(R)))
+        largest.append((np.max(h), np.max(R)))
+    orders, worst = (-np.polyfit(np.log(grids), np.log(errors), 1)[0] for errors in (medians, largest))
+    print(f"orders {orders[0]:.2f} and {orders[1]:.2f}; of the largest errors {worst[0]:.2f} and {worst[1]:.2f}")
     assert orders[0] >= 2.7
     assert orders[1] >= 1.8
+    assert worst[0] >= 2.3
+    assert worst[1] >= 1.7
 
 
 def test_the_edge_of_a_punch_is_that_of_wiener_and_hopf():
