@@ -62,7 +62,9 @@ def test_any_number_of_nodes_has_coarser_grids(points):
     assert grids.points[-1] == points
     assert 256 <= grids.points[0] < 512
     assert np.all(np.diff(grids.points) >= 0.45 * grids.points[1:])
-    found = curve(THREE_WAVES, np.geomspace(1e-3, 2, 40), points=points, tolerance=1e-8, resistance=False)
+    found = curve(
+        THREE_WAVES, np.geomspace(1e-3, 2, 40), points=points, tolerance=1e-8, resistance=False, edges="nodes"
+    )
     assert found.work.mean() < 25
 
 
