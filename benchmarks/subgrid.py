@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier import Profile, bem, patches
+from weier import ConvergenceError, Profile, bem, patches
 
 Array = NDArray[np.float64]
 
@@ -50,11 +50,15 @@ def random_profile(random: np.random.Generator) -> Profile:
 
 
 def random_case(random: np.random.Generator) -> Case:
-    """A series under loads from 1e-9 p_0* to full contact."""
-    profile = random_profile(random)
-    full = bem.full_contact_load(profile)
-    loads = np.unique(np.exp(random.uniform(np.log(1e-9), np.log(full), LOADS)))
-    return Case(profile, loads, patches.curve(profile, loads))
+    """A series under loads from 1e-9 p_0* to full contact, if patches solve it."""
+    while True:
+        profile = random_profile(random)
+        full = bem.full_contact_load(profile)
+        loads = np.unique(np.exp(random.uniform(np.log(1e-9), np.log(full), LOADS)))
+        try:
+            return Case(profile, loads, patches.curve(profile, loads))
+        except ConvergenceError as error:
+            print(f"{profile.describe_with_phases()}: {error}", file=sys.stderr)
 
 
 def errors(case: Case, per_wave: int) -> Array:
