@@ -18,6 +18,7 @@ MAX_TOGETHER = 40  # contacts whose forces are found together: farther ones hard
 STEPS = 40  # of Newton's; 4 to 6 are usual
 ROUNDS = 8  # of touching and letting go
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
+MAX_LOST = 0.99  # of the shares: reciprocity with the grid tells nothing when all its contacts let go
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 
 
@@ -184,6 +185,11 @@ def _together(
                 own = contacts.self_compliance[first + i] * change[i]
                 common += contacts.share[first + i] * (excess[i] - own - pressed[i])
                 weight += contacts.share[first + i]
+        if weight == 0:  # all contacts of the grid have let go: crests between its nodes carry the load
+            for i in range(n):
+                if touching[i]:
+                    common += change[i] * (excess[i] - pressed[i])
+                    weight += change[i]
         common /= weight
         if not _touch_and_let_go(contacts, first, period, common - lifted, pressed, touching, change, total):
             break
@@ -334,7 +340,7 @@ def _sums(
     for j in range(n):
         if not touching[j]:  # what it carried on the grid is carried by the others
             right += mutual[:, j] * contacts.share[first + j]
-    faster, _, found = _with_sum(matrix, right, touching, lost)
+    faster, slower, found = _with_sum(matrix, right, touching, lost)
     if not found:
         faster[:] = 0.0
     for i in range(n):
@@ -342,6 +348,10 @@ def _sums(
             faster[i] = -contacts.share[first + i]
     compliance, resistance = shape / period, 0.0
     pressed, pressed_rate = mutual @ change, mutual @ faster
+    if lost > MAX_LOST * period:
+        carried = change[touching].sum()
+        common = np.sum(change[touching] * (excess[touching] - pressed[touching])) / carried
+        return flat - common, -slower, width, patches
     for i in range(n):
         at = first + i
         share = contacts.share[at]
