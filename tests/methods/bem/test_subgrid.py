@@ -28,7 +28,7 @@ def relative(found, resistance):
 
 
 def measured(per_wave):
-    """Errors of h and R over all reference rows, which rows have several contacts, the largest share of the stated."""
+    """Errors of h and R over all reference rows, which have several contacts, the largest share of the stated."""
     h, R, several, share = [], [], [], []
     for reference in REFERENCES:
         points = per_wave * reference.profile.waves_per_period[-1]
@@ -191,9 +191,7 @@ def test_a_correction_that_is_not_finite_is_refused(monkeypatch, field):
         return corrected
 
     monkeypatch.setattr(subgrid_solver, "solve_loads", broken)
-    with pytest.raises(
-        ConvergenceError, match=r"320 points .* not finite under the mean pressure 0\.3 p_0\*; try more"
-    ):
+    with pytest.raises(ConvergenceError, match=r"320 points .* not finite under the mean pressure 0\.3 p_0"):
         curve(Profile(1.25, 5, 2), [0.1, 0.3])
 
 
