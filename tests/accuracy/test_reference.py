@@ -41,7 +41,7 @@ def test_first_touch_meets_what_the_patches_of_the_shifted_profile_give():
 
 def test_full_contact_is_that_of_the_patches():
     """At the load where the closed form takes over, the patches have the same compliance and hardly a resistance."""
-    load = module._full_contact_load(THREE)
+    load = THREE.full_contact_load
     assert load < THREE.full_contact_pressure.sum()
     closed = contact_reference(THREE, (load * 1.0001,))
     below = contact_reference(THREE, (load * 0.9999,))

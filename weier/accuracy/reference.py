@@ -72,7 +72,7 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
         return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
     found = attempt(TIGHTEST, _shift(profile), np.array(loads))
     pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]
-    full_contact, touch = _full_contact_load(profile) * AT_FULL_CONTACT, _single_crest(profile)
+    full_contact, touch = profile.full_contact_load * AT_FULL_CONTACT, _single_crest(profile)
     for i, load in enumerate(loads):
         if load >= full_contact:
             pairs[i] = _total(profile), mp.mpf(0)
@@ -86,13 +86,6 @@ def uncertainty(result: Run, profile: Profile) -> tuple[Array, Array]:
     total = np.full(result.compliance.size, profile.total_amplitude)
     h, R = (patches.error_model.error(TOLERANCE, quantity) for quantity in ("compliance", "resistance"))
     return h * total, R * np.maximum(result.resistance, 1)
-
-
-def _full_contact_load(profile: Profile) -> float:
-    """The load under which the pressure of full contact, p + sum p_n* cos(...), vanishes at one place, in p_0*."""
-    pressure = -profile.full_contact_pressure
-    _, phase = find_crests(pressure, profile.waves_per_period, profile.phase, profile.period)
-    return float((np.cos(phase) @ pressure).max())
 
 
 def _single_crest(profile: Profile) -> bool:

@@ -174,6 +174,13 @@ class Profile:
         return float(x[highest]), float(height[highest])
 
     @cached_property
+    def full_contact_load(self) -> float:
+        """The mean pressure p from which on no gap is left, in p_0*: p + sum p_n* cos(...) is then 0 at one place."""
+        pressure = -self.full_contact_pressure
+        _, phase = find_crests(pressure, self.waves_per_period, self.phase, self.period)
+        return float((np.cos(phase) @ pressure).max())
+
+    @cached_property
     def _wavenumber(self) -> Array:
         return 2 * np.pi * np.array(self.waves_per_period) / self.period
 

@@ -252,7 +252,7 @@ def test_what_is_not_a_number_is_an_error():
     state.contact[:] = True
     state.deformed[3] = np.nan
     grid = grid_of(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
-    assert fft._violations(0.0, grid, state) == (np.inf, np.inf)
+    assert fft.violations(0.0, grid, state) == (np.inf, np.inf)
 
 
 def test_an_empty_contact_begins_at_the_highest_node():

@@ -69,7 +69,8 @@ def leading_part(state: GridState, points: int) -> GridState:
 
 
 @kernel
-def _dot(a: Array, b: Array) -> float:
+def dot(a: Array, b: Array) -> float:
+    """The sum of the products of two arrays."""
     # Not np.dot: BLAS shares it among threads, which wait for each other on a busy machine, ten times as long.
     total = 0.0
     for i in range(a.size):
@@ -78,7 +79,8 @@ def _dot(a: Array, b: Array) -> float:
 
 
 @kernel
-def _mean_in_contact(values: Array, contact: Flags) -> float:
+def mean_in_contact(values: Array, contact: Flags) -> float:
+    """The mean of the values at the nodes in contact."""
     total = 0.0
     nodes = 0
     for i in range(values.size):
@@ -89,7 +91,7 @@ def _mean_in_contact(values: Array, contact: Flags) -> float:
 
 
 @kernel
-def _deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
+def deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
     """The deformed surface z - A p afresh."""
     circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
     for i in range(height.size):
@@ -111,11 +113,11 @@ def _rescale_to_load(pressure: Array, load: float) -> None:
 def _refresh(load: float, grid: Grid, state: GridState) -> None:
     """Free the pressure of tension, let it carry the load, and apply the operator afresh."""
     _rescale_to_load(state.pressure, load)
-    _deformed_surface(grid.height, grid, state)
+    deformed_surface(grid.height, grid, state)
 
 
 @kernel
-def _violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float]:
+def violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float]:
     """Largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0."""
     contact_gap = 0.0
     violation = 0.0
@@ -145,7 +147,7 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 
 
 @kernel
-def _conjugate_step(
+def conjugate_step(
     plane: float, edge: Edges, restart: bool, last_energy: float, grid: Grid, state: GridState
 ) -> float:
     """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
@@ -159,7 +161,7 @@ def _conjugate_step(
     extrapolate_into_gap(state.residual, edge, state.contact)
     circulant_product(grid.inverse, state.residual, state.spectrum, state.product)
     restrict_from_gap(state.product, edge, state.contact)
-    shift = _mean_in_contact(state.product, state.contact)
+    shift = mean_in_contact(state.product, state.contact)
     energy = 0.0
     for i in range(points):
         if state.contact[i]:
@@ -168,7 +170,7 @@ def _conjugate_step(
     for i in range(points):
         state.direction[i] = state.product[i] - shift + beta * state.direction[i] if state.contact[i] else 0.0
     circulant_product(grid.influence, state.direction, state.spectrum, state.product)
-    step = energy / _dot(state.direction, state.product) if energy > 0 else 0.0  # 0 on a single node
+    step = energy / dot(state.direction, state.product) if energy > 0 else 0.0  # 0 on a single node
     for i in range(points):
         state.pressure[i] += step * state.direction[i]
         state.deformed[i] -= step * state.product[i]
@@ -189,8 +191,8 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
         if fresh:
             _refresh(load, grid, state)
             pairs += 1
-        plane = _mean_in_contact(state.deformed, state.contact)
-        contact_gap, violation = _violations(plane, grid, state)
+        plane = mean_in_contact(state.deformed, state.contact)
+        contact_gap, violation = violations(plane, grid, state)
         solved = max(contact_gap, violation) <= grid.tolerance
         if solved and fresh:
             break
@@ -201,7 +203,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
             patience += 1
             restart = True
         else:
-            energy = _conjugate_step(plane, edge, restart, energy, grid, state)
+            energy = conjugate_step(plane, edge, restart, energy, grid, state)
             pairs += 2
             fresh = restart = False
     return plane, max(contact_gap, violation), pairs
@@ -217,19 +219,19 @@ def solve_rate(tolerance: float, grid: Grid, state: GridState) -> tuple[float, i
     nodes = count(state.contact)
     for i in range(state.pressure.size):
         state.pressure[i] = state.pressure.size / nodes if state.contact[i] else 0.0
-    _deformed_surface(np.zeros(state.pressure.size), grid, state)
+    deformed_surface(np.zeros(state.pressure.size), grid, state)
     pairs, restart, energy = 1, True, 0.0
     for _ in range(MAX_STEPS):
-        plane = _mean_in_contact(state.deformed, state.contact)
-        contact_gap = _violations(plane, grid, state)[0]
+        plane = mean_in_contact(state.deformed, state.contact)
+        contact_gap = violations(plane, grid, state)[0]
         if contact_gap <= tolerance:
             break
-        energy = _conjugate_step(plane, edge, restart, energy, grid, state)
+        energy = conjugate_step(plane, edge, restart, energy, grid, state)
         pairs += 2
         restart = False
     if not contact_gap <= tolerance:
         return np.inf, pairs
-    return -_dot(state.pressure, state.deformed) / state.pressure.size, pairs
+    return -dot(state.pressure, state.deformed) / state.pressure.size, pairs
 
 
 @kernel

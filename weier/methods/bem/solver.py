@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.methods.bem import direct, fft
+from weier.methods.bem import direct, fft, subgrid_solver
 from weier.methods.bem.contact import blank_solution
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
+from weier.methods.bem.subgrid import make_continuum
 from weier.methods.errors import ConvergenceError
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.limits import check_points, check_resolvable
@@ -21,6 +22,7 @@ from weier.theory.profile import Profile
 Array = NDArray[np.float64]
 
 POINTS_PER_WAVE = 64  # of the finest wave: an error of h below 7e-4 g_0
+MIN_SUBGRID_POINTS_PER_WAVE = 32  # with 16, one of 150 random series was wrong by 4e-3 g_0 (docs/subgrid.md)
 
 
 class Curve(NamedTuple):
@@ -44,6 +46,26 @@ class Curve(NamedTuple):
     points: int
 
 
+class SubgridCurve(NamedTuple):
+    """The same with the edges of contact between the nodes, and the errors that this states; each of shape (loads,).
+
+    compliance, resistance, residual, work, points : as in `Curve`, residual and work of the solution on the grid
+    contact_fraction : length in contact per length
+    patch_count : contacts in one period, those between two nodes among them; 0 in full contact
+    compliance_error, resistance_error : expected, in g_0 and g_0/p_0*
+    """
+
+    compliance: Array
+    resistance: Array
+    contact_fraction: Array
+    patch_count: NDArray[np.int64]
+    residual: Array
+    work: Array
+    points: int
+    compliance_error: Array
+    resistance_error: Array
+
+
 def curve(
     profile: Profile,
     mean_pressure: ArrayLike,
@@ -51,7 +73,8 @@ def curve(
     points: int | None = None,
     tolerance: float = 1e-10,
     resistance: bool = True,
-) -> Curve:
+    edges: str = "nodes",
+) -> Curve | SubgridCurve:
     """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
     Parameters
@@ -67,25 +90,30 @@ def curve(
     tolerance : float
         Largest residual, in g_0.
     resistance : bool
-        Whether the fast solver should solve for the resistance too; without, it is NaN.
+        Whether the fast solver should solve for the resistance too; without, it is NaN. It costs nothing beside
+        edges "subgrid", which need it anyway.
+    edges : "nodes" or "subgrid"
+        Whether the edges of contact stand on nodes, as in Section 5.1, or between them, where the continuum has them
+        (docs/subgrid.md). The latter takes the fast solver and at least 32 points for each of the finest waves.
 
     Returns
     -------
-    Curve
-        Arrays over the loads.
+    Curve or SubgridCurve
+        Arrays over the loads; with edges "subgrid" also the errors that are expected of them.
 
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, `solver` is unknown, or `points` are too few for the finest
-        wave, or too many.
+        If the loads are not positive and increasing, `solver` or `edges` is unknown or one does not go with the
+        other, or `points` are too few for the finest wave, or too many.
     ConvergenceError
-        If a load misses the tolerance.
+        If a load misses the tolerance, or the correction of its edges of contact is not finite.
 
     Notes
     -----
-    The compliance converges as about N^-2. The resistance is the exact derivative of the discrete h(p), which is
-    linear as long as no node changes side; it converges as 1/N, since the edges of contact move by whole nodes.
+    With edges "nodes" the compliance converges as about N^-2. The resistance is the exact derivative of the discrete
+    h(p), which is linear as long as no node changes side; it converges as 1/N, since the edges of contact move by
+    whole nodes. With edges "subgrid" they converge as N^-3 and N^-2.
 
     """
     loads = checked_loads(mean_pressure)
@@ -94,6 +122,9 @@ def curve(
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
     check_points(points, dense=solver == "direct")
+    check_edges(edges, solver, points, profile.waves_per_period[-1])
+    if edges == "subgrid":
+        return _subgrid_curve(profile, loads, points, tolerance, resistance)
     partial = loads[loads < full_contact_load(profile, points)]
     if partial.size == 0:
         solution = blank_solution(0)
@@ -107,19 +138,45 @@ def curve(
         solution = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
     check_residual(solution.residual, partial, points, tolerance)
     _check_resistance(solution.resistance, partial, points)
-
-    def whole(values: NDArray[Any], flattened: float) -> NDArray[Any]:
-        return np.concatenate([values, np.full(loads.size - partial.size, flattened)])
-
     return Curve(
-        whole(profile.total_amplitude - solution.plane, profile.total_amplitude),
-        whole(solution.resistance, 0.0),
-        whole(solution.contact_nodes / points, 1.0),
-        whole(solution.patches, 0).astype(np.int64),
-        whole(solution.residual, 0.0),
-        whole(solution.work, 0),
+        _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
+        _fill(loads, solution.resistance, 0.0),
+        _fill(loads, solution.contact_nodes / points, 1.0),
+        _fill(loads, solution.patches, 0).astype(np.int64),
+        _fill(loads, solution.residual, 0.0),
+        _fill(loads, solution.work, 0),
         points,
     )
+
+
+def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool) -> SubgridCurve:
+    """The curve with the edges of contact between the nodes."""
+    partial = loads[loads < profile.full_contact_load]
+    solution = subgrid_solver.blank_correction(0)
+    if partial.size:
+        hierarchy = nested_grids(profile, points, tolerance)
+        start = full_contact(hierarchy, float(partial[-1]))
+        solution = subgrid_solver.solve_loads(hierarchy, start, partial, make_continuum(profile, points))
+    check_residual(solution.residual, partial, points, tolerance)
+    _check_correction(solution, partial, points)
+    curve = SubgridCurve(
+        _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
+        _fill(loads, solution.resistance, 0.0),
+        _fill(loads, solution.contact_fraction, 1.0),
+        _fill(loads, solution.patches, 0).astype(np.int64),
+        _fill(loads, solution.residual, 0.0),
+        _fill(loads, solution.work, 0),
+        points,
+        _fill(loads, solution.compliance_error, 0.0),
+        _fill(loads, solution.resistance_error, 0.0),
+    )
+    unknown = np.full(loads.size, np.nan)
+    return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
+
+
+def _fill(loads: Array, values: NDArray[Any], at_full_contact: float) -> NDArray[Any]:
+    """Values at the loads of partial contact, and this one at the heavier loads, which press all gaps shut."""
+    return np.concatenate([values, np.full(loads.size - values.size, at_full_contact)])
 
 
 def checked_points(profile: Profile, points: int | None = None) -> int:
@@ -142,6 +199,27 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
         )
     check_points(points)
     return int(points)
+
+
+def check_edges(edges: str, solver: str, points: int, finest: int) -> None:
+    """Refuse edges of contact that are unknown, or that the solver or the points for `finest` waves do not allow.
+
+    Raises
+    ------
+    ValueError
+        If they are.
+
+    """
+    if edges not in ("nodes", "subgrid"):
+        raise ValueError(f'edges must be "nodes" or "subgrid", got {edges!r}')
+    if edges == "subgrid" and solver != "fft":
+        raise ValueError(f'edges="subgrid" takes solver="fft", got {solver!r}; edges="nodes" takes any solver')
+    if edges == "subgrid" and points < MIN_SUBGRID_POINTS_PER_WAVE * finest:
+        raise ValueError(
+            f'edges="subgrid" takes at least {MIN_SUBGRID_POINTS_PER_WAVE * finest} points, '
+            f"{MIN_SUBGRID_POINTS_PER_WAVE} for each of the {finest} finest waves in a period, got {points}: fewer "
+            'were found to be wrong in one of 150 random series (16 points); edges="nodes" takes any grid'
+        )
 
 
 def check_tolerance(tolerance: float) -> None:
@@ -191,5 +269,21 @@ def _check_resistance(resistance: Array, loads: Array, points: int) -> None:
         raise ConvergenceError(
             f"boundary elements on {points} points found the compliance but not the resistance under the mean "
             f"pressure {loads[missed[0]]:.6g} p_0*; try other points, or resistance=False",
+            np.inf,
+        )
+
+
+def _check_correction(solution: subgrid_solver.Corrected, loads: Array, points: int) -> None:
+    """Refuse a correction that is not finite: of a rate that the solver gave up, or of edges that were not found."""
+    numbers = (
+        solution.plane, solution.resistance, solution.contact_fraction,
+        solution.compliance_error, solution.resistance_error,
+    )  # fmt: skip
+    missed = np.flatnonzero(~np.isfinite(numbers).all(axis=0))
+    if missed.size:
+        raise ConvergenceError(
+            f"boundary elements on {points} points solved the contact on the grid, but their correction for edges of "
+            f"contact between the nodes is not finite under the mean pressure {loads[missed[0]]:.6g} p_0*; try more "
+            'points, or edges="nodes"',
             np.inf,
         )

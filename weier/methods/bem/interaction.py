@@ -1,0 +1,371 @@
+"""Contacts that bear on each other: their forces and rates in the continuum, and contacts born between nodes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.jit import kernel
+from weier.methods.bem.narrow_contacts import contact_energy, plane_height, punch_compliance
+from weier.methods.bem.polynomials import derivative, expansion, value
+
+WIDE, NARROW, BIRTH = 0, 1, 2
+MAX_TOGETHER = 40  # contacts whose forces are found together: farther ones hardly feel a shift of force
+MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
+MAX_ROUNDS = 8  # of touching and letting go
+CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
+MAX_LOST = 0.99  # of the shares: reciprocity with the grid tells nothing when all its contacts let go
+MAX_LOSS = 0.9  # of its force that a contact may lose in one step
+
+
+class Contacts(NamedTuple):
+    """Contacts on the grid, and crests that may touch between nodes, by position; each of shape (contacts,).
+
+    kind : WIDE, NARROW or BIRTH
+    position, reach : of the centre, and half width, in lambda_0
+    force, share : on the grid, per period, and of it per mean pressure
+    self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
+    edge_compliance, edge_resistance : what its edges add, if they stand alone
+    scale : length of one s of the polynomials, in lambda_0
+    centre, half_width : in s; where the search for the edges begins
+    height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
+    grid_mixed, grid_energy : energies of `contact_energy` on the grid
+    penetration, closing : of each crest that is narrow or new, by how much it stands above the plane that it does not
+        touch, in g_0, and the rate of that per mean pressure; found by `redistribute`
+    """
+
+    kind: Indices
+    position: Array
+    reach: Array
+    force: Array
+    share: Array
+    self_compliance: Array
+    edge_compliance: Array
+    edge_resistance: Array
+    scale: Array
+    centre: Array
+    half_width: Array
+    height: Array
+    rate: Array
+    grid_mixed: Array
+    grid_energy: Array
+    penetration: Array
+    closing: Array
+
+
+@kernel
+def make_contacts(contacts: int, terms: int) -> Contacts:
+    """Room for so many."""
+    return Contacts(
+        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+    )  # fmt: skip
+
+
+@kernel
+def redistribute(
+    contacts: Contacts, used: int, plane: float, rate: float, lifted: float, period: float
+) -> tuple[float, float, float, int]:
+    """What contacts add to compliance and resistance; the width of those with polynomials; contacts in all.
+
+    `lifted` is what gaps add to the compliance.
+    """
+    compliance = resistance = width = 0.0
+    patches = 0
+    first = 0
+    while first < used:
+        last = min(first + MAX_TOGETHER, used)
+        if used - last < MAX_TOGETHER // 2:
+            last = used
+        higher, faster, wider, touching = _together(contacts, first, last, plane, rate, lifted, period)
+        compliance += higher
+        resistance += faster
+        width += wider
+        patches += touching
+        first = last
+    return compliance, resistance, width, patches
+
+
+@kernel
+def _mutual(contacts: Contacts, first: int, last: int, period: float) -> Array:
+    """Displacement of one contact per force on another; their own is left 0.
+
+    Each force stands half on either node of the two-point rule of Gauss and Chebyshev, so that with the compliance of
+    flat punches as its diagonal the matrix is one of energies, and positive.
+    """
+    matrix = np.zeros((last - first, last - first))
+    for i in range(last - first):
+        for j in range(i):
+            for side in (-1, 1):
+                for other in (-1, 1):
+                    apart = contacts.position[first + i] - contacts.position[first + j]
+                    apart += np.sqrt(0.5) * (side * contacts.reach[first + i] - other * contacts.reach[first + j])
+                    matrix[i, j] -= np.log(2 * abs(np.sin(np.pi * apart / period))) / 2
+            matrix[j, i] = matrix[i, j]
+    return matrix
+
+
+@kernel
+def solve_positive(matrix: Array, right: Array) -> bool:
+    """Solve with a symmetric positive matrix, overwritten, `right`, shape (n, k), in place; False if it is not."""
+    n = right.shape[0]
+    for i in range(n):
+        for j in range(i + 1):
+            rest = matrix[i, j]
+            for k in range(j):
+                rest -= matrix[i, k] * matrix[j, k]
+            if i > j:
+                matrix[i, j] = rest / matrix[j, j]
+            elif rest > 0:
+                matrix[i, i] = np.sqrt(rest)
+            else:
+                return False
+    for column in range(right.shape[1]):
+        for i in range(n):
+            for k in range(i):
+                right[i, column] -= matrix[i, k] * right[k, column]
+            right[i, column] /= matrix[i, i]
+        for i in range(n - 1, -1, -1):
+            for k in range(i + 1, n):
+                right[i, column] -= matrix[k, i] * right[k, column]
+            right[i, column] /= matrix[i, i]
+    return True
+
+
+@kernel
+def _with_sum(matrix: Array, right: Array, touching: Flags, total: float) -> tuple[Array, float, bool]:
+    """Solve matrix x + y = right on those touching, with the sum of x given: x, y, and whether it went well."""
+    which = np.flatnonzero(touching)
+    n = which.size
+    part = np.empty((n, n))
+    columns = np.ones((n, 2))
+    for i in range(n):
+        columns[i, 0] = right[which[i]]
+        for j in range(n):
+            part[i, j] = matrix[which[i], which[j]]
+    found = solve_positive(part, columns)
+    common = (columns[:, 0].sum() - total) / columns[:, 1].sum()
+    x = np.zeros(right.size)
+    for i in range(n):
+        x[which[i]] = columns[i, 0] - common * columns[i, 1]
+    return x, common, found
+
+
+@kernel
+def _together(
+    contacts: Contacts, first: int, last: int, plane: float, rate: float, lifted: float, period: float
+) -> tuple[float, float, float, int]:
+    """`redistribute` for the contacts from `first` to before `last`."""
+    n = last - first
+    mutual = _mutual(contacts, first, last, period)
+    change = np.zeros(n)  # of each force
+    excess = np.zeros(n)  # height of the plane that each asks for, besides what forces elsewhere do
+    slope = np.zeros(n)  # of it with the force
+    touching = np.empty(n, np.bool_)
+    total = 0.0
+    for i in range(n):
+        touching[i] = contacts.kind[first + i] != BIRTH
+        total += contacts.force[first + i]
+    common = plane
+    going = True
+    for _ in range(MAX_ROUNDS):
+        going = _equalise_heights(
+            contacts, first, plane, lifted, period, mutual, touching, change, excess, slope, total
+        )
+        if not going:
+            break
+        common = weight = 0.0
+        pressed = mutual @ change
+        for i in range(n):
+            if touching[i]:
+                own = contacts.self_compliance[first + i] * change[i]
+                common += contacts.share[first + i] * (excess[i] - own - pressed[i])
+                weight += contacts.share[first + i]
+        if weight == 0:  # all contacts of the grid have let go: crests between its nodes carry the load
+            for i in range(n):
+                if touching[i]:
+                    common += change[i] * (excess[i] - pressed[i])
+                    weight += change[i]
+        common /= weight
+        if not _touch_and_let_go(contacts, first, period, common - lifted, pressed, touching, change, total):
+            break
+    if not going:
+        for i in range(n):
+            touching[i] = contacts.kind[first + i] != BIRTH
+            change[i] = 0.0
+        _heights(contacts, first, plane, lifted, period, touching, change, excess, slope)
+    return _sums(contacts, first, plane, rate, lifted, period, mutual, touching, change, excess)
+
+
+@kernel
+def _heights(
+    contacts: Contacts, first: int, plane: float, lifted: float, period: float, touching: Flags,
+    change: Array, excess: Array, slope: Array,
+) -> bool:  # fmt: skip
+    """Height of the plane for each force, `excess`, and its fall with the force, `slope`; False if not found.
+
+    On a wide contact the height falls by nothing but what `mutual` and its own compliance say: `excess` leaves these
+    out for all contacts of the grid.
+    """
+    for i in range(change.size):
+        at = first + i
+        if not touching[i]:
+            continue
+        if contacts.kind[at] == WIDE:
+            excess[i] = plane - contacts.edge_compliance[at] * period / contacts.share[at]
+            slope[i] = contacts.self_compliance[at]
+            continue
+        height, compliance, centre, half_width = plane_height(
+            contacts.height[at], contacts.force[at] + change[i], contacts.centre[at], contacts.half_width[at],
+            contacts.scale[at], period,
+        )  # fmt: skip
+        if not height < np.inf:
+            return False
+        contacts.centre[at], contacts.half_width[at] = centre, half_width
+        slope[i] = compliance
+        excess[i] = height
+        if contacts.kind[at] == NARROW:
+            excess[i] += contacts.self_compliance[at] * change[i]
+        else:
+            excess[i] += lifted
+    return True
+
+
+@kernel
+def _equalise_heights(
+    contacts: Contacts, first: int, plane: float, lifted: float, period: float, mutual: Array,
+    touching: Flags, change: Array, excess: Array, slope: Array, total: float,
+) -> bool:  # fmt: skip
+    """Newton's method for the change of each force that brings all touching contacts to one height."""
+    n = change.size
+    right = np.zeros(n)
+    for _ in range(MAX_STEPS):
+        if not _heights(contacts, first, plane, lifted, period, touching, change, excess, slope):
+            return False
+        matrix = mutual.copy()
+        pressed = mutual @ change
+        for i in range(n):
+            own = contacts.self_compliance[first + i] * change[i]
+            right[i] = excess[i] - own - pressed[i]
+            matrix[i, i] = slope[i]
+        step, _, found = _with_sum(matrix, right, touching, -change.sum())
+        if not found:
+            return False
+        largest = 0.0
+        for i in range(n):
+            if touching[i]:
+                if contacts.kind[first + i] != WIDE:
+                    step[i] = max(step[i], -MAX_LOSS * (contacts.force[first + i] + change[i]))
+                change[i] += step[i]
+                largest = max(largest, abs(step[i]))
+        if largest <= CLOSE * total:
+            return True
+        if not largest < np.inf:
+            return False
+    return False
+
+
+@kernel
+def _touch_and_let_go(
+    contacts: Contacts, first: int, period: float, plane: float, pressed: Array, touching: Flags,
+    change: Array, total: float,
+) -> bool:  # fmt: skip
+    """Release contacts without force, and let crests touch that stand above the plane; whether anything changed."""
+    changed = False
+    for i in range(change.size):
+        at = first + i
+        if contacts.kind[at] == WIDE:
+            continue
+        if touching[i]:
+            if contacts.force[at] + change[i] <= CLOSE * total:
+                touching[i] = False
+                change[i] = -contacts.force[at]
+                changed = True
+        elif contacts.kind[at] == BIRTH:
+            top = contacts.centre[at] if contacts.half_width[at] == 0 else 0.0
+            above = value(contacts.height[at], top) - pressed[i] - plane
+            bend = -value(derivative(derivative(contacts.height[at])), top)
+            if above > CLOSE * abs(plane) and bend > 0:
+                touching[i] = changed = True
+                half_width = np.sqrt(2 * above / bend)
+                change[i] = above / (1 + punch_compliance(half_width * contacts.scale[at], period))
+                contacts.half_width[at] = 2 * np.sqrt(change[i] / bend)
+    return changed
+
+
+@kernel
+def _sums(
+    contacts: Contacts, first: int, plane: float, rate: float, lifted: float, period: float, mutual: Array,
+    touching: Flags, change: Array, excess: Array,
+) -> tuple[float, float, float, int]:  # fmt: skip
+    """Compliance and resistance of these contacts by reciprocity, with the shares of the grid as weights."""
+    n = change.size
+    softer = np.zeros(n)  # compliance that each has more than on the grid
+    right = np.zeros(n)
+    matrix = mutual.copy()
+    closing = np.zeros(n)  # rate of the plane towards a crest that the grid has not in contact
+    shape = width = lost = 0.0
+    patches = 0
+    for i in range(n):
+        at = first + i
+        matrix[i, i] = contacts.self_compliance[at]
+        share = contacts.share[at]
+        if not touching[i]:
+            lost += share
+            continue
+        patches += 1
+        if contacts.kind[at] == WIDE:
+            softer[i] = contacts.edge_resistance[at] * period / share**2
+        else:
+            scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
+            width += 2 * half_width * scale
+            compliance = punch_compliance(half_width * scale, period)
+            contacts.penetration[at] = (contacts.force[at] + change[i]) * compliance
+            contacts.closing[at] = share * compliance
+            others = expansion(contacts.rate[at], centre, half_width)
+            if contacts.kind[at] == NARROW:
+                height = expansion(contacts.height[at], centre, half_width)
+                mixed, energy = contact_energy(height, others, contacts.force[at], share, compliance)
+                softer[i] = (energy - contacts.grid_energy[at] + contacts.edge_resistance[at] * period) / share**2
+                shape += mixed - contacts.grid_mixed[at] + contacts.edge_compliance[at] * period
+            else:
+                matrix[i, i] = compliance
+                closing[i] = contacts.closing[at] = rate - others[0]
+        matrix[i, i] += softer[i]
+        right[i] = closing[i] - softer[i] * share
+    for j in range(n):
+        if not touching[j]:  # what it carried on the grid is carried by the others
+            right += mutual[:, j] * contacts.share[first + j]
+    faster, slower, found = _with_sum(matrix, right, touching, lost)
+    if not found:
+        faster[:] = 0.0
+    for i in range(n):
+        if not touching[i]:
+            faster[i] = -contacts.share[first + i]
+    compliance, resistance = shape / period, 0.0
+    pressed, pressed_rate = mutual @ change, mutual @ faster
+    if lost > MAX_LOST * period:
+        carried = change[touching].sum()
+        common = np.sum(change[touching] * (excess[touching] - pressed[touching])) / carried
+        return plane - common, -slower, width, patches
+    for i in range(n):
+        at = first + i
+        share = contacts.share[at]
+        if touching[i]:
+            compliance -= (share * (excess[i] - plane) + closing[i] * change[i]) / (period - lost)
+            resistance += (softer[i] * share * (share + faster[i]) - closing[i] * faster[i]) / (period - lost)
+        else:
+            own = contacts.self_compliance[at]
+            compliance -= share * (pressed[i] + own * change[i]) / (period - lost)
+            resistance -= share * (pressed_rate[i] - own * share) / (period - lost)
+    for i in range(n):
+        at = first + i
+        if contacts.kind[at] == BIRTH and not touching[i]:
+            top = value(contacts.height[at], contacts.centre[at])
+            contacts.penetration[at] = top - pressed[i] - (plane - compliance - lifted)
+            contacts.closing[at] = rate - value(contacts.rate[at], contacts.centre[at])
+    return compliance, resistance, width, patches

@@ -1,0 +1,146 @@
+"""One contact, or one gap, in the continuum: where it ends under heights, or pressures, that are a polynomial.
+
+Kernels of docs/subgrid.md. Positions s are in half widths of the window of nodes on which the polynomial was fitted.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+from weier.kernels.jit import kernel
+from weier.methods.bem.polynomials import NODES, derivative, expansion, second_kind, value
+
+MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
+CLOSE = 1e-13  # relative size of the last of them
+MAX_STRIDE = 0.5  # of the half width that one step may take
+
+
+@kernel
+def contact_edges(height: Array, force: float, centre: float, half_width: float) -> tuple[float, float, bool]:
+    """Centre and half width of the contact that carries a force, and whether they were found.
+
+    The pressure is bounded at both ends where the mean of z' over the Chebyshev nodes t is 0, and the force is
+    -(half width/2) times the mean of t z'. The two arguments are where the search begins.
+    """
+    slope = derivative(height)
+    curvature = derivative(slope)
+    for _ in range(MAX_STEPS):
+        bend = bend_t = bend_tt = tilt = tilt_t = 0.0  # means of z'', t z'', t^2 z'', z' and t z'
+        for i in range(NODES.size):
+            t = NODES[i]
+            s = centre + half_width * t
+            here, second = value(slope, s) / NODES.size, value(curvature, s) / NODES.size
+            tilt += here
+            tilt_t += t * here
+            bend += second
+            bend_t += t * second
+            bend_tt += t * t * second
+        missing = -half_width / 2 * tilt_t - force
+        down, across = -half_width / 2 * bend_t, -(tilt_t + half_width * bend_tt) / 2
+        centre, half_width, step = _step(tilt, missing, bend, bend_t, down, across, centre, half_width)
+        if step <= CLOSE * (1 + half_width):
+            return centre, half_width, half_width > 0
+    return centre, half_width, False
+
+
+@kernel
+def gap_edges(pressure: Array, centre: float, half_width: float) -> tuple[float, float, bool]:
+    """The same for a gap: the pressure that would close it, times 1 and t, has no mean over the nodes t."""
+    slope = derivative(pressure)
+    for _ in range(MAX_STEPS):
+        mean = mean_t = bend = bend_t = bend_tt = 0.0
+        for i in range(NODES.size):
+            t = NODES[i]
+            s = centre + half_width * t
+            here, second = value(pressure, s) / NODES.size, value(slope, s) / NODES.size
+            mean += here
+            mean_t += t * here
+            bend += second
+            bend_t += t * second
+            bend_tt += t * t * second
+        centre, half_width, step = _step(mean_t, mean, bend_t, bend_tt, bend, bend_t, centre, half_width)
+        if step <= CLOSE * (1 + half_width):
+            return centre, half_width, half_width > 0
+    return centre, half_width, False
+
+
+@kernel
+def _step(
+    first: float, second: float, a: float, b: float, c: float, d: float, centre: float, half_width: float
+) -> tuple[float, float, float]:
+    """Newton's step for two equations with the matrix a b, c d, and its size; infinite where that is singular."""
+    determinant = a * d - b * c
+    if determinant == 0:
+        return centre, half_width, np.inf
+    along = -(first * d - second * b) / determinant
+    wider = -(a * second - c * first) / determinant
+    along = min(max(along, -1.0), 1.0)
+    wider = min(max(wider, -MAX_STRIDE * half_width), max(MAX_STRIDE * half_width, MAX_STRIDE))
+    return centre + along, half_width + wider, abs(along) + abs(wider)
+
+
+@kernel
+def punch_compliance(half_width: float, period: float) -> float:
+    """Displacement per force of a flat punch on a half-plane, but for its images: -2 ln(pi a/L)."""
+    return -2 * np.log(np.pi * half_width / period)
+
+
+@kernel
+def contact_energy(height: Array, rate: Array, force: float, share: float, compliance: float) -> tuple[float, float]:
+    """The mixed energy of heights and rates on a contact, and that of the rates alone.
+
+    Both polynomials come as coefficients of T_k. The first is the integral of the pressure times the rate; the
+    second is the smallest energy of pressures per load, half of it times two, that carry `share`.
+    """
+    mixed, alone = force * rate[0], share * share * compliance + 2 * share * rate[0]
+    for k in range(1, rate.size):
+        mixed += k * height[k] * rate[k] / 4
+        alone -= k * rate[k] * rate[k] / 4
+    return mixed, alone
+
+
+@kernel
+def gap_energy(pressure: Array, rate: Array, half_width: float) -> tuple[float, float]:
+    """The same for a gap: the integrals of the gap, and of its rate, times the rate of the pressure that closes it.
+
+    Coefficients of T_k again; `half_width` is a length.
+    """
+    closing, rates = second_kind(pressure), second_kind(rate)
+    mixed = alone = 0.0
+    for k in range(closing.size):
+        mixed -= (np.pi * half_width) ** 2 * closing[k] * rates[k] / (k + 1)
+        alone -= (np.pi * half_width) ** 2 * rates[k] * rates[k] / (k + 1)
+    return mixed, alone
+
+
+@kernel
+def crest(height: Array, start: float, reach: float) -> float:
+    """Where the polynomial is highest near `start`, not farther than `reach`."""
+    slope = derivative(height)
+    curvature = derivative(slope)
+    s = start
+    for _ in range(MAX_STEPS):
+        second = value(curvature, s)
+        if second >= 0:
+            break
+        further = min(max(s - value(slope, s) / second, start - reach), start + reach)
+        if abs(further - s) <= CLOSE:
+            break
+        s = further
+    return s
+
+
+@kernel
+def plane_height(
+    height: Array, force: float, centre: float, half_width: float, scale: float, period: float
+) -> tuple[float, float, float, float]:
+    """Height of the plane that presses this force on the contact, its compliance, its edges; NaN if not found.
+
+    `centre` and `half_width` are where the search begins, `scale` is the length of one s.
+    """
+    centre, half_width, found = contact_edges(height, force, centre, half_width)
+    if not found:
+        return np.nan, np.nan, centre, half_width
+    compliance = punch_compliance(half_width * scale, period)
+    return expansion(height, centre, half_width)[0] - force * compliance, compliance, centre, half_width

@@ -1,0 +1,92 @@
+"""Loads on the grid, each with what the continuum adds to it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.bem import fft
+from weier.methods.bem.edges import find_edges
+from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.grids import Hierarchy, grid_of
+from weier.methods.bem.rate import solve_rate
+from weier.methods.bem.subgrid import Continuum, correct
+
+
+class Corrected(NamedTuple):
+    """Over the loads, each of shape (loads,): `DiscreteSolution`, with edges of contact between the nodes.
+
+    plane : mean gap d, in g_0
+    resistance : dh/dp, in g_0/p_0*; inf if the rate was missed
+    contact_fraction : length in contact per length
+    patches : contacts in one period
+    residual, work : of the solution on the grid
+    compliance_error, resistance_error : expected, in the same units
+    """
+
+    plane: Array
+    resistance: Array
+    contact_fraction: Array
+    patches: Indices
+    residual: Array
+    work: Array
+    compliance_error: Array
+    resistance_error: Array
+
+
+@kernel
+def blank_correction(loads: int) -> Corrected:
+    """The same with nothing in it yet."""
+    return Corrected(
+        np.empty(loads), np.full(loads, np.nan), np.empty(loads), np.empty(loads, np.int64), np.empty(loads),
+        np.zeros(loads), np.full(loads, np.nan), np.full(loads, np.nan),
+    )  # fmt: skip
+
+
+@kernel
+def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: Continuum) -> Corrected:
+    """Solve every load from the heaviest down, as `fft.solve_loads`, and correct it.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+        The grids; the last one carries the solution.
+    pressure : array, shape (points of the coarsest grid,)
+        Where it is positive the search for the contact begins; overwritten.
+    loads : array, shape (loads,)
+        Mean pressures, increasing, in p_0*.
+    continuum : Continuum
+        What the correction knows of the finest grid.
+
+    Returns
+    -------
+    Corrected
+        Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
+
+    """
+    corrected = blank_correction(loads.size)
+    finest = grid_of(hierarchy, hierarchy.points.size - 1)
+    state = fft.make_grid_state(finest.height.size)
+    for load in range(loads.size - 1, -1, -1):
+        plane, residual, pairs = fft.cascade(loads[load], hierarchy, pressure, state)
+        carried, deformed = state.pressure.copy(), state.deformed.copy()
+        rate, more = solve_rate(hierarchy, state)
+        corrected.residual[load] = residual
+        corrected.work[load] = pairs + more
+        if residual > finest.tolerance or rate == np.inf:  # to be refused
+            corrected.plane[load], corrected.resistance[load], corrected.contact_fraction[load] = plane, rate, np.nan
+            corrected.patches[load] = 0
+            continue
+        displacement = -state.deformed
+        solution = GridSolution(plane, rate, carried, deformed, state.pressure, displacement, state.contact)
+        added = correct(solution, finest, find_edges(state.contact, state.edge), continuum)
+        corrected.plane[load] = plane - added.compliance
+        corrected.resistance[load] = rate + added.resistance
+        corrected.contact_fraction[load] = added.contact_fraction
+        corrected.patches[load] = added.patches
+        corrected.compliance_error[load] = added.compliance_error
+        corrected.resistance_error[load] = added.resistance_error
+    return corrected
