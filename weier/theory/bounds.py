@@ -101,7 +101,8 @@ def resistance_bounds(
     One wave (12), where the waves left out have 5 % of its amplitude:
 
     >>> import numpy as np
-    >>> from weier import bounds, westergaard
+    >>> from weier.methods import westergaard
+    >>> from weier.theory import bounds
     >>> p = np.linspace(0.01, 1, 100)
     >>> lower, upper = bounds.resistance_bounds(p, westergaard.compliance(p), 0.05, first_contact=0.0)
     >>> print(f"{lower[49]:.2f} < {westergaard.resistance(0.5):.2f} < {upper[49]:.2f}")
