@@ -252,7 +252,7 @@ FULL = ("-t", "tmpfs", "-o", "size=64k", "tmpfs")
 def test_a_full_disk_is_named(tmp_path):
     """netCDF would call it an HDF error."""
     program = (
-        "import numpy as np; from weier import dataset\n"
+        "import numpy as np; from weier.data import dataset\n"
         f"dataset.write(dataset.blank(9, ['bem'], np.ones(99), 1), {str(tmp_path / 'a.nc')!r}, 'test')"
     )
     with mounted(tmp_path, *FULL):
