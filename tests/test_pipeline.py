@@ -88,12 +88,12 @@ def test_a_changed_figure_is_drawn_alone(finished):
 
 
 def test_a_comment_or_a_new_date_runs_nothing(finished):
-    edit(finished / "weier/methods/bem/fft.py", "STEPS = 1000", "# As before.\nSTEPS = 1000")
+    edit(finished / "weier/methods/bem/fft.py", "MAX_STEPS = 1000", "# As before.\nMAX_STEPS = 1000")
     assert planned(finished) == {}
 
 
 def test_a_changed_kernel_runs_all_that_depends_on_it(finished):
-    edit(finished / "weier/methods/bem/fft.py", "STEPS = 1000", "STEPS = 10 * 100")
+    edit(finished / "weier/methods/bem/fft.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
     assert planned(finished)["solve"] == 2
     before = (finished / "results/test/contact.nc").read_bytes()
     run(finished)

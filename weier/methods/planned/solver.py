@@ -23,13 +23,7 @@ METHOD_NAME = VARIABLES["planned_method"].dtype
 
 
 class SolvedLoads(NamedTuple):
-    """What was solved over the loads, each of shape (loads,).
-
-    compliance : h, in g_0, from the profile whose waves all peak together
-    resistance : dh/dp, in g_0/p_0*
-    compliance_error, resistance_error : expected, in the same units
-    planned_method, planned_terms, planned_points : what was taken at each load; no points where there is no grid
-    """
+    """What was solved over the loads: the fields of `Curve` that have the shape (loads,)."""
 
     compliance: Array
     resistance: Array
@@ -41,10 +35,13 @@ class SolvedLoads(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """Planned curves: what was solved over the loads, and what the plan expected before.
+    """Planned curves over the loads, each of shape (loads,), and what the plan expected before.
 
-    compliance ... planned_points : as in `SolvedLoads`
-    planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for
+    compliance : h, in g_0, from the profile whose waves all peak together
+    resistance : dh/dp, in g_0/p_0*
+    compliance_error, resistance_error : expected, in the same units
+    planned_method, planned_terms, planned_points : what was taken at each load; no points where there is no grid
+    planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for, scalars
     """
 
     compliance: Array
