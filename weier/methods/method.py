@@ -116,6 +116,8 @@ class Method:
         What rounding and iteration leave of its numbers at the default settings.
     algorithms : sequence of settings
         Those that choose between algorithms: each is compiled in advance, and tried at the extremes.
+    options : sequence of settings
+        Others that have kernels of their own: they are compiled in advance, too.
     variants : callable
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
     candidates : callable
@@ -139,6 +141,7 @@ class Method:
     style: Style = DEFAULT_STYLE
     noise: Noise = CLOSED_FORM
     algorithms: tuple[Settings, ...] = ({},)
+    options: tuple[Settings, ...] = ()
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = _default_variant
     candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
     runs_others: bool = False

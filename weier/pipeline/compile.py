@@ -50,7 +50,7 @@ def compile_kernels() -> None:
         return
     for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
         for method in registry.METHODS:
-            for settings in method.algorithms:
+            for settings in (*method.algorithms, *method.options):
                 with suppress(NotApplicableError):
                     solve(profile, loads, method.name, **settings)
     fields(TWO_WAVES, 0.1)

@@ -54,6 +54,7 @@ METHOD = Method(
     style=Style("#000000", (), "o"),
     noise=Noise(1e-9, 1e-5),  # a residual of 1e-10, a rate solved to 1e-6
     algorithms=({}, {"solver": "direct"}),
+    options=({"edges": "subgrid"},),
     variants=_variants,
     seconds=_seconds,
     solution_error=_solution_error,
