@@ -169,7 +169,7 @@ def test_the_page_says_what_its_date_is(folder):
 @pytest.fixture
 def planned():
     """What a scene with a tolerance leaves, with errors and seconds that are known; the last case is out of reach."""
-    data = dataset.blank(3, ["patches", "planned"], LOADS, 3)
+    data = dataset.blank(3, ["patches", "planned"], LOADS, 3, returned=registry.returned_by(["planned"]))
     cost = dataset.blank_cost(3, ["patches", "planned"])
     for each in (data, cost):
         each["key"].values[:] = "one", "two", "three"

@@ -51,6 +51,11 @@ def test_a_method_listed_after_the_plans_is_not_taken_for_them():
     assert changed["PLANNED"] == registry.PLANNED == "planned"
 
 
+@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+def test_what_a_method_returns_is_known_before_it_runs(method):
+    assert {"compliance", "resistance"} <= set(method.returns)
+
+
 def test_markers_tell_all_methods_apart():
     markers = [method.style.marker for method in registry.METHODS]
     assert len(set(markers)) == len(markers)

@@ -55,7 +55,7 @@ class Planned(NamedTuple):
 
 
 def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
-    def solve(profile, loads, tolerance: float = 1e-3, quantity: str = "compliance"):
+    def solve(profile, loads, tolerance: float = 1e-3, quantity: str = "compliance") -> Planned:
         return Planned(loads, 1 / loads, 2.5, 1e-4 * profile.m)
 
     planned = replace(registry.find_method(PLANNED), solve=solve)
@@ -69,3 +69,4 @@ def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
     assert data["planned_seconds"].values.tolist() == [2.5, 2.5]
     assert data["planned_error"].values == pytest.approx([1e-4, 2e-4])
     assert data["compliance"].values[0, 0].tolist() == [0.1, 1.0]
+    assert "planned_method" not in data, "what this plan does not return"

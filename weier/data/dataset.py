@@ -6,7 +6,7 @@ Where a number is missing, `status` says why.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -38,8 +38,13 @@ def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) 
     return data.assign_attrs(normalisation=NORMALISED, references=PAPER, **{**settings, **scalars})
 
 
-def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0) -> xr.Dataset:
-    """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet."""
+def blank(
+    cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0, returned: Collection[str] = ()
+) -> xr.Dataset:
+    """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet.
+
+    Optional variables are there if they are among the names that the methods return.
+    """
     sizes = {
         "case": cases,
         "solution_method": len(methods),
@@ -47,7 +52,7 @@ def blank(cases: int, methods: Sequence[str], loads: Array, terms: int, edges: i
         "term": terms,
         "edge": edges,
     }
-    names = variables.of_curves(methods, edges > 0)
+    names = variables.of_curves(returned, edges > 0)
     data = xr.Dataset({name: variables.blank(name, sizes) for name in names}).set_coords(COORDINATES)
     data["status"].values[:] = Status.not_requested
     return data.assign_coords(
@@ -67,12 +72,14 @@ def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset
     )
 
 
-def widen(data: xr.Dataset, methods: Sequence[str], terms: int, edges: int) -> xr.Dataset:
+def widen(
+    data: xr.Dataset, methods: Sequence[str], terms: int, edges: int, returned: Collection[str] = ()
+) -> xr.Dataset:
     """The same cases over more methods, terms and edges of contact: blank where they were not asked for."""
     own = data["solution_method"].values.tolist()
     if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
         return data
-    wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges)
+    wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges, returned)
     position: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
     position["solution_method"] = [list(methods).index(method) for method in own]
     for name in data.variables.keys() - data.sizes.keys():

@@ -39,7 +39,7 @@ class Variable(NamedTuple):
     unit, symbol : what it is normalised by, and the symbol of the paper
     dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
     content : what kind of thing it is, in the words of ISO 19115
-    only_with : the method that returns it, if files without this method lack the variable
+    optional : whether only files of methods that return it have it
     files : which files beside those of a scene keep it
     apart : whether it differs from run to run, and so is kept in files of its own
     axis : its name on an axis of a figure, in mathtext
@@ -56,7 +56,7 @@ class Variable(NamedTuple):
     most: float | None = None
     flags: type[IntEnum] | None = None
     content: str = "modelResult"
-    only_with: str = ""
+    optional: bool = False
     files: tuple[str, ...] = ()
     apart: bool = False
     axis: str = ""
@@ -141,24 +141,24 @@ VARIABLES = {
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "planned_method": Variable(
-        LOAD_DIMS, "method that the plan chose at this load", dtype="U16", content=AUXILIARY, only_with="planned"
+        LOAD_DIMS, "method that the plan chose at this load", dtype="U16", content=AUXILIARY, optional=True
     ),
     "planned_terms": Variable(
-        LOAD_DIMS, "terms that the method chosen by the plan models", least=1, content=AUXILIARY, only_with="planned"
+        LOAD_DIMS, "terms that the method chosen by the plan models", least=1, content=AUXILIARY, optional=True
     ),
     "planned_points": Variable(
         LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1, content=AUXILIARY,
-        only_with="planned",
+        optional=True,
     ),
     "planned_seconds": Variable(
         ("case",), "time that the plan expects all loads to take on one core", "s", least=0, content=AUXILIARY,
-        only_with="planned",
+        optional=True,
     ),
     "planned_error": Variable(
         ("case",),
         "largest error that the plan expects: of the compliance in g_0, of the resistance relative to the larger of "
         "itself and 1 g_0/p_0*",
-        least=0, content=AUXILIARY, only_with="planned",
+        least=0, content=AUXILIARY, optional=True,
     ),
     "seconds": Variable(
         RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(COST, TRADEOFF), apart=True
@@ -173,12 +173,12 @@ def variables_of_file(file: str) -> list[str]:
     return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 
-def of_curves(methods: Collection[str], edges: bool) -> list[str]:
-    """The variables of curves by these methods, with the edges of contact or without."""
+def of_curves(returned: Collection[str], edges: bool) -> list[str]:
+    """The variables of curves by methods that return these names, with the edges of contact or without."""
     return [
         name
         for name, entry in VARIABLES.items()
-        if not entry.apart and (not entry.only_with or entry.only_with in methods) and (edges or entry.dims != EDGES)
+        if not entry.apart and (not entry.optional or name in returned) and (edges or entry.dims != EDGES)
     ]
 
 

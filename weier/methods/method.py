@@ -7,10 +7,11 @@ accuracy compares, and what it is held against at the extremes.
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
@@ -148,6 +149,13 @@ class Method:
     solution_error: Callable[[Profile, Any], float] | None = None
     seconds: Callable[[Profile, Array], float] = _instantaneous
     reference: Callable[[Profile, Array], Reference | None] | None = None
+
+    @property
+    def returns(self) -> tuple[str, ...]:
+        """The names of what `solve` returns, from the NamedTuple, or the one of several, that its annotation says."""
+        returned = inspect.signature(self.solve, eval_str=True).return_annotation
+        kinds = get_args(returned) or (returned,)
+        return tuple(dict.fromkeys(name for kind in kinds for name in getattr(kind, "_fields", ())))
 
     def takes(self, profile: Profile) -> bool:
         """Whether the method applies to a profile."""

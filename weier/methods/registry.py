@@ -6,6 +6,7 @@ To add a method, write its `METHOD` and list it in METHODS.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from weier.methods import archard, bem, demelio, hybrid, layer, patches, planned, westergaard
 from weier.methods.method import Method
@@ -40,6 +41,11 @@ def infinite_names() -> list[str]:
     """The names of the methods that apply to the infinite series."""
     infinite = Profile(D=1.5, gamma=2, m=math.inf)
     return [method.name for method in METHODS if method.takes(infinite)]
+
+
+def returned_by(methods: Iterable[str]) -> set[str]:
+    """The names of all that these methods return."""
+    return {name for method in methods for name in find_method(method).returns}
 
 
 def find_method(name: str) -> Method:

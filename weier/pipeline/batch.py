@@ -19,7 +19,7 @@ from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
-from weier.methods.registry import find_method
+from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.methods.solve import solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
@@ -53,7 +53,7 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
     """
     cases = list(cases)
     methods, terms, edges = scene.layout_of(cases)  # not the scene's: other cases may change
-    data = dataset.blank(len(cases), methods, scene.loads, terms, edges)
+    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, returned_by(methods))
     cost = dataset.blank_cost(len(cases), methods, terms)
     curves, costs = ({str(name): each.values for name, each in part.variables.items()} for part in (data, cost))
 

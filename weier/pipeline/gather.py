@@ -109,11 +109,11 @@ def _layout(files: Sequence[str | Path], keys: Collection[str]) -> tuple[xr.Data
     return like, list(histories)
 
 
-def _common_layout(one: xr.Dataset, other: xr.Dataset) -> tuple[list[str], int, int]:
-    """Methods, terms and edges of contact that hold both."""
+def _common_layout(one: xr.Dataset, other: xr.Dataset) -> tuple[list[str], int, int, set[str]]:
+    """Methods, terms and edges of contact that hold both, and the names of the variables of both."""
     methods = dict.fromkeys([*one["solution_method"].values.tolist(), *other["solution_method"].values.tolist()])
     terms, edges = (max(data.sizes.get(dim, 0) for data in (one, other)) for dim in ("term", "edge"))
-    return list(methods), terms, edges
+    return list(methods), terms, edges, {str(name) for data in (one, other) for name in data.variables}
 
 
 def _blocks(files: Sequence[str | Path], keys: Collection[str]) -> Iterator[xr.Dataset]:

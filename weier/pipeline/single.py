@@ -28,7 +28,7 @@ from weier.theory.loads import check_range
 PROFILE = tuple(
     name
     for name, entry in VARIABLES.items()
-    if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.only_with
+    if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.optional
 )
 WHY = {
     Status.not_applicable: "does not apply, as said above: choose another one",
@@ -128,9 +128,10 @@ def as_json(data: xr.Dataset) -> str:
 
 
 def _of(case: xr.Dataset, method: str) -> xr.Dataset:
-    """The variables of one method, without those that only another method returns."""
+    """The variables of one method, without optional ones that another method returns."""
     run = case.sel(solution_method=method)
-    return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].only_with not in ("", method)])
+    returned = find_method(method).returns
+    return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].optional and name not in returned])
 
 
 def _curves(run: xr.Dataset) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from weier.data.variables import of_curves
 from weier.data.yaml import number, parse_yaml
-from weier.methods.registry import PLANNED, find_method, names
+from weier.methods.registry import PLANNED, find_method, names, returned_by
 from weier.methods.settings import checked_settings
 from weier.scene.cases import Case, Figure, Scene, SceneError
 from weier.scene.products import MAX_CASES, axis, check_count, combinations
@@ -110,7 +110,7 @@ def _loads(raw: Raw) -> NDArray[np.float64]:
 
 
 def _plan(raw: Raw) -> dict[str, Any]:
-    """Settings of the method planned, for all studies of a scene with a tolerance; else none."""
+    """Settings of the method that plans, for all studies of a scene with a tolerance; else none."""
     if "tolerance" not in raw:
         return {}
     quantity = {"quantity": raw["quantity"]} if "quantity" in raw else {}
@@ -151,7 +151,8 @@ def _check_memory(scene: Scene) -> None:
     """Refuse batches that do not fit into memory."""
     methods, _, edges = scene.layout
     cases = max(map(len, scene.batches.values()))
-    needed = 8 * cases * scene.loads.size * (len(methods) * len(of_curves(methods, edges=False)) + edges)
+    variables = len(of_curves(returned_by(methods), edges=False))
+    needed = 8 * cases * scene.loads.size * (len(methods) * variables + edges)
     if needed > MAX_BATCH_BYTES:
         raise ValueError(
             f"a batch must fit into {MAX_BATCH_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, "
