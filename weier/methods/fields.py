@@ -29,7 +29,9 @@ ATTRIBUTES = {
 }
 
 
-def fields(profile: Profile, mean_pressure: float, method: str = "patches", points: int | None = None) -> xr.Dataset:
+def fields(
+    profile: Profile, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
+) -> xr.Dataset:
     """Pressure, gap and displacement along one period under one mean pressure.
 
     Parameters

@@ -23,7 +23,7 @@ METHODS: tuple[Method, ...] = (
     planned.planning_method(among=lambda: METHODS),
 )
 PLANNED = next(method.name for method in METHODS if method.runs_others)
-DEFAULT = bem.METHOD.name  # of commands that are given no method
+DEFAULT = bem.METHOD.name  # where no method is given
 PLOTTED = tuple(each.METHOD.name for each in (archard, demelio, layer, bem))  # as in the paper's figures
 
 

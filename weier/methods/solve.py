@@ -13,13 +13,13 @@ from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.kernels.jit import compiling_seconds
 from weier.methods.method import Method
-from weier.methods.registry import METHODS, find_method
+from weier.methods.registry import DEFAULT, METHODS, find_method
 from weier.methods.settings import check_names
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
 
-def solve(profile: Profile, mean_pressure: ArrayLike, method: str = "bem", **settings: Any) -> xr.Dataset:
+def solve(profile: Profile, mean_pressure: ArrayLike, method: str = DEFAULT, **settings: Any) -> xr.Dataset:
     """Compliance and contact resistance of a profile pressed against a plane.
 
     Parameters
