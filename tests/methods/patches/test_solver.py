@@ -66,6 +66,25 @@ def test_random_cases_are_complementary(seeds):
         assert_complementary(profile, load)
 
 
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        # As many nodes for the contacts as for the gaps: more nodes once made the other problem look cheaper.
+        (Profile(1.05, 5, 2, (np.pi, np.pi)), 0.47),
+        (Profile(1.02, 5, 2, (np.pi, np.pi)), 0.429),
+        (Profile(1.02, 5, 2, (np.pi, np.pi)), 0.4591818181818182),
+        (Profile(1.13839, 5, 2, (-0.0392699, -0.19635)), 0.567597),
+        # Just below a merger, where rounding at the edges of a narrow gap once looked like tension.
+        (Profile(1.1509222856205743, 7, 3, (5.667210868063196, 1.3898892337626665, 0.8622012896287767)),
+         0.2872381238718943 * (1 - 3e-7)),
+        # At a merger, where too few nodes once made up a gap that Newton's method could not close.
+        (Profile(1.02, 3, 3, (np.pi, np.pi, np.pi)), 0.19886456502870647),
+    ],
+)  # fmt: skip
+def test_bands_of_loads_and_mergers_are_solved(profile, load):
+    assert_complementary(profile, load)
+
+
 @pytest.mark.parametrize("load", [0.03, 0.7, 2.5])
 def test_pressure_and_displacement_are_fourier_pairs(load):
     solution = patches.solve_load(THREE_WAVES, load)

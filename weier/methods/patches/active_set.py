@@ -23,7 +23,7 @@ from weier.methods.patches.initial_guess import (
     transfer_density,
 )
 from weier.methods.patches.newton import NewtonResult, NewtonStatus, newton_iteration
-from weier.methods.patches.segments import Segments, distances_to_next
+from weier.methods.patches.segments import Segments, coefficient_tails, distances_to_next
 from weier.methods.patches.surface import CosineSeries, Surface
 
 MAX_ROUNDS = 16
@@ -108,14 +108,15 @@ def solve_on_segments(
 
 
 def _correct_inequalities(surface: Surface, state: ContactState, tolerance: float) -> InitialGuess | None:
-    """A guess with segments added, cut or removed where an inequality is violated; None if all hold."""
-    series, tension = surface.series(state.dual), max(tolerance, MAX_TENSION)
-    if state.dual:
-        missing = find_missing_segments(state, series, tension * state.load)
-        negative = find_negative_intervals(state, tolerance)
-    else:
-        missing = find_missing_segments(state, series, tolerance * abs(state.approach))
-        negative = find_negative_intervals(state, tension)
+    """A guess with segments added, cut or removed where an inequality is violated; None if all hold.
+
+    While the nodes of a segment do not resolve its density, the inequalities are not known any better.
+    """
+    series, unresolved = surface.series(state.dual), coefficient_tails(state.segments, state.coefficient)
+    outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
+    scale = state.load if state.dual else abs(state.approach)
+    missing = find_missing_segments(state, series, max(tolerance, outside, float(unresolved.max())) * scale)
+    negative = find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside)))
     if missing.y.size == 0 and negative.segment.size == 0:
         return None
     crest, centre, half_width = _cut_segments(state.segments, negative)

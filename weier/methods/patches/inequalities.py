@@ -114,8 +114,12 @@ def _distance_to_neighbours(x: Array, left: Array, right: Array) -> Array:
 
 
 @kernel
-def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIntervals:
-    """Intervals on segments with a pressure (primal) or gap (dual) below -tolerance, over the segment's largest."""
+def find_negative_intervals(state: ContactState, tolerance: Array) -> NegativeIntervals:
+    """Intervals on segments with a pressure (primal) or gap (dual) below -tolerance, over the segment's largest.
+
+    `tolerance` has the shape (segments,). It is of sqrt(1-t^2) times the function of `_inequality`, so that rounding
+    at an end, where neither a pressure nor a gap can be large, counts for little.
+    """
     first = state.segments.first_node
     size = SAMPLES_PER_NODE * first[-1] + 2 * first.size
     segment, start, end = np.zeros(size, np.int64), np.zeros(size), np.zeros(size)
@@ -128,7 +132,7 @@ def find_negative_intervals(state: ContactState, tolerance: float) -> NegativeIn
             largest = max(largest, abs(v))
         i = 0
         while i < t.size:
-            if value[i] < -tolerance * largest:
+            if value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) < -tolerance[j] * largest:
                 k = i
                 while k + 1 < t.size and value[k + 1] < 0:
                     k += 1

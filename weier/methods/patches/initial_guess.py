@@ -107,11 +107,17 @@ def sample_density(state: ContactState, series: CosineSeries, new: Segments, com
 
 
 def choose_problem(surface: Surface, guess: InitialGuess, load: float) -> InitialGuess:
-    """The same guess for contacts or for gaps, whichever needs clearly fewer nodes."""
-    if np.any(distances_to_next(guess.segments, surface.heights.period) <= 0):
+    """The same guess for contacts or for gaps, whichever is expected to need clearly fewer nodes.
+
+    Two expectations are compared. The nodes that were found to be needed are more, and a comparison with them would
+    lead from each problem to the other and back again.
+    """
+    this = guess.segments
+    if np.any(distances_to_next(this, surface.heights.period) <= 0):
         return guess
-    other = _segments_between(surface, guess.segments, not guess.dual)
-    if other.node.size > MAX_NODE_RATIO * guess.phi.size:
+    other = _segments_between(surface, this, not guess.dual)
+    expected = estimate_node_count(this.origin, this.centre, this.half_width, surface.series(guess.dual))
+    if other.node.size > MAX_NODE_RATIO * expected.sum():
         return guess
     phi = sample_density(state_of_guess(guess, load), surface.series(guess.dual), other, True)
     maximum = surface.heights.maximum
