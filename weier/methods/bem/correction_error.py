@@ -32,8 +32,11 @@ HEIGHT_SHARE = 6.0  # errors of the compliance by which a crest may stand higher
 def expected_errors(
     solution: GridSolution, edge: Edges, polynomial: Flags, contacts: Contacts, used: int, angle: float,
     tolerance: float, period: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Errors of compliance, in g_0, and resistance, in g_0/p_0*; `angle` is 2 pi/(points a wave)."""
+) -> tuple[float, float, bool]:  # fmt: skip
+    """Errors of compliance, in g_0, and resistance, in g_0/p_0*; whether a contact may be one too many or too few.
+
+    `angle` is 2 pi/(points a wave).
+    """
     errors = np.array([RESIDUALS * tolerance, RATE_SHARE * solution.rate])
     for run in range(edge.size - 2):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
@@ -49,10 +52,12 @@ def expected_errors(
         if contacts.kind[at] == BIRTH and contacts.penetration[at] > 0:
             errors[0] += BIRTH_SHARE * contacts.penetration[at] * contacts.closing[at] / period
     births = 0.0
+    uncertain = False
     for at in range(used):
         if contacts.kind[at] != WIDE:
+            uncertain |= abs(contacts.penetration[at]) <= HEIGHT_SHARE * errors[0]
             births += _uncertain_birth(contacts, at, HEIGHT_SHARE * errors[0], period)
-    return errors[0], errors[1] + births
+    return errors[0], errors[1] + births, uncertain
 
 
 @kernel

@@ -28,6 +28,10 @@ class Contacts(NamedTuple):
     force, share : on the grid, per period, and of it per mean pressure
     self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
     edge_compliance, edge_resistance : what its edges add, if they stand alone
+    joined : whether the gap after it is closed in the continuum
+    left, right : edges, in lambda_0; found by `redistribute` for those with a polynomial
+    touching, change : whether it touches in the continuum, and with how much more force; found by `redistribute`
+    origin : of the polynomials, in lambda_0
     scale : length of one s of the polynomials, in lambda_0
     centre, half_width : in s; where the search for the edges begins
     height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
@@ -44,6 +48,12 @@ class Contacts(NamedTuple):
     self_compliance: Array
     edge_compliance: Array
     edge_resistance: Array
+    joined: Flags
+    left: Array
+    right: Array
+    touching: Flags
+    change: Array
+    origin: Array
     scale: Array
     centre: Array
     half_width: Array
@@ -60,34 +70,29 @@ def make_contacts(contacts: int, terms: int) -> Contacts:
     """Room for so many."""
     return Contacts(
         np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts, np.bool_), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts, np.bool_), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros((contacts, terms)), np.zeros((contacts, terms)),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
     )  # fmt: skip
 
 
 @kernel
 def redistribute(
     contacts: Contacts, used: int, plane: float, rate: float, lifted: float, period: float
-) -> tuple[float, float, float, int]:
-    """What contacts add to compliance and resistance; the width of those with polynomials; contacts in all.
-
-    `lifted` is what gaps add to the compliance.
-    """
-    compliance = resistance = width = 0.0
-    patches = 0
+) -> tuple[float, float]:
+    """What contacts add to compliance and resistance; `lifted` is what gaps add to the compliance."""
+    compliance = resistance = 0.0
     first = 0
     while first < used:
         last = min(first + MAX_TOGETHER, used)
         if used - last < MAX_TOGETHER // 2:
             last = used
-        higher, faster, wider, touching = _together(contacts, first, last, plane, rate, lifted, period)
+        higher, faster = _together(contacts, first, last, plane, rate, lifted, period)
         compliance += higher
         resistance += faster
-        width += wider
-        patches += touching
         first = last
-    return compliance, resistance, width, patches
+    return compliance, resistance
 
 
 @kernel
@@ -158,7 +163,7 @@ def _with_sum(matrix: Array, right: Array, touching: Flags, total: float) -> tup
 @kernel
 def _together(
     contacts: Contacts, first: int, last: int, plane: float, rate: float, lifted: float, period: float
-) -> tuple[float, float, float, int]:
+) -> tuple[float, float]:
     """`redistribute` for the contacts from `first` to before `last`."""
     n = last - first
     mutual = _mutual(contacts, first, last, period)
@@ -198,7 +203,20 @@ def _together(
             touching[i] = contacts.kind[first + i] != BIRTH
             change[i] = 0.0
         _heights(contacts, first, plane, lifted, period, touching, change, excess, slope)
+    _keep(contacts, first, touching, change)
     return _sums(contacts, first, plane, rate, lifted, period, mutual, touching, change, excess)
+
+
+@kernel
+def _keep(contacts: Contacts, first: int, touching: Flags, change: Array) -> None:
+    """Note which contacts touch, with which force, and where those with polynomials end."""
+    for i in range(change.size):
+        at = first + i
+        contacts.touching[at], contacts.change[at] = touching[i], change[i]
+        if contacts.kind[at] != WIDE:
+            middle = contacts.origin[at] + contacts.centre[at] * contacts.scale[at]
+            reach = contacts.half_width[at] * contacts.scale[at]
+            contacts.left[at], contacts.right[at] = middle - reach, middle + reach
 
 
 @kernel
@@ -301,15 +319,14 @@ def _touch_and_let_go(
 def _sums(
     contacts: Contacts, first: int, plane: float, rate: float, lifted: float, period: float, mutual: Array,
     touching: Flags, change: Array, excess: Array,
-) -> tuple[float, float, float, int]:  # fmt: skip
+) -> tuple[float, float]:  # fmt: skip
     """Compliance and resistance of these contacts by reciprocity, with the shares of the grid as weights."""
     n = change.size
     softer = np.zeros(n)  # compliance that each has more than on the grid
     right = np.zeros(n)
     matrix = mutual.copy()
     closing = np.zeros(n)  # rate of the plane towards a crest that the grid has not in contact
-    shape = width = lost = 0.0
-    patches = 0
+    shape = lost = 0.0
     for i in range(n):
         at = first + i
         matrix[i, i] = contacts.self_compliance[at]
@@ -317,12 +334,10 @@ def _sums(
         if not touching[i]:
             lost += share
             continue
-        patches += 1
         if contacts.kind[at] == WIDE:
             softer[i] = contacts.edge_resistance[at] * period / share**2
         else:
             scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
-            width += 2 * half_width * scale
             compliance = punch_compliance(half_width * scale, period)
             contacts.penetration[at] = (contacts.force[at] + change[i]) * compliance
             contacts.closing[at] = share * compliance
@@ -351,7 +366,7 @@ def _sums(
     if lost > MAX_LOST * period:
         carried = change[touching].sum()
         common = np.sum(change[touching] * (excess[touching] - pressed[touching])) / carried
-        return plane - common, -slower, width, patches
+        return plane - common, -slower
     for i in range(n):
         at = first + i
         share = contacts.share[at]
@@ -368,4 +383,4 @@ def _sums(
             top = value(contacts.height[at], contacts.centre[at])
             contacts.penetration[at] = top - pressed[i] - (plane - compliance - lifted)
             contacts.closing[at] = rate - value(contacts.rate[at], contacts.centre[at])
-    return compliance, resistance, width, patches
+    return compliance, resistance

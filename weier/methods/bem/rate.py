@@ -14,7 +14,7 @@ from weier.methods.bem import fft
 from weier.methods.bem.edges import Edges, find_edges
 from weier.methods.bem.grid_solution import rate_tolerance
 from weier.methods.bem.grids import Grid, Hierarchy, grid_of
-from weier.methods.bem.subgrid import EDGE
+from weier.methods.bem.windows import EDGE
 
 COARSE_TOLERANCE = 1e-2  # of the rate
 MIN_PER_WAVE = 40  # nodes of the coarse grid for each of the finest waves: on fewer it starts no better

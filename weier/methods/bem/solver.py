@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.methods.bem import direct, fft, subgrid_solver
 from weier.methods.bem.contact import blank_solution
+from weier.methods.bem.contact_list import ContactTable
+from weier.methods.bem.continuum import make_continuum
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
-from weier.methods.bem.subgrid import make_continuum
 from weier.methods.errors import ConvergenceError
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.limits import check_points, check_resolvable
@@ -53,6 +54,7 @@ class SubgridCurve(NamedTuple):
     contact_fraction : length in contact per length
     patch_count : contacts in one period, those between two nodes among them; 0 in full contact
     compliance_error, resistance_error : expected, in g_0 and g_0/p_0*
+    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0; padded with NaN
     """
 
     compliance: Array
@@ -64,6 +66,24 @@ class SubgridCurve(NamedTuple):
     points: int
     compliance_error: Array
     resistance_error: Array
+    contact_edge: Array
+
+
+class Contacts(NamedTuple):
+    """The contacts under one load, in one period from left to right, each of shape (contacts,); none in full contact.
+
+    centre, half_width : in lambda_0; the left edge lies in [0, period)
+    force : per length, in p_0* lambda_0
+    share : its rate per mean pressure, in lambda_0: these sum to the period
+    uncertain : whether a contact or a gap may be one too many or too few, by the errors that are expected of heights:
+        a crest is about to touch or has just touched, or a gap is about to close
+    """
+
+    centre: Array
+    half_width: Array
+    force: Array
+    share: Array
+    uncertain: bool
 
 
 def curve(
@@ -151,6 +171,28 @@ def curve(
 
 def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool) -> SubgridCurve:
     """The curve with the edges of contact between the nodes."""
+    solution = _solve_subgrid(profile, loads, points, tolerance)
+    count = _fill(loads, solution.contacts.number, 0).astype(np.int64)
+    fraction = np.where(solution.contacts.number > 0, _total_width(solution.contacts) / profile.period, 1.0)
+    edge = _padded_edges(solution.contacts, loads.size)
+    curve = SubgridCurve(
+        _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
+        _fill(loads, solution.resistance, 0.0),
+        _fill(loads, fraction, 1.0),
+        count,
+        _fill(loads, solution.residual, 0.0),
+        _fill(loads, solution.work, 0),
+        points,
+        _fill(loads, solution.compliance_error, 0.0),
+        _fill(loads, solution.resistance_error, 0.0),
+        edge,
+    )
+    unknown = np.full(loads.size, np.nan)
+    return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
+
+
+def _solve_subgrid(profile: Profile, loads: Array, points: int, tolerance: float) -> subgrid_solver.Corrected:
+    """Solve all loads of partial contact, and check what comes."""
     partial = loads[loads < profile.full_contact_load]
     solution = subgrid_solver.blank_correction(0)
     if partial.size:
@@ -159,19 +201,39 @@ def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float
         solution = subgrid_solver.solve_loads(hierarchy, start, partial, make_continuum(profile, points))
     check_residual(solution.residual, partial, points, tolerance)
     _check_correction(solution, partial, points)
-    curve = SubgridCurve(
-        _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
-        _fill(loads, solution.resistance, 0.0),
-        _fill(loads, solution.contact_fraction, 1.0),
-        _fill(loads, solution.patches, 0).astype(np.int64),
-        _fill(loads, solution.residual, 0.0),
-        _fill(loads, solution.work, 0),
-        points,
-        _fill(loads, solution.compliance_error, 0.0),
-        _fill(loads, solution.resistance_error, 0.0),
-    )
-    unknown = np.full(loads.size, np.nan)
-    return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
+    return solution
+
+
+def _padded_edges(table: ContactTable, loads: int) -> Array:
+    """Left and right edges of the contacts at each load, shape (loads, edges)."""
+    edge = np.full((loads, 2 * int(table.number.max(initial=0))), np.nan)
+    for row, first, count in zip(edge, table.first, table.number, strict=False):  # full contact has none
+        here = slice(first, first + count)
+        row[: 2 * count] = np.column_stack([table.left[here], table.right[here]]).ravel()
+    return edge
+
+
+def contacts(
+    profile: Profile, mean_pressure: ArrayLike, points: int | None = None, tolerance: float = 1e-10
+) -> list[Contacts]:
+    """The contacts under each of several loads, with their edges between the nodes.
+
+    The parameters, and what is raised, are those of `curve` with edges "subgrid".
+    """
+    loads = checked_loads(mean_pressure)
+    points = checked_points(profile, points)
+    check_tolerance(tolerance)
+    check_edges("subgrid", "fft", points, profile.waves_per_period[-1])
+    table = _solve_subgrid(profile, loads, points, tolerance).contacts
+    none = np.empty(0)
+    found = []
+    for first, count, uncertain in zip(table.first, table.number, table.uncertain, strict=True):
+        here = slice(first, first + count)
+        left, right = table.left[here], table.right[here]
+        found.append(
+            Contacts((left + right) / 2, (right - left) / 2, table.force[here], table.share[here], bool(uncertain))
+        )
+    return found + [Contacts(none, none, none, none, False)] * (loads.size - len(found))
 
 
 def _fill(loads: Array, values: NDArray[Any], at_full_contact: float) -> NDArray[Any]:
@@ -273,11 +335,17 @@ def _check_resistance(resistance: Array, loads: Array, points: int) -> None:
         )
 
 
+def _total_width(table: ContactTable) -> Array:
+    """Width of all contacts at each load, shape (loads,), in lambda_0."""
+    width = np.concatenate([[0.0], np.cumsum((table.right - table.left)[: int(table.number.sum())])])
+    return np.asarray(width[table.first + table.number] - width[table.first])
+
+
 def _check_correction(solution: subgrid_solver.Corrected, loads: Array, points: int) -> None:
     """Refuse a correction that is not finite: of a rate that the solver gave up, or of edges that were not found."""
     numbers = (
-        solution.plane, solution.resistance, solution.contact_fraction,
-        solution.compliance_error, solution.resistance_error,
+        solution.plane, solution.resistance, solution.compliance_error, solution.resistance_error,
+        _total_width(solution.contacts),
     )  # fmt: skip
     missed = np.flatnonzero(~np.isfinite(numbers).all(axis=0))
     if missed.size:

@@ -6,14 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.bem import fft
+from weier.methods.bem.contact_list import ContactTable, append_contacts, blank_table
+from weier.methods.bem.continuum import Continuum
 from weier.methods.bem.edges import find_edges
 from weier.methods.bem.grid_solution import GridSolution
 from weier.methods.bem.grids import Hierarchy, grid_of
 from weier.methods.bem.rate import solve_rate
-from weier.methods.bem.subgrid import Continuum, correct
+from weier.methods.bem.subgrid import correct
 
 
 class Corrected(NamedTuple):
@@ -21,16 +23,14 @@ class Corrected(NamedTuple):
 
     plane : mean gap d, in g_0
     resistance : dh/dp, in g_0/p_0*; inf if the rate was missed
-    contact_fraction : length in contact per length
-    patches : contacts in one period
+    contacts : in the continuum
     residual, work : of the solution on the grid
     compliance_error, resistance_error : expected, in the same units
     """
 
     plane: Array
     resistance: Array
-    contact_fraction: Array
-    patches: Indices
+    contacts: ContactTable
     residual: Array
     work: Array
     compliance_error: Array
@@ -41,8 +41,8 @@ class Corrected(NamedTuple):
 def blank_correction(loads: int) -> Corrected:
     """The same with nothing in it yet."""
     return Corrected(
-        np.empty(loads), np.full(loads, np.nan), np.empty(loads), np.empty(loads, np.int64), np.empty(loads),
-        np.zeros(loads), np.full(loads, np.nan), np.full(loads, np.nan),
+        np.empty(loads), np.full(loads, np.nan), blank_table(loads), np.empty(loads), np.zeros(loads),
+        np.full(loads, np.nan), np.full(loads, np.nan),
     )  # fmt: skip
 
 
@@ -70,6 +70,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
     corrected = blank_correction(loads.size)
     finest = grid_of(hierarchy, hierarchy.points.size - 1)
     state = fft.make_grid_state(finest.height.size)
+    table, end = corrected.contacts, 0
     for load in range(loads.size - 1, -1, -1):
         plane, residual, pairs = fft.cascade(loads[load], hierarchy, pressure, state)
         carried, deformed = state.pressure.copy(), state.deformed.copy()
@@ -77,16 +78,17 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
         corrected.residual[load] = residual
         corrected.work[load] = pairs + more
         if residual > finest.tolerance or rate == np.inf:  # to be refused
-            corrected.plane[load], corrected.resistance[load], corrected.contact_fraction[load] = plane, rate, np.nan
-            corrected.patches[load] = 0
+            corrected.plane[load], corrected.resistance[load] = plane, rate
             continue
         displacement = -state.deformed
         solution = GridSolution(plane, rate, carried, deformed, state.pressure, displacement, state.contact)
         added = correct(solution, finest, find_edges(state.contact, state.edge), continuum)
         corrected.plane[load] = plane - added.compliance
         corrected.resistance[load] = rate + added.resistance
-        corrected.contact_fraction[load] = added.contact_fraction
-        corrected.patches[load] = added.patches
+        table, end = append_contacts(table, end, load, added.contacts)
         corrected.compliance_error[load] = added.compliance_error
         corrected.resistance_error[load] = added.resistance_error
-    return corrected
+    return Corrected(
+        corrected.plane, corrected.resistance, table, corrected.residual, corrected.work, corrected.compliance_error,
+        corrected.resistance_error,
+    )  # fmt: skip

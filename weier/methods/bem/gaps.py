@@ -1,0 +1,226 @@
+"""Gaps of a few nodes, or of none: the dual problem, in which the pressure that closes the gap is a polynomial."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import zeta
+
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.jit import kernel
+from weier.methods.bem.continuum import Continuum
+from weier.methods.bem.edges import Edges
+from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.grids import Grid
+from weier.methods.bem.narrow_contacts import crest, gap_edges, gap_energy
+from weier.methods.bem.polynomials import DEGREE, derivative, expansion, fit_polynomials, value
+from weier.methods.bem.windows import (
+    EDGE,
+    MAX_BEYOND,
+    MIN_POLYNOMIAL,
+    margin_of,
+    second_at_nodes,
+    side_margin,
+    window,
+)
+
+ALIAS = 2 * zeta(3) / (2 * np.pi) ** 4  # times z'''' dx^3: what aliases of the triangles add to the pressure
+# Of gaps that no node sees: what is left of their share of the numbers, and of their depth, which polynomial and
+# aliases give with an error of angle^5 (measured on one wave at 32 to 256 points, where they are 6e-4 and 1.3e-3).
+OPEN_SHARE = 0.01
+OPEN_DEPTH = 0.01
+
+
+class Dips(NamedTuple):
+    """Least pressures inside contacts, which may be gaps between two nodes, by position; each of shape (dips,).
+
+    left, right : edges of the gap, in lambda_0; NaN where there is none
+    uncertain : whether a gap may be there or not
+    """
+
+    left: Array
+    right: Array
+    uncertain: Flags
+
+
+@kernel
+def correct_gap(
+    start: int, nodes: int, edge: Edges, run: int, solution: GridSolution, grid: Grid, continuum: Continuum
+) -> tuple[float, float, float, float]:
+    """What a narrow gap adds to compliance and resistance, and its edges, in lambda_0; NaN if not found.
+
+    Edges that coincide are of a gap that is closed in the continuum.
+    """
+    points = solution.pressure.size
+    spacing = continuum.period / points
+    margin = margin_of(edge, run)
+    if nodes + 2 * margin < MIN_POLYNOMIAL:
+        return 0.0, 0.0, np.nan, np.nan
+    gap = np.empty(nodes)
+    opening = np.empty(nodes)  # its rate, per mean pressure
+    for i in range(nodes):
+        node = (start + i) % points
+        gap[i] = solution.plane - solution.deformed[node]
+        opening[i] = solution.displacement[node] - solution.rate
+    offset, s, scale = window(nodes, margin)
+    seen = np.empty((3, offset.size))  # pressure that closes this gap, its rate, and z
+    for i in range(offset.size):
+        node = (start - margin + offset[i]) % points
+        seen[0, i], seen[1, i], seen[2, i] = solution.pressure[node], solution.per_load[node], grid.height[node]
+        for j in range(nodes):
+            stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
+            seen[0, i] -= stiffness * gap[j]
+            seen[1, i] -= stiffness * opening[j]
+    nodal_pressure, nodal_rate, profile = fit_polynomials(s, seen, min(DEGREE, offset.size - 1))
+    pressure = _continuous(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
+    rate = _continuous(nodal_rate, scale)
+    centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
+    if not found:
+        return 0.0, 0.0, np.nan, np.nan
+    grid_mixed = grid_energy = mixed = energy = 0.0
+    rate_bend = second_at_nodes(rate, nodes, scale)
+    for i in range(nodes):
+        own = solution.per_load[(start + i) % points]
+        for j in range(nodes):
+            own -= continuum.stiffness[abs(i - j)] * opening[j]
+        grid_mixed += spacing * gap[i] * (own + rate_bend[i] / 12)
+        grid_energy += spacing * opening[i] * (own + rate_bend[i] / 12)
+    half_length = half_width * scale * spacing
+    if half_width > 0:
+        mixed, energy = gap_energy(
+            expansion(pressure, centre, half_width), expansion(rate, centre, half_width), half_length
+        )
+    middle = (start + (nodes - 1) / 2 + centre * scale) * spacing
+    compliance, resistance = (grid_mixed - mixed) / continuum.period, (grid_energy - energy) / continuum.period
+    return compliance, resistance, middle - half_length, middle + half_length
+
+
+@kernel
+def _edges_of_gap(pressure: Array, nodes: int, scale: float) -> tuple[float, float, bool]:
+    """Centre and half width of a gap of so many nodes; 0 if the continuum has none there; whether this is known."""
+    centre, half_width, found = gap_edges(pressure, 0.0, ((nodes + 1) / 2 - EDGE) / scale)
+    if not found:  # from the parabola at the least pressure instead, which few nodes may see far off their middle
+        least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
+        if depth <= 0:
+            return least, 0.0, bend > 0
+        if bend > 0:
+            centre, half_width, found = gap_edges(pressure, least, np.sqrt(4 * depth / bend))
+    return centre, half_width, found and abs(centre) + half_width <= ((nodes - 1) / 2 + MAX_BEYOND) / scale
+
+
+@kernel
+def _continuous(nodal: Array, scale: float) -> Array:
+    """The pressure that triangles of these nodal values stand for: its moving average under a triangle."""
+    second = derivative(derivative(nodal))
+    fourth = derivative(derivative(second))
+    return nodal + second / (12 * scale**2) + fourth / (360 * scale**4)
+
+
+@kernel
+def _fourth(polynomial: Array, scale: float) -> Array:
+    """Fourth differences of a polynomial."""
+    return derivative(derivative(derivative(derivative(polynomial)))) / scale**4
+
+
+@kernel
+def deepest(pressure: Array, reach: float) -> tuple[float, float, float]:
+    """Where the pressure is least, at most `reach` from the middle; how far below 0, and its second derivative."""
+    least = crest(-pressure, 0.0, reach)
+    return least, -value(pressure, least), value(derivative(derivative(pressure)), least)
+
+
+@kernel
+def _uncertain_opening(
+    depth: float, bend: float, rate: float, length: float, continuum: Continuum, spacing: float
+) -> tuple[float, float]:
+    """Errors of compliance and resistance by a gap whose depth, the tension that it relieves, is known roughly.
+
+    A narrow gap adds 4 (pi q)^2 depth/(p'' L) to the resistance, q its `rate`, so that an error of the depth, as a
+    share of p'' over the square of the finest wavenumber, is one of the resistance; `length` is of one s.
+    """
+    wavelength = 2 * np.pi * spacing / continuum.angle
+    resistance = OPEN_DEPTH * continuum.angle**5 * (rate * wavelength) ** 2 / continuum.period
+    off = OPEN_DEPTH * continuum.angle**5 * bend * (wavelength / (2 * np.pi * length)) ** 2
+    if depth <= -off:
+        return 0.0, 0.0
+    return resistance * (max(depth, 0.0) + off) / rate, resistance
+
+
+@kernel
+def _is_dip(node: int, solution: GridSolution) -> bool:
+    """Whether a node has the least pressure of three in contact, and less than they bend."""
+    after = (node + 1) % solution.pressure.size
+    if not (solution.contact[node - 1] and solution.contact[node] and solution.contact[after]):
+        return False
+    left, here, right = solution.pressure[node - 1], solution.pressure[node], solution.pressure[after]
+    return here <= left and here < right and here < left + right - 2 * here
+
+
+@kernel
+def find_dips(solution: GridSolution) -> tuple[Indices, Dips]:
+    """Nodes at which a gap may open between two of them, and room for what becomes of them."""
+    points = solution.pressure.size
+    dips = 0
+    for node in range(points):
+        dips += _is_dip(node, solution)
+    nodes = np.empty(dips, np.int64)
+    dips = 0
+    for node in range(points):
+        if _is_dip(node, solution):
+            nodes[dips] = node
+            dips += 1
+    return nodes, Dips(np.full(dips, np.nan), np.full(dips, np.nan), np.zeros(dips, np.bool_))
+
+
+@kernel
+def open_gaps(
+    nodes: Indices, dips: Dips, solution: GridSolution, grid: Grid, continuum: Continuum
+) -> tuple[float, float, float, float]:
+    """What gaps between two nodes add to compliance and resistance, and errors of both; their edges go to `dips`."""
+    total = np.zeros(4)
+    for dip in range(nodes.size):
+        total += _open_gap(dip, nodes[dip], dips, solution, grid, continuum)
+    return total[0], total[1], total[2], total[3]
+
+
+@kernel
+def _open_gap(dip: int, node: int, dips: Dips, solution: GridSolution, grid: Grid, continuum: Continuum) -> Array:
+    """What one gap adds, as `open_gaps`."""
+    points = solution.pressure.size
+    spacing = continuum.period / points
+    total = np.zeros(4)
+    margin = side_margin(node, solution.contact)
+    offset, s, scale = window(1, margin)
+    seen = np.empty((3, offset.size))
+    for j in range(offset.size):
+        near = (node - margin + offset[j]) % points
+        seen[0, j], seen[1, j], seen[2, j] = solution.pressure[near], solution.per_load[near], grid.height[near]
+    nodal_pressure, nodal_rate, profile = fit_polynomials(s, seen, offset.size - 1)
+    pressure = _continuous(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
+    rate = _continuous(nodal_rate, scale)
+    least, depth, bend = deepest(pressure, 1 / scale)
+    per_load = value(rate, least)
+    if bend <= 0 or per_load <= 0:
+        return total
+    length = scale * spacing
+    total[2], total[3] = _uncertain_opening(depth, bend, per_load, length, continuum, spacing)
+    dips.uncertain[dip] = total[2] > 0 and abs(depth) * total[3] <= total[2] * per_load
+    if depth <= 0:
+        return total
+    centre, half_width, found = gap_edges(pressure, least, np.sqrt(4 * depth / bend))
+    if not found or abs(centre) + half_width > 1:
+        missed = (2 * np.pi * per_load * length) ** 2 * depth / (bend * continuum.period)
+        total[2] += missed * depth / per_load
+        total[3] += missed
+        dips.uncertain[dip] = True
+        return total
+    mixed, energy = gap_energy(
+        expansion(pressure, centre, half_width), expansion(rate, centre, half_width), half_width * length
+    )
+    middle = (node + centre * scale) * spacing
+    dips.left[dip], dips.right[dip] = middle - half_width * length, middle + half_width * length
+    total[0], total[1] = -mixed / continuum.period, -energy / continuum.period
+    total[2] += OPEN_SHARE * abs(mixed) / continuum.period
+    total[3] += OPEN_SHARE * abs(energy) / continuum.period
+    return total
