@@ -1,4 +1,4 @@
-"""The infinite series: the layer model where one term is resolved, and closing in on the truth as more are."""
+"""Resolved terms on the layer: the layer model where one is resolved, and closing in on it as the mesh does."""
 
 import math
 from itertools import pairwise
@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from weier import Profile, random_phases
-from weier.methods import bem, hybrid, layer, patches
+from weier.methods import hybrid, layer
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.closure import MAX_LOAD
 from weier.methods.hybrid.solver import MIN_LOAD
-from weier.methods.hybrid.truncation_bounds import BOUND_SHARE
-from weier.theory.profile import RandomPhases
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, math.inf, random_phases(2))
@@ -31,25 +29,6 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
     assert errors[-1] < 1.5 / 128**2 + 1e-5  # the layer's own tables
     # The slope of both curves, where neither is close to 0.
     assert found.resistance[:-1] == pytest.approx(exact.resistance[:-1], rel=0.05)
-
-
-class OnePlace(RandomPhases):
-    """Crests of all waves at one place: `seed` nodes in a period, half of a node from the first."""
-
-    def first(self, m):
-        """Phases of m waves."""
-        return -math.pi / self.seed * 5.0 ** np.arange(m)
-
-
-def test_bounds_hold_for_crests_between_two_nodes():
-    """The infinite series with all its crests at that place touches at h = 0, and no bound lies below."""
-    kept = Profile(1.25, 5, 2)
-    points = bem.error_model.fewest_points(kept, BOUND_SHARE * kept.tail_amplitude, "compliance")
-    lower, upper = hybrid.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
-    truth = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
-    assert np.all(lower <= truth)
-    assert lower[0] == 0
-    assert np.all(upper > truth)
 
 
 def test_resistance_is_the_slope_of_the_estimate():

@@ -1,0 +1,147 @@
+"""The infinite series: a fixed point, against another solver of one wave, iterations and finite series."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.fft import dct, idct
+from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
+
+from weier import ConvergenceError
+from weier.methods import layer
+from weier.methods.layer import fixed_point
+from weier.methods.layer.rows import MIN_LOADS
+from weier.methods.layer.solver import ACCURACY
+from weier.theory.series import tail_amplitude
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1.5, 2), (1.25, 5), (1 + 1e-9, 5)])
+def test_the_infinite_series_under_heavy_loads(D, gamma):
+    loads = np.array([1e-3, 1.0, 1e3, 1e300])
+    together = layer.curve(loads, D, gamma, math.inf)
+    assert together.compliance[-1] == pytest.approx(tail_amplitude(0, D, gamma), rel=1e-14)
+    # Finite series of nearly that amplitude, and the infinite one without the heavy loads.
+    np.testing.assert_allclose(together.compliance, layer.compliance(loads, D, gamma, 200), rtol=ACCURACY)
+    np.testing.assert_allclose(
+        together.compliance[:2], layer.compliance(loads[:2], D, gamma, math.inf), rtol=ACCURACY
+    )
+
+
+def mean_pressure_at(h, log_pressure, n=400):
+    """Mean pressure of one wave on a layer at the compliance h, from n equal steps of half a wave.
+
+    With s = w + p in contact and s = h - 2 sin^2(pi x) - u outside, s - p(s) + A p(s) = h - 2 sin^2(pi x): Newton's
+    method on dense matrices. p vanishes with many derivatives at the edges, so that equal steps are accurate.
+    """
+    k = np.arange(n)
+    softness = np.where(k > 0, 1 / np.maximum(k, 1), 0.0)
+    operator = idct(softness[:, None] * dct(np.eye(n), axis=0, norm="ortho"), axis=0, norm="ortho") - np.eye(n)
+    indentation = h - 1 + np.cos(np.pi * (k + 0.5) / n)
+    s = indentation.copy()
+    for _ in range(50):
+        log_s = np.log(np.maximum(s, 1e-30))
+        known = np.clip(log_s, *log_pressure.x[[0, -1]])
+        power = log_pressure(known, 1)
+        p = np.where(s > 0, np.exp(log_pressure(known) + power * (log_s - known)), 0)
+        slope = np.where(s > 0, p * power / np.maximum(s, 1e-30), 0)
+        step = np.linalg.solve(operator * slope + np.eye(n), indentation - s - operator @ p)
+        s = s + step
+        if np.abs(step).max() < 1e-12:
+            return p.mean()
+    raise AssertionError("Newton's method did not converge")
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1.1, 5), (1.25, 5), (1.5, 2), (1.75, 2), (1.9, 3), (1.98, 4)])
+def test_the_infinite_series_is_a_fixed_point(D, gamma):
+    """Its curve is the closure of a layer, on which another solver finds a wave with that same curve.
+
+    A deviation of one scale adds up to 1/(1 - gamma^(D-2)) times as much over all of them.
+    """
+    xi = np.concatenate([np.geomspace(1e-18, 1e-4, 500)[:-1], np.geomspace(1e-4, 30, 500)])
+    pressure = gamma ** (D - 1) * xi
+    spread = np.log(gamma ** (D - 2) * layer.compliance(xi, D, gamma, math.inf) + pressure)
+    log_pressure = CubicSpline(spread, np.log(pressure))
+    loads = np.geomspace(1e-5, 3, 7)
+    h = layer.compliance(loads, D, gamma, math.inf)
+    found = np.array([mean_pressure_at(one, log_pressure) for one in h])
+    slope = layer.resistance(loads, D, gamma, math.inf) * loads / h
+    error = np.abs(np.log(found / loads)) * slope / (1 - gamma ** (D - 2))
+    print(f"D = {D}, gamma = {gamma}: off by {error.max():.1e} of itself at most")
+    assert error.max() < ACCURACY
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.5, 2), (1.9, 3)])
+def test_finite_series_converge_to_the_infinite_one(D, gamma):
+    loads = np.geomspace(1e-6, 10, 20)
+    infinite = layer.compliance(loads, D, gamma, math.inf)
+    terms = np.array([2, 4, 8, 16, 32])
+    left = np.array([np.abs(layer.compliance(loads, D, gamma, m) - infinite).max() for m in terms])
+    # A layer thicker by G_m everywhere raises h by G_m; the fixed point itself is known to ACCURACY.
+    assert np.all(left <= tail_amplitude(terms, D, gamma) + ACCURACY * infinite.max())
+
+
+# From one scale applied 37 to 701 times to Westergaard's curve, on tables from e^-300 with some 700 rows of an
+# accuracy of 1e-7: no Newton's method over the rows, and no first row that a light pressure could reach.
+ITERATED = [
+    (1.75, 2, 1.0, 4.2581955),
+    (1.75, 2, 1e-12, 0.22480516),
+    (1.25, 5, 1e-6, 5.56145443e-3),
+    (1.25, 5, 1.0, 1.33368570),
+    (1.9, 2, 1e-12, 1.36880565),
+    (1.9, 2, 3.6, 8.35951950),
+    (1.98, 4, 3.6, 6.36340720),
+]
+
+
+@pytest.mark.parametrize(("D", "gamma", "load", "h"), ITERATED)
+def test_one_heavy_or_light_load_of_the_infinite_series(D, gamma, load, h):
+    assert layer.compliance([load], D, gamma, math.inf) == pytest.approx(h, rel=ACCURACY)
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.75, 2)])
+def test_light_loads_of_the_infinite_series(D, gamma):
+    """Where the half-plane yields nothing, P(h) = gamma^(D-1) int P(gamma^(2-D) (h - 2 pi^2 x^2)) dx."""
+    xi = np.geomspace(1e-200, 1e-9, 2000)
+    log_h = np.log(layer.compliance(xi, D, gamma, math.inf))
+    log_load = CubicSpline(log_h, np.log(xi))
+    h = np.exp(log_h[700])
+    assert h < 1e-3 or D > 1.5
+
+    def pressure(x):
+        w = gamma ** (2 - D) * (h - 2 * np.pi**2 * x**2)
+        return np.exp(log_load(np.log(w))) / xi[700] if np.log(w) > log_h[0] else 0.0
+
+    edge = math.sqrt(h / 2) / math.pi
+    total = 2 * gamma ** (D - 1) * quad(pressure, 0, edge, epsabs=1e-12, epsrel=1e-10, limit=200)[0]
+    error = abs(math.log(total)) / log_load(log_h[700], 1)
+    print(f"D = {D}, gamma = {gamma}: h = {h:.1e} at xi = {xi[700]:.0e}, off by {error:.1e} of itself")
+    assert error < ACCURACY
+
+
+def test_the_closure_of_a_tail_is_its_curve():
+    for D, gamma in ((1.02, 2), (1.5, 5), (1.98, 4)):
+        log_load, log_h, power = layer.tail_table(D, gamma, 1e3, 3)
+        assert log_load[0] < math.log(MIN_LOADS[0])
+        assert log_load[-1] >= math.log(1e3)
+        some = (log_load > math.log(1e-15)) & (log_load < math.log(1e3))
+        found = layer.curve(np.exp(log_load[some]), D, gamma, math.inf)
+        np.testing.assert_allclose(np.exp(log_h[some]), found.compliance, rtol=ACCURACY)
+        slope = found.resistance * np.exp(log_load[some]) / found.compliance
+        np.testing.assert_allclose(power[some], slope, rtol=1e-3, atol=1e-4)
+
+
+def test_the_infinite_series_is_self_affine():
+    # Far beyond full contact of the first wave only the finer ones yield: W(xi) = 1 + w(xi) up to ripples 1/xi^2.
+    D, gamma, xi = 1.5, 4, np.array([300.0])
+    finer = gamma ** (D - 2) * layer.compliance(gamma ** (1 - D) * xi, D, gamma, math.inf)
+    assert layer.compliance(xi, D, gamma, math.inf) == pytest.approx(1 + finer, rel=1e-5)
+
+
+def test_a_fixed_point_that_is_not_reached_is_refused(monkeypatch):
+    monkeypatch.setattr(fixed_point, "MAX_NEWTON_STEPS", 1)
+    with pytest.raises(ConvergenceError, match=r"still changes by .* after 1 steps") as refused:
+        layer.curve([0.1], 1.25, 5, math.inf)
+    assert refused.value.residual > ACCURACY

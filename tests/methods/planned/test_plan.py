@@ -1,0 +1,97 @@
+"""What a tolerance takes: the cheapest methods that do, load by load, or why there are none."""
+
+import itertools
+import math
+import re
+
+import numpy as np
+import pytest
+
+import weier
+from tests.profiles import THREE_WAVES
+from weier import Profile, plan, random_phases
+from weier.methods.errors import NotApplicableError, OutOfReachError
+from weier.methods.planned.plan import cheapest
+
+LOADS = np.geomspace(1e-3, 10, 12)
+
+
+def test_a_finer_tolerance_takes_no_less():
+    seconds = [plan(THREE_WAVES, LOADS, tolerance).seconds for tolerance in (0.5, 1e-1, 1e-2, 1e-4, 1e-6, 1e-9)]
+    assert seconds == sorted(seconds)
+    assert seconds[0] < seconds[-1] / 10
+
+
+@pytest.mark.parametrize("tolerance", [0.5, 1e-2, 1e-4, 1e-9])
+@pytest.mark.parametrize("quantity", ["compliance", "resistance"])
+def test_the_parts_cover_the_loads_and_add_up(quantity, tolerance):
+    found = plan(THREE_WAVES, LOADS, tolerance, quantity)
+    assert np.array_equal(np.concatenate([part.mean_pressure for part in found.segments]), LOADS)
+    sums = [p.truncation + p.discretisation + p.estimate for p in found.segments]
+    assert found.error == np.concatenate(sums).max() <= tolerance
+    assert found.segments[-1].method == "full contact"
+    assert str(found).count("\n") == 1 + len(found.segments)
+
+
+def test_each_load_takes_the_method_of_least_seconds_that_does():
+    """Whatever the others take, and in as few parts as that allows."""
+    random = np.random.default_rng(4)
+    (like,) = plan(Profile(1.5, 3, 1), [0.1] * 1, 1e-3).segments
+    none = np.zeros(5)
+    for _ in range(20):
+        those = [
+            like._replace(
+                method=name, mean_pressure=np.arange(1.0, 6.0), estimate=none, discretisation=none,
+                truncation=np.where(random.random(5) < 0.3, np.inf, 0.0) if number else none,
+                seconds_start=random.random(), seconds_load=random.random(5),
+            )
+            for number, name in enumerate("abc")
+        ]  # fmt: skip
+        least = [
+            min((each.seconds_load[load], each.method) for each in those if np.isfinite(each.truncation[load]))
+            for load in range(5)
+        ]
+        parts = cheapest(those, 1e-3)
+        taken = [(second, part.method) for part in parts for second in part.seconds_load]
+        assert taken == least
+        assert np.concatenate([part.mean_pressure for part in parts]).tolist() == [1, 2, 3, 4, 5]
+        assert all(one.method != other.method for one, other in itertools.pairwise(parts))
+
+
+def test_light_loads_are_a_few_exact_contacts_and_crowded_ones_a_grid():
+    profile = Profile(1.25, 5, 3, random_phases(1))
+    parts = plan(profile, np.geomspace(1e-3, 10, 40), 1e-6).segments
+    assert [part.method for part in parts] == ["patches", "bem", "patches", "full contact"]
+    longer = plan(Profile(1.25, 5, 5, random_phases(1)), np.geomspace(1e-3, 10, 40), 1e-6).segments
+    # Of 625 waves first few touch, and at last few do not.
+    assert [part.method for part in longer] == ["patches", "bem", "patches"]
+
+
+def test_one_wave_is_a_closed_form():
+    found = plan(Profile(1.5, 3, 1), LOADS, 1e-9)
+    assert [part.method for part in found.segments] == ["westergaard", "full contact"]
+
+
+def test_what_is_out_of_reach_is_refused_with_what_is_missing():
+    infinite = Profile(1.9, 2, math.inf)
+    with pytest.raises(OutOfReachError, match="the others may change it by"):
+        plan(infinite, LOADS, 1e-3)
+    with pytest.raises(NotApplicableError, match="tolerance must be larger"):
+        weier.solve(infinite, LOADS, "planned", tolerance=1e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-30, 1e-310])
+@pytest.mark.parametrize("quantity", ["compliance", "resistance"])
+def test_what_no_method_can_do_is_refused_with_what_is_within_reach(quantity, tolerance):
+    with pytest.raises(OutOfReachError, match="is within reach") as refusal:
+        plan(THREE_WAVES, LOADS, tolerance, quantity)
+    within = float(re.search(r"(\S+) is within reach", str(refusal.value))[1])
+    assert plan(THREE_WAVES, LOADS, within, quantity).error <= within
+    with pytest.raises(OutOfReachError, match="no method can hold the contacts"):
+        plan(Profile(1.5, 5, 6, 1.0), LOADS, 1e-9)
+
+
+@pytest.mark.parametrize(("tolerance", "quantity"), [(0.0, "compliance"), (math.nan, "compliance"), (1e-3, "gap")])
+def test_bad_requests_are_refused(tolerance, quantity):
+    with pytest.raises(ValueError, match=r"tolerance must be positive|quantity must be one of"):
+        plan(THREE_WAVES, LOADS, tolerance, quantity)
