@@ -32,6 +32,14 @@ def assert_accurate(computed, oracle, part, case):
         assert error <= input_sensitivity(oracle, part, *case), case
 
 
+def assert_sums(method, oracle, cases):
+    """Compliance and resistance of all cases together, against the sums of each."""
+    h, R = method.compliance(*np.transpose(cases)), method.resistance(*np.transpose(cases))
+    for case, compliance, resistance in zip(cases, h, R, strict=True):
+        assert_accurate(compliance, oracle, 0, case)
+        assert_accurate(resistance, oracle, 1, case)
+
+
 def extreme_cases(seed, count, terms):
     """Draws that crowd at the ends of every range: D -> 1, 2; gamma -> 1, 1e6; p from 1e-300 to 1e300."""
     rng = np.random.default_rng(seed)

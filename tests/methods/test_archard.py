@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.extreme_series import CORNERS, assert_accurate, extreme_cases
+from tests.extreme_series import CORNERS, assert_sums, extreme_cases
 from weier.methods import archard
 from weier.methods import multiprecision as exact
 from weier.theory.series import leading_amplitude, tail_amplitude
@@ -11,18 +11,11 @@ from weier.theory.series import leading_amplitude, tail_amplitude
 
 @pytest.mark.parametrize(("seed", "terms"), [(1, [1, 2, 3, 12, 13, 100]), (2, [1000]), (3, [np.inf])])
 def test_both_follow_the_plain_sum(seed, terms):
-    cases = extreme_cases(seed, 60 if terms == [1000] else 300, terms)
-    h, R = archard.compliance(*np.transpose(cases)), archard.resistance(*np.transpose(cases))
-    for case, compliance, resistance in zip(cases, h, R, strict=True):
-        assert_accurate(compliance, exact.archard, 0, case)
-        assert_accurate(resistance, exact.archard, 1, case)
+    assert_sums(archard, exact.archard, extreme_cases(seed, 60 if terms == [1000] else 300, terms))
 
 
 def test_both_follow_the_plain_sum_in_every_corner():
-    h, R = archard.compliance(*np.transpose(CORNERS)), archard.resistance(*np.transpose(CORNERS))
-    for case, compliance, resistance in zip(CORNERS, h, R, strict=True):
-        assert_accurate(compliance, exact.archard, 0, case)
-        assert_accurate(resistance, exact.archard, 1, case)
+    assert_sums(archard, exact.archard, CORNERS)
 
 
 def test_full_contact_is_the_sum_of_amplitudes_without_resistance():

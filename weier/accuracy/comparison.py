@@ -49,12 +49,6 @@ def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping
     It is that of a scene, over variants instead of methods: the method of each is the coordinate solution_method.
     `kept` names variables of the common table; `own` are further ones, whose dimension of variants is called
     solution_method as in that table.
-
-    Raises
-    ------
-    ValueError
-        If two variants of one comparison have the same name.
-
     """
     variants = _by_name(comparisons)
     methods = [variant.method for variant in variants.values()]

@@ -103,12 +103,6 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
         What made the data, for the history of the file.
     scene : str
         The scene file as text.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a variable is neither numbers nor text, or a text is too long.
-
     """
     data = data.assign_attrs(provenance.attributes(title, step, scene))
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
@@ -117,28 +111,14 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Read a netCDF file of weier into memory.
-
-    Raises
-    ------
-    ValueError
-        If the file is missing, cut short, or not of this kind.
-
-    """
+    """Read a netCDF file of weier into memory; a ValueError if it is missing, cut short, or not of weier."""
     with reading(path) as data:
         return data.load()
 
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[xr.Dataset]:
-    """A netCDF file of weier, opened lazily and closed at the end; values that the disk has changed raise, too.
-
-    Raises
-    ------
-    ValueError
-        If the file is missing, damaged, or not of this kind.
-
-    """
+    """A netCDF file of weier, opened lazily and closed at the end; values that the disk has changed raise, too."""
     with open_lazily(path) as data:
         try:
             yield data
@@ -149,14 +129,7 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
 
 
 def open_lazily(path: str | Path) -> xr.Dataset:
-    """A netCDF file of weier, opened; its values are read where they are asked for.
-
-    Raises
-    ------
-    ValueError
-        If the file is missing, cut short, or not of this kind.
-
-    """
+    """A netCDF file of weier, opened; its values are read where they are asked for."""
     try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError) as error:

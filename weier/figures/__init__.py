@@ -63,14 +63,7 @@ def _text_constants(path: Path) -> dict[str, str]:
 
 
 def check_kinds(scene: Scene) -> None:
-    """Refuse a scene with a figure that cannot be drawn from its studies.
-
-    Raises
-    ------
-    SceneError
-        If there is no such kind of figure, or it shows something other than studies.
-
-    """
+    """Refuse a scene with a figure that cannot be drawn from its studies."""
     choice = [name for name, kind in kinds().items() if not kind.command]
     for name, figure in scene.figures.items():
         if figure.draw not in choice:

@@ -23,10 +23,9 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.estimate import solve_by
+from weier.methods.estimate import multiprecision_sums, solve_by
 from weier.methods.flattened import Runs, add_flat_waves, over_series, scale_behind_flat_waves
-from weier.methods.method import Method, Reference, Style
-from weier.theory.profile import Profile
+from weier.methods.method import Method, Style
 from weier.theory.series import full_contact_pressure
 
 LN2 = np.log(2)
@@ -157,17 +156,11 @@ def _sum_at_light_loads(zeta: Array, y: Array, sums: UnflattenedSums, run: int, 
         y[i] = total[i] + weight * z[i]
 
 
-def _reference(profile: Profile, loads: Array) -> Reference:
-    from weier.methods import multiprecision  # mpmath, which only the stability report needs
-
-    return multiprecision.reference(multiprecision.archard, profile, loads)
-
-
 METHOD = Method(
     name="archard",
     label="Archard",
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
     solve=solve_by(compliance, resistance),
     style=Style("#D55E00", (5, 1.5), "v"),
-    reference=_reference,
+    reference=multiprecision_sums("archard"),
 )

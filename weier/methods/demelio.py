@@ -13,28 +13,16 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.estimate import offer, solve_by
+from weier.methods.estimate import multiprecision_sums, offer, solve_by
 from weier.methods.flattened import Runs, add_flat_waves, over_series, scale_behind_flat_waves
-from weier.methods.method import Method, Reference, Style
+from weier.methods.method import Method, Style
 from weier.methods.segment import Segment, Task
-from weier.theory.profile import Profile
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
     """Compliance h = sum h_n (24)-(26), continued beyond p_0* and to a finite number of terms.
 
-    Parameters
-    ----------
-    mean_pressure : array_like
-        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
-    D, gamma, m : array_like
-        Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
-        All four broadcast.
-
-    Returns
-    -------
-    ndarray
-        Compliance in g_0, of the broadcast shape.
+    The arguments and the shape are those of `weier.methods.archard.compliance`. Compliances are in g_0.
     """
     return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
 
@@ -109,12 +97,6 @@ def _candidates(task: Task) -> Iterator[Segment]:
     return offer(task, "demelio", MAX_ERROR_SHARE, SECONDS, _solve)
 
 
-def _reference(profile: Profile, loads: Array) -> Reference:
-    from weier.methods import multiprecision  # mpmath, which only the stability report needs
-
-    return multiprecision.reference(multiprecision.demelio, profile, loads)
-
-
 METHOD = Method(
     name="demelio",
     label="Demelio",
@@ -122,5 +104,5 @@ METHOD = Method(
     solve=_solve,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
     candidates=_candidates,
-    reference=_reference,
+    reference=multiprecision_sums("demelio"),
 )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.error_model import estimate_error
-from weier.methods.method import Estimate
+from weier.methods.method import Estimate, Reference
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
@@ -25,6 +25,17 @@ def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Arr
         return Estimate(compliance(loads, *series), resistance(loads, *series))
 
     return solve
+
+
+def multiprecision_sums(name: str) -> Callable[[Profile, Array], Reference]:
+    """What an estimate is held against: its sums, by the function of this name in `weier.methods.multiprecision`."""
+
+    def reference(profile: Profile, loads: Array) -> Reference:
+        from weier.methods import multiprecision  # mpmath, which only the stability report needs
+
+        return multiprecision.reference(getattr(multiprecision, name), profile, loads)
+
+    return reference
 
 
 def offer(

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Estimate, Method, Reference, Style
+from weier.methods.estimate import multiprecision_sums
+from weier.methods.method import Estimate, Method, Style
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
@@ -97,12 +98,6 @@ def _solution(loads: Array) -> SegmentSolution:
     return SegmentSolution(compliance(loads), resistance(loads), exact, exact)
 
 
-def _reference(profile: Profile, loads: Array) -> Reference:
-    from weier.methods import multiprecision  # mpmath, which only the stability report needs
-
-    return multiprecision.reference(multiprecision.westergaard, profile, loads)
-
-
 METHOD = Method(
     name="westergaard",
     label="Westergaard",
@@ -111,5 +106,5 @@ METHOD = Method(
     applies=_applies,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
     candidates=_candidates,
-    reference=_reference,
+    reference=multiprecision_sums("westergaard"),
 )

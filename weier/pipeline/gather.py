@@ -44,12 +44,6 @@ def gather(
         As in `dataset.write`; the history goes on from that of the files.
     more : Dataset, optional
         Variables of no case, to write as well.
-
-    Raises
-    ------
-    ValueError
-        If a case is in none of the files, or the files differ in loads.
-
     """
     position = {key: row for row, key in enumerate(keys)}
     like, histories = _layout(files, position)

@@ -51,14 +51,6 @@ def solve_one(
         As in `solve`.
     settings : mapping
         Of each method.
-
-    Raises
-    ------
-    ValueError
-        If a parameter, method or setting is out of range or unknown, or a method does not apply.
-    ConvergenceError
-        If a solver misses its tolerance.
-
     """
     check_range(loads)
     foreign = [method for method in settings if method not in methods]
@@ -94,12 +86,6 @@ def plan_one(
     -------
     Plan
         Load by load.
-
-    Raises
-    ------
-    ValueError
-        If a parameter, load or tolerance is out of range, or no method can be that accurate.
-
     """
     check_range(loads)
     case = Case(parameters, (PLANNED,), {})

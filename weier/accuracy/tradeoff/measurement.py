@@ -44,12 +44,6 @@ def measure(scene: Scene) -> xr.Dataset:
         As the dataset of a scene, over variants instead of methods, with `seconds` of processor time for all loads.
         compliance_error and resistance_error are the distances from reference_compliance and reference_resistance.
         NaN where a variant would need too many points, or did not converge.
-
-    Raises
-    ------
-    ValueError
-        If a series is infinite, which has no exact contact.
-
     """
     comparisons = [
         Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
@@ -65,14 +59,7 @@ def measure(scene: Scene) -> xr.Dataset:
 
 
 def variants(profile: Profile) -> list[Variant]:
-    """All that can be run on a finite series.
-
-    Raises
-    ------
-    ValueError
-        If the series is infinite, or has more waves than a computer holds.
-
-    """
+    """All that can be run on a finite series."""
     if math.isinf(profile.m):
         raise ValueError(
             f"m must be finite to trade speed for accuracy, got {profile.describe()}: leave the case out"

@@ -63,12 +63,6 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
         Files of seconds, one for each batch.
     path : path
         The HTML file to write.
-
-    Raises
-    ------
-    ValueError
-        If one of the files is missing, cut short, or not of weier.
-
     """
     with dataset.reading(contact) as data:
         text = _page(scene, data, figures, [_cost(path) for path in costs])

@@ -91,11 +91,6 @@ class FixedPoint:
 
         W at a load depends on W at lighter and heavier loads, since the pressure varies along the wave. But up to a
         top it depends on no load above that top.
-
-        Raises
-        ------
-        ConvergenceError
-            If errors add up over so many scales that no table meets the accuracy.
         """
         self._limit(np.array([self.amplitude]))  # at heavy loads errors of ln W add up to as many at least
         nothing, states = np.zeros(0), np.zeros((0, self.mesh.rise.size + 1))

@@ -75,11 +75,6 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
     """Rows at the first positions, and as many between them as the cubics need to meet the next midpoints.
 
     They must meet the slopes too: beside a kink a cubic may meet the value by chance.
-
-    Raises
-    ------
-    ConvergenceError
-        If 30 halvings of a cell or 100 000 rows do not suffice.
     """
     rows = waves(first, None)
     left, right = first[:-1], first[1:]

@@ -134,13 +134,7 @@ def _excess_message(segment: Segment, error: Array) -> str:
 
 
 def run(profile: Profile, segments: Sequence[Segment]) -> SolvedLoads:
-    """Run segments that cover the loads one after the other.
-
-    Raises
-    ------
-    ConvergenceError
-        If a solver misses its own tolerance.
-    """
+    """Run segments that cover the loads one after the other."""
     return _joined([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
 
 
