@@ -2,8 +2,8 @@
 
 Every step asks the registry for its methods, and the registry lists all of them. If the digests followed this list, a
 scene would be solved again after a change of a method that it does not use, or of a cost model that only plans use.
-So the list is left out, and what a step uses of the methods is added: for a batch the functions that it calls, for
-other steps the label and the style of each method and whether it is numerical.
+So the list and the default that is chosen from it are left out, and what a step uses of the methods is added: for a
+batch the functions that it calls, for other steps the label and the style of each method and whether it is numerical.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from weier.methods.registry import find_method
 
 BATCH_FUNCTIONS = ("weier.pipeline.batch.solve_batch", "weier.data.dataset.write")
 STUDY = "weier.pipeline.gather.read_study"
-METHOD_LIST = "weier.methods.registry.METHODS"
+LISTS_NOT_FOLLOWED = ("weier.methods.registry.METHODS", "weier.methods.registry.DEFAULT")
 
 
 def batch_digest(methods: Iterable[str]) -> str:
@@ -41,7 +41,7 @@ def batch_definitions(methods: Iterable[str]) -> dict[str, str]:
         return definitions(*BATCH_FUNCTIONS)
     functions = [each for method in used for each in (method.solve, method.applies, method.solution_error) if each]
     own = [name for each in functions for name in _names(each)]
-    return definitions(*BATCH_FUNCTIONS, *own, without=[METHOD_LIST])
+    return definitions(*BATCH_FUNCTIONS, *own, without=LISTS_NOT_FOLLOWED)
 
 
 def _names(function: Callable[..., Any]) -> Iterator[str]:
@@ -76,7 +76,7 @@ def _step_digest(*names: str, files: Iterable[Path] = ()) -> str:
     """A digest of what a step without solving depends on: definitions, methods as figures show them, and files."""
     shown = {each.name: repr((each.label, each.numerical, each.style)) for each in registry.METHODS}
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return _digest(definitions(*names, without=[METHOD_LIST]) | shown | texts)
+    return _digest(definitions(*names, without=LISTS_NOT_FOLLOWED) | shown | texts)
 
 
 def _digest(texts: dict[str, str]) -> str:
