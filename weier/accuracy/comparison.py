@@ -17,11 +17,7 @@ from weier.methods.method import Variant
 from weier.pipeline.batch import describe_case
 from weier.scene import Case
 
-DESCRIPTION = (
-    "total_amplitude",
-    "tail_amplitude",
-    "first_contact",
-)  # of a case, beside its coordinates
+DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # of a case, beside its coordinates
 VARIANT = Variable(("variant",), "method and settings that are compared", content=LABEL)
 
 

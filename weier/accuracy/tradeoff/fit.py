@@ -155,47 +155,36 @@ def _estimate(sample: Sample) -> float:
     return float(beyond.max(initial=0.0)) / (sample.profile.total_amplitude - 1)
 
 
+GRID, CONTACTS = bem.error_model, patches.error_model
 FITS = {
     bem.METHOD.name: Fit(
         _is_default(bem.METHOD.name, but="points"),
         (
-            Term("BEM_COMPLIANCE", bem.error_model.COMPLIANCE, _grid_compliance),
-            Term("BEM_RESISTANCE", bem.error_model.RESISTANCE, _grid_resistance),
+            Term("BEM_COMPLIANCE", GRID.COMPLIANCE, _grid_compliance),
+            Term("BEM_RESISTANCE", GRID.RESISTANCE, _grid_resistance),
         ),
         (
-            Term(
-                "SECONDS_LOAD bem",
-                bem.error_model.SECONDS_LOAD,
-                lambda sample: sample.loads.size + bem.error_model.START_LOADS,
-            ),
-            Term("SECONDS_NODE bem", bem.error_model.SECONDS_NODE, _grid_nodes),
+            Term("SECONDS_LOAD bem", GRID.SECONDS_LOAD, lambda sample: sample.loads.size + GRID.START_LOADS),
+            Term("SECONDS_NODE bem", GRID.SECONDS_NODE, _grid_nodes),
         ),
-        bem.error_model.SECONDS_START,
+        GRID.SECONDS_START,
     ),
     patches.METHOD.name: Fit(
-        lambda sample: sample.settings["tolerance"] in patches.error_model.TOLERANCES,
+        lambda sample: sample.settings["tolerance"] in CONTACTS.TOLERANCES,
         (
-            Term(
-                "PATCHES_COMPLIANCE",
-                patches.error_model.COMPLIANCE_FACTOR,
-                lambda s: _in_tolerances(s.compliance_error, s),
-            ),
-            Term(
-                "PATCHES_RESISTANCE",
-                patches.error_model.RESISTANCE_FACTOR,
-                lambda s: _in_tolerances(s.resistance_error, s),
-            ),
+            Term("PATCHES_COMPLIANCE", CONTACTS.COMPLIANCE_FACTOR, lambda s: _in_tolerances(s.compliance_error, s)),
+            Term("PATCHES_RESISTANCE", CONTACTS.RESISTANCE_FACTOR, lambda s: _in_tolerances(s.resistance_error, s)),
         ),
         (
-            Term("SECONDS_LOAD patches", patches.error_model.SECONDS_LOAD, lambda sample: sample.loads.size),
-            Term("SECONDS_WAVE", patches.error_model.SECONDS_WAVE, lambda sample: sample.loads.size * sample.waves),
+            Term("SECONDS_LOAD patches", CONTACTS.SECONDS_LOAD, lambda s: s.loads.size),
+            Term("SECONDS_WAVE", CONTACTS.SECONDS_WAVE, lambda s: s.loads.size * s.waves),
             Term(
                 "SECONDS_CONTACT",
-                patches.error_model.SECONDS_CONTACT,
-                lambda s: float(np.sum(s.contacts**patches.error_model.CONTACT_POWER)),
+                CONTACTS.SECONDS_CONTACT,
+                lambda s: float(np.sum(s.contacts**CONTACTS.CONTACT_POWER)),
             ),
         ),
-        patches.error_model.SECONDS_START,
+        CONTACTS.SECONDS_START,
     ),
     layer.METHOD.name: Fit(_is_default(layer.METHOD.name), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)),
     demelio.METHOD.name: Fit(

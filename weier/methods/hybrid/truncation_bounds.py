@@ -24,14 +24,7 @@ class TooManyPointsError(ValueError):
 def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Array, Array]:
     """Bounds on the compliance of the infinite series, from its first terms by boundary elements.
 
-    Parameters
-    ----------
-    profile : Profile
-        With m = inf.
-    mean_pressure : array_like, shape (loads,)
-        Increasing, in p_0*.
-    terms : int
-        Waves to resolve.
+    The parameters are those of `weier.methods.hybrid.curve`.
 
     Returns
     -------
