@@ -53,7 +53,11 @@ def test_a_plan_of_neither_or_both_is_wrong_usage(run, arguments, message):
     ("arguments", "message"),
     [
         ([*PROFILE, "--tolerance", "0"], "tolerance must be positive and finite, got 0.0"),
-        (["-D", "1.5", "--gamma", "3", "-m", "1e9"], "m must be at most 1000"),
+        (
+            ["-D", "1.5", "--gamma", "3", "-m", "1e9"],
+            "m must be a whole number of terms, from 1 to 1000000, or inf",
+        ),
+        (["-D", "1.5", "--gamma", "3", "-m", "1e6"], "m must be at most 1000"),
         (["-D", "1.95", "--gamma", "2", "-m", "inf"], "tolerance must be larger, or the series shorter, got 0.001"),
     ],
 )

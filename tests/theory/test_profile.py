@@ -9,6 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from weier.theory.limits import check_resolvable
 from weier.theory.phases import random_phases
 from weier.theory.profile import Profile
 from weier.theory.series import leading_amplitude, tail_amplitude
@@ -165,12 +166,14 @@ def test_one_phase_shifts_every_term_but_the_first():
         ((1, 5, 3), r"D must lie in \(1, 2\), got 1"),
         ((np.nan, 5, 3), r"D must lie in \(1, 2\), got nan"),
         ((1.5, 1, 3), "gamma must exceed 1, .* got 1"),
-        ((1.5, "4/5", 3), "gamma must exceed 1, .* got 4/5"),
-        ((1.5, "five", 3), "gamma must be an integer or a fraction .*, got 'five'"),
-        ((1.5, "5/0", 3), "gamma must be an integer or a fraction .*, got '5/0'"),
-        ((1.5, np.inf, 3), "gamma must be an integer or a fraction .*, got inf"),
-        ((1.5, np.nan, 3), "gamma must be an integer or a fraction .*, got nan"),
-        ((1.5, math.pi, 3), 'instead of 3.14159.* take "311/99" = 3.14141'),
+        ((1.5, "4/5", 3), "gamma must exceed 1, .* got '4/5'"),
+        ((1.5, "five", 3), "gamma must be a finite number or a fraction .*, got 'five'"),
+        ((1.5, "5/0", 3), "gamma must be a finite number or a fraction .*, got '5/0'"),
+        ((1.5, np.inf, 3), "gamma must be a finite number or a fraction .*, got inf"),
+        ((1.5, np.nan, 3), "gamma must be a finite number or a fraction .*, got nan"),
+        ((1.5, 10**400, 3), "gamma must be a finite number or a fraction .*, got a number of more than 40 digits"),
+        ((1.5, "1e999999999", 3), "gamma must be a finite number or a fraction .*, got '1e999999999'"),
+        ((1.5, 5, 10**400), "m must be a whole number .* got a number of more than 40 digits"),
         ((1.5, 5, 0), "m must be a whole number of terms, .* got 0"),
         ((1.5, 5, 2.5), "m must be a whole number of terms, .* got 2.5"),
         ((1.5, 5, True), "m must be a whole number of terms, .* got True"),
@@ -186,11 +189,36 @@ def test_profile_refuses_what_it_cannot_be(arguments, message):
         Profile(*arguments)
 
 
-def test_irrational_ratio_is_offered_one_that_works():
-    with pytest.raises(ValueError, match="take") as refusal:
-        Profile(1.5, math.sqrt(5), 3)
-    offered = str(refusal.value).split('"')[1]
-    assert float(Profile(1.5, offered, 3).gamma) == pytest.approx(math.sqrt(5), rel=1e-4)
+@pytest.mark.parametrize("gamma", [math.sqrt(5), "1.4142135", math.pi])
+def test_a_ratio_without_a_period_that_a_computer_holds_is_offered_one_that_has(gamma):
+    """Only methods that resolve every wave need one."""
+    with pytest.raises(ValueError, match="take gamma") as refusal:
+        check_resolvable(Profile(1.5, gamma, 3))
+    offered = Profile(1.5, str(refusal.value).split('"')[1], 3)
+    check_resolvable(offered)
+    assert float(offered.gamma) == pytest.approx(float(Profile(1.5, gamma, 3).gamma), rel=1e-2)
+
+
+def test_no_ratio_is_offered_where_none_will_do():
+    for gamma, m in ((1.0000001, 3), (math.pi, 12), (1e6, 3)):
+        with pytest.raises(ValueError, match="exceeds: take fewer terms"):
+            check_resolvable(Profile(1.5, gamma, m))
+
+
+def test_an_irrational_ratio_is_kept_to_the_last_digit():
+    profile = Profile(1.5, math.sqrt(2), 3)
+    assert float(profile.gamma) == math.sqrt(2)
+    assert profile.describe() == "D = 1.5, gamma = 1.4142135623730951, m = 3"
+    assert profile.height(0.25) == pytest.approx(
+        sum(math.sqrt(2) ** (-0.5 * n) * math.cos(math.pi / 2 * math.sqrt(2) ** n) for n in range(3)), abs=1e-14
+    )
+
+
+def test_a_wave_too_short_for_a_float_has_no_heights():
+    profile = Profile(1.5, 10**6, 100)
+    for ask in (profile.height, profile.slope, profile.curvature):
+        with pytest.raises(ValueError, match=r"the finest wave of D = 1.5, .* is too short for a float: take fewer"):
+            ask(0.1)
 
 
 def test_the_infinite_series_has_sums_but_no_heights():

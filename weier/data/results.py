@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,9 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from weier.data import dataset
+from weier.kernels.arrays import Array
+from weier.theory.arguments import checked_number, checked_numbers, checked_word, shown
+from weier.theory.profile import checked_ratio
 
 CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
 MAX_VALUES_IN_MESSAGE = 10  # values that a message lists
@@ -38,6 +42,10 @@ class Contact:
     """
 
     data: xr.Dataset
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.data, xr.Dataset):
+            raise ValueError(f"data must be an xarray.Dataset, got {shown(self.data)}; weier.open reads one")
 
     def sel(
         self,
@@ -74,17 +82,15 @@ class Contact:
 
         """
         data = self.data
-        ratios = None if gamma is None else [_ratio(value) for value in _list(gamma)]
+        ratios = None if gamma is None else [float(checked_ratio(value)) for value in _list("gamma", gamma)]
         for name, wanted in (("D", D), ("gamma", ratios), ("m", m)):
             if wanted is not None:
-                data = _with_parameter(data, name, np.atleast_1d(_numbers(name, wanted)))
+                data = _with_parameter(data, name, _numbers(name, _list(name, wanted)))
         if phase is not None:
-            data = _with_phase(data, _numbers("phase", phase))
-        if solution_method is not None:
-            rows = _rows(data["solution_method"].values, solution_method, "solution_method")
-            data = data.isel(solution_method=rows)
-        if mean_pressure is not None:
-            data = data.isel(mean_pressure=_rows(data["mean_pressure"].values, mean_pressure, "mean_pressure"))
+            data = _with_phase(data, checked_numbers("phase", phase, "be finite", np.isfinite))
+        for name, labels in (("solution_method", solution_method), ("mean_pressure", mean_pressure)):
+            if labels is not None:
+                data = data.isel({name: _rows(data, name, labels)})
         return Contact(data)
 
     def __getitem__(self, name: str) -> xr.DataArray:
@@ -128,27 +134,22 @@ def open(path: str | Path) -> Contact:
     [0.4044]
 
     """
+    if not isinstance(path, str | PathLike):
+        raise ValueError(f"path must be the name of a file, got {shown(path)}")
     return Contact(dataset.open_lazily(path))
 
 
-def _list(values: Any) -> list[Any]:
-    return list(values) if isinstance(values, list | tuple | np.ndarray) else [values]
+def _list(name: str, wanted: Any) -> list[Any]:
+    """What was asked for as a list; an empty one asks for nothing, and would be given nothing."""
+    listed = isinstance(wanted, list | tuple) or (hasattr(wanted, "__array__") and np.ndim(wanted) > 0)
+    if listed and len(wanted) == 0:
+        raise ValueError(f"{name} must have a value to select by, got an empty list")
+    return list(wanted) if listed else [wanted]
 
 
-def _numbers(name: str, wanted: Any) -> NDArray[np.float64]:
-    try:
-        return np.asarray(wanted, float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number or a list of numbers, got {wanted!r:.80}") from None
-
-
-def _ratio(wanted: Any) -> float:
-    try:
-        return float(Fraction(wanted))
-    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
-        raise ValueError(
-            f'gamma must be a ratio such as 2.5 or "5/2", or a list of them, got {wanted!r:.80}'
-        ) from None
+def _numbers(name: str, wanted: Any) -> Array:
+    """The numbers asked for, shape (numbers,)."""
+    return np.array([checked_number(name, value, "be a number", lambda value: value == value) for value in wanted])
 
 
 def _with_parameter(data: xr.Dataset, name: str, wanted: NDArray[np.float64]) -> xr.Dataset:
@@ -163,6 +164,8 @@ def _with_parameter(data: xr.Dataset, name: str, wanted: NDArray[np.float64]) ->
 
 def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
     phase = data["phase"].values
+    if wanted.ndim > 1 or wanted.size == 0:
+        raise ValueError(f"phase must be a number or a list of numbers, got {shown(wanted)}")
     expected = np.where(np.arange(phase.shape[1]) == 0, 0.0, wanted) if wanted.ndim == 0 else wanted
     if expected.shape != (min(expected.size, phase.shape[1]),):
         raise ValueError(f"phase must be a number or at most {phase.shape[1]} numbers, got {expected.size}")
@@ -177,13 +180,18 @@ def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
     return data.isel(case=np.flatnonzero(fits))
 
 
-def _rows(labels: NDArray[Any], wanted: Any, name: str) -> int | list[int]:
-    rows = [_row(labels, label, name) for label in _list(wanted)]
-    return rows if isinstance(wanted, list | tuple | np.ndarray) else rows[0]
+def _rows(data: xr.Dataset, name: str, wanted: Any) -> int | list[int]:
+    """The positions of the labels that are asked for along a dimension: one, or a list where a list is asked for."""
+    labels, listed = data[name].values, _list(name, wanted)
+    values = listed if labels.dtype.kind in "OU" else _numbers(name, listed).tolist()
+    rows = [_row(labels, value, name) for value in values]
+    return rows if np.ndim(wanted) else rows[0]
 
 
 def _row(labels: NDArray[Any], label: Any, name: str) -> int:
-    same = labels == label if isinstance(label, str) else np.isclose(labels, label, rtol=CLOSE, atol=0)
+    if labels.dtype.kind in "OU":
+        return labels.tolist().index(checked_word(name, label, labels.tolist()))
+    same = np.isclose(labels, label, rtol=CLOSE, atol=0)
     if not same.any():
         raise ValueError(f"there is no {name} {label!r}: choose from {_some(labels)}")
     return int(np.argmax(same))

@@ -7,6 +7,8 @@ from typing import Any
 
 import yaml
 
+from weier.theory.arguments import checked_number, shown
+
 MAX_CHARACTERS = 10**6  # characters of a file
 MAX_VALUES = 10**6  # values of one, after each alias is written out
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
@@ -38,11 +40,12 @@ def parse_yaml(text: str) -> Any:
 
 def number(name: str, value: Any) -> float:
     """A number, be it written as text; a ValueError if it is none, or too large for a float."""
+    if not isinstance(value, str):
+        return checked_number(name, value)
     try:
         return float(value)
-    except (TypeError, ValueError, OverflowError):
-        text = f"{value!s:.40}" if not isinstance(value, int) else "a number of too many digits"
-        raise ValueError(f"{name} must be a number, got {text!r}") from None
+    except ValueError:
+        raise ValueError(f"{name} must be a number, got {shown(value)}") from None
 
 
 def _size(node: yaml.Node, known: dict[int, int]) -> int:

@@ -7,9 +7,10 @@ import xarray as xr
 
 from weier.data.dataset import NORMALISED
 from weier.methods import bem, patches
+from weier.theory.arguments import checked_word
 from weier.theory.limits import check_resolvable
 from weier.theory.loads import checked_load
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, checked_profile
 
 ATTRIBUTES = {
     "x": ("position along the surface", "lambda_0"),
@@ -73,13 +74,11 @@ def fields(
 
     """
     load = checked_load(mean_pressure)
-    check_resolvable(profile)
+    checked_word("method", method, (patches.METHOD.name, bem.METHOD.name), "for the fields along the surface")
+    check_resolvable(checked_profile(profile))
     if method == bem.METHOD.name:
         found = bem.field(profile, load, points)
         return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
-    if method != patches.METHOD.name:
-        choice = f"{patches.METHOD.name} or {bem.METHOD.name}"
-        raise ValueError(f"method must be {choice} for the fields along the surface, got {method!r}")
     contact = patches.solve_load(profile, load)
     points = bem.checked_points(profile, points)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
@@ -127,7 +126,10 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
     0.891 0 3
 
     """
-    check_resolvable(profile)
+    check_resolvable(checked_profile(profile))
+    low, high = checked_load(low, "low"), checked_load(high, "high")
+    if not low < high:
+        raise ValueError(f"high must exceed low, got {low} and {high}")
     found = patches.events(profile, low, high)._asdict()
     return _dataset(("event",), found | {"birth": found["birth"].astype("i1")})
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from weier.methods import archard, bem, demelio, hybrid, layer, patches, planned, westergaard
 from weier.methods.method import Method
+from weier.theory.arguments import checked_word
 from weier.theory.profile import Profile
 
 METHODS: tuple[Method, ...] = (
@@ -50,7 +51,5 @@ def returned_by(methods: Iterable[str]) -> set[str]:
 
 def find_method(name: str) -> Method:
     """The method of this name; ValueError is raised if there is none."""
-    for method in METHODS:
-        if method.name == name:
-            return method
-    raise ValueError(f"method must be one of {', '.join(names())}, got {name!r}")
+    by_name = {method.name: method for method in METHODS}
+    return by_name[checked_word("method", name, by_name)]

@@ -4,30 +4,39 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from numbers import Integral, Real
-from types import NoneType
-from typing import Any, NamedTuple
+from typing import Any
 
-from weier.data.yaml import number
 from weier.methods.method import Method
-from weier.theory.limits import MAX_POINTS
+from weier.theory.arguments import checked_count, checked_flag, checked_number, shown
+from weier.theory.profile import MAX_POINTS
 
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
 
 
-class SettingKind(NamedTuple):
-    """What values a setting takes, and that in words."""
-
-    types: tuple[Any, ...]
-    words: str
+Check = Callable[[str, Any], Any]
 
 
-KINDS = {  # by the annotation of a solver's keyword
-    "int": SettingKind((Integral,), "a whole number such as 512"),
-    "int | None": SettingKind((Integral, NoneType), "a whole number such as 512, or null"),
-    "float": SettingKind((Real,), "a number"),
-    "bool": SettingKind((bool,), "true or false"),
-    "str": SettingKind((str,), "a word"),
+def _count(name: str, value: Any) -> int:
+    return checked_count(name, value, 1, MAX_POINTS)
+
+
+def _fraction(name: str, value: Any) -> float:
+    """Every setting that is no count is a tolerance or a share."""
+    return checked_number(name, value, f"lie in [{MIN_FRACTION:g}, 1)", lambda number: MIN_FRACTION <= number < 1)
+
+
+def _word(name: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{name} must be a word, got {shown(value)}")
+    return str(value)
+
+
+KINDS: dict[str, Check] = {  # by the annotation of a solver's keyword
+    "int": _count,
+    "int | None": lambda name, value: None if value is None else _count(name, value),
+    "float": _fraction,
+    "bool": checked_flag,
+    "str": _word,
 }
 
 
@@ -41,11 +50,11 @@ def check_names(method: Method, settings: Iterable[str]) -> None:
 
 
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings, if the method takes them: of the right kind and within range. Numbers may be written as text."""
+    """The settings, if the method takes them: of the right kind and within range."""
     check_names(method, settings)
     keywords = _keywords(method.solve)
     return {
-        name: _checked_setting(f"{name} of {method.name}", str(keywords[name].annotation), value)
+        name: KINDS[str(keywords[name].annotation)](f"{name} of {method.name}", value)
         for name, value in settings.items()
     }
 
@@ -63,17 +72,3 @@ def defaults(method: Method) -> dict[str, Any]:
 def _keywords(solve: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     parameters = inspect.signature(solve).parameters.values()
     return {parameter.name: parameter for parameter in parameters if parameter.default is not parameter.empty}
-
-
-def _checked_setting(name: str, kind: str, value: Any) -> Any:
-    shown = f"{value!r:.40}"
-    if kind == "float" and isinstance(value, str):
-        value = number(name, value)
-    types, words = KINDS[kind]
-    if not isinstance(value, types) or (isinstance(value, bool) and kind != "bool"):
-        raise ValueError(f"{name} must be {words}, got {shown}")
-    if kind == "float" and not MIN_FRACTION <= value < 1:
-        raise ValueError(f"{name} must lie in [{MIN_FRACTION:g}, 1), got {shown}")
-    if kind.startswith("int") and value is not None and not 1 <= value <= MAX_POINTS:
-        raise ValueError(f"{name} must lie in [1, {MAX_POINTS}], got {shown}")
-    return value

@@ -14,9 +14,9 @@ from weier.kernels.arrays import Array
 from weier.kernels.jit import compiling_seconds
 from weier.methods.method import Method
 from weier.methods.registry import DEFAULT, METHODS, find_method
-from weier.methods.settings import check_names
+from weier.methods.settings import checked_settings
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, checked_profile
 
 
 def solve(profile: Profile, mean_pressure: ArrayLike, method: str = DEFAULT, **settings: Any) -> xr.Dataset:
@@ -57,7 +57,8 @@ def solve(profile: Profile, mean_pressure: ArrayLike, method: str = DEFAULT, **s
 
     """
     loads, solver = checked_loads(mean_pressure), find_method(method)
-    check_names(solver, settings)
+    settings = checked_settings(solver, settings)
+    checked_profile(profile)
     solution, seconds = solve_checked(profile, loads, solver, settings)
     return dataset.curve(loads, solution._asdict(), {"method": method, **settings, "seconds": seconds})
 

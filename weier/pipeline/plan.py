@@ -14,6 +14,7 @@ from weier.methods.planned.plan import Plan
 from weier.methods.planned.plan import plan as plan_profile
 from weier.methods.registry import PLANNED
 from weier.scene import Case, Scene
+from weier.theory.arguments import shown
 from weier.theory.profile import Profile
 
 
@@ -102,6 +103,8 @@ def plan(
     wanted: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
     if isinstance(subject, Scene):
         return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
+    if not isinstance(subject, Profile):
+        raise ValueError(f"subject must be a weier.Profile or a scene, got {shown(subject)}")
     if mean_pressure is None:
         raise ValueError("mean_pressure must be given with a profile: only a scene has loads of its own")
     return plan_profile(subject, mean_pressure, registry.METHODS, **wanted)

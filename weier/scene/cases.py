@@ -7,7 +7,6 @@ import json
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
@@ -61,7 +60,7 @@ class Case:
         """Refuse a series that no computer holds."""
         profile = self.profile
         if profile.gamma > MAX_GAMMA:
-            raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {_short(profile.gamma)}")
+            raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {float(profile.gamma):.15g}")
         if math.isinf(profile.m):
             return
         if profile.m > MAX_TERMS:
@@ -189,9 +188,3 @@ class Scene:
 
 def _digest(values: Any) -> str:
     return hashlib.sha256(json.dumps(values).encode()).hexdigest()
-
-
-def _short(ratio: Fraction) -> str:
-    """A ratio in a few characters, be it too large for a float."""
-    digits = math.log10(ratio.numerator) - math.log10(ratio.denominator)
-    return f"{float(ratio):.15g}" if digits < 300 else f"about 1e{digits:.0f}"

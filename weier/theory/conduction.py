@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.theory.arguments import checked_number, checked_numbers, shown
 
 
 def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:
     """Composite modulus M of two bodies of shear modulus mu and Poisson's ratio nu, in the unit of mu (3)."""
-    mu_1, nu_1, mu_2, nu_2 = (np.asarray(value, float) for value in (mu_1, nu_1, mu_2, nu_2))
-    return np.asarray(1 / ((1 - nu_1) / mu_1 + (1 - nu_2) / mu_2))
+    moduli = (_checked(name, value) for name, value in (("mu_1", mu_1), ("mu_2", mu_2)))
+    ratios = (_checked(name, value) for name, value in (("nu_1", nu_1), ("nu_2", nu_2)))
+    softness = sum((1 - nu) / mu for mu, nu in zip(moduli, ratios, strict=True))
+    if np.any(softness == 0):
+        raise ValueError("mu_1 and mu_2 are both inf: two rigid bodies have no elastic contact, give one a modulus")
+    return np.asarray(1 / softness)
 
 
 def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
@@ -22,7 +29,9 @@ def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: 
 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """
-    return np.asarray(np.asarray(modulus, float) * _sum(rho_1, rho_2) * np.asarray(compliance_slope, float))
+    slope = checked_numbers("compliance_slope", compliance_slope)
+    with np.errstate(over="ignore"):  # beyond the largest float is inf
+        return np.asarray(_checked("modulus", modulus) * _sum(rho_1, rho_2) * slope)
 
 
 def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
@@ -40,7 +49,10 @@ def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     (4) prints (rho_1 + rho_2)/(2 sum a_i). A circular contact has the stiffness dF/dh = 4 M a and so, by (2),
     the resistance (rho_1 + rho_2)/(4 a), which is Holm's rho/(2 a) for two bodies of one metal.
     """
-    return np.asarray(_sum(rho_1, rho_2) / (4 * np.sum(np.asarray(radii, float), axis=-1)))
+    radii = _checked("radii", radii)
+    if radii.ndim == 0 or radii.shape[-1] == 0:
+        raise ValueError(f"radii must be those of at least one contact, as a list, got {shown(radii)}")
+    return np.asarray(_sum(rho_1, rho_2) / (4 * np.sum(radii, axis=-1)))
 
 
 def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
@@ -49,11 +61,35 @@ def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho
     `radii` has shape (..., contacts) and is in m; the other arguments have shape (...). As for `holm`, half of
     what (5) prints.
     """
-    return np.asarray(holm(radii, rho_1, rho_2) + _sum(rho_1, rho_2) / (4 * np.asarray(contour_radius, float)))
+    contour = _sum(rho_1, rho_2) / (4 * _checked("contour_radius", contour_radius))
+    return np.asarray(holm(radii, rho_1, rho_2) + contour)
 
 
 def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    return np.asarray(np.asarray(rho_1, float) + np.asarray(rho_2, float))
+    return np.asarray(_checked("rho_1", rho_1) + _checked("rho_2", rho_2))
+
+
+class _Range(NamedTuple):
+    """What the values of a quantity must do, and whether they do."""
+
+    condition: str
+    holds: Callable[[Any], Any]
+
+
+_MODULUS = _Range("be positive (inf for a rigid body)", lambda mu: mu > 0)
+_POISSON = _Range("lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5))
+_RESISTIVITY = _Range("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf))
+_LENGTH = _Range("be positive and finite", lambda length: (length > 0) & (length < math.inf))
+_RADIUS = _Range("be positive", lambda radius: radius > 0)
+RANGES = {
+    "mu_1": _MODULUS, "mu_2": _MODULUS, "modulus": _MODULUS, "nu_1": _POISSON, "nu_2": _POISSON,
+    "rho_1": _RESISTIVITY, "rho_2": _RESISTIVITY, "lambda_0": _LENGTH, "g_0": _LENGTH,
+    "radii": _RADIUS, "contour_radius": _RADIUS,
+}  # fmt: skip
+
+
+def _checked(name: str, values: ArrayLike) -> Array:
+    return checked_numbers(name, values, *RANGES[name])
 
 
 @dataclass(frozen=True)
@@ -98,18 +134,11 @@ class Interface:
     def __post_init__(self) -> None:
         # NumPy's own scalars would overflow, or keep all that is made of them to the digits of their type.
         for name, value in vars(self).copy().items():
-            object.__setattr__(self, name, float(value))
-        for name in ("mu_1", "mu_2"):
-            self._require(name, getattr(self, name) > 0, "be positive (inf for a rigid body)")
-        for name in ("nu_1", "nu_2"):
-            self._require(name, -1 < getattr(self, name) <= 0.5, "lie in (-1, 0.5]")
-        for name in ("rho_1", "rho_2"):
-            self._require(name, 0 <= getattr(self, name) < math.inf, "be finite and not negative")
-        for name in ("lambda_0", "g_0"):
-            self._require(name, 0 < getattr(self, name) < math.inf, "be positive and finite")
-        if math.isinf(self.mu_1) and math.isinf(self.mu_2):
+            object.__setattr__(self, name, checked_number(name, value, *RANGES[name]))
+        if not 0 < self.full_contact_pressure < math.inf:  # which refuses two rigid bodies
             raise ValueError(
-                "mu_1 and mu_2 are both inf: two rigid bodies have no elastic contact, give one a modulus"
+                "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
+                f"floats, got {self.full_contact_pressure}"
             )
 
     @property
@@ -124,17 +153,19 @@ class Interface:
 
     def pressure(self, normalised: ArrayLike) -> Array:
         """Pressures in Pa, from pressures in p_0*."""
-        return np.asarray(np.multiply(normalised, self.full_contact_pressure))
+        return _scaled(normalised, self.full_contact_pressure)
 
     def compliance(self, normalised: ArrayLike) -> Array:
         """Compliances, heights and gaps in m, from those in g_0."""
-        return np.asarray(np.multiply(normalised, self.g_0))
+        return _scaled(normalised, self.g_0)
 
     def resistance(self, normalised: ArrayLike) -> Array:
         """Specific contact resistances in ohm m^2, from those in g_0/p_0* (2)."""
-        slope = np.multiply(normalised, self.g_0 / self.full_contact_pressure)
+        slope = _scaled(normalised, self.g_0 / self.full_contact_pressure)
         return specific_resistance(slope, self.composite_modulus, self.rho_1, self.rho_2)
 
-    def _require(self, name: str, held: bool, condition: str) -> None:
-        if not held:
-            raise ValueError(f"{name} must {condition}, got {getattr(self, name)}")
+
+def _scaled(normalised: ArrayLike, unit: float) -> Array:
+    """Values in a unit; NaN, where a value is missing, stays NaN."""
+    with np.errstate(over="ignore"):  # beyond the largest float is inf
+        return np.asarray(checked_numbers("normalised", normalised) * unit)

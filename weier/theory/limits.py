@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
-from weier.theory.profile import Profile
+from weier.theory.arguments import shown
+from weier.theory.profile import MAX_POINTS, Profile
 
 MAX_WAVES = 100_000  # of the finest term in one period: 6.4 million nodes, a gigabyte
-MAX_POINTS = 10**7
+NEARBY = 0.01  # relative: a ratio that stands in for one that has no period, or too long a one
+NEARBY_DENOMINATOR = 99
 MAX_DENSE_POINTS = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
 
 
@@ -21,12 +23,24 @@ def check_resolvable(profile: Profile) -> None:
     if not resolvable(profile):
         raise ValueError(
             f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
-            "exceeds: take fewer terms, or a method that does not resolve every wave"
+            f"exceeds: take {_nearby_ratio(profile)}fewer terms, or a method that does not resolve every wave"
         )
 
 
-def check_points(points: int, dense: bool = False) -> None:
+def check_points(points: float, dense: bool = False) -> None:
     """Refuse a grid whose nodes, or whose dense matrix, no computer can hold."""
     most, instead = (MAX_DENSE_POINTS, 'take solver "fft", or fewer') if dense else (MAX_POINTS, "take fewer")
     if points > most:
-        raise ValueError(f"points must be at most {most}, got {points}: {instead}")
+        raise ValueError(f"points must be at most {most}, got {shown(points)}: {instead}")
+
+
+def _nearby_ratio(profile: Profile) -> str:
+    """Advice where a gamma near to the one asked for has a period that can be held: its first few digits do."""
+    most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # numerator, whose power is a whole number
+    denominator = int(most / float(profile.gamma))
+    if denominator < 1:
+        return ""
+    near = profile.gamma.limit_denominator(min(denominator, NEARBY_DENOMINATOR))
+    if near <= 1 or near.numerator > most or abs(near / profile.gamma - 1) > NEARBY:
+        return ""
+    return f'gamma = "{near}", which is {float(near):.6g}, or '

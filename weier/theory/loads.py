@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags
+from weier.theory.arguments import checked_number, checked_numbers
 
 MAX_LOADS = 10_000  # of a scene or a command
 LOAD_RANGE = 1e-12, 1e12  # p_0*
@@ -13,25 +14,28 @@ LOAD_RANGE = 1e-12, 1e12  # p_0*
 
 def checked_loads(mean_pressure: ArrayLike) -> Array:
     """The loads as an array, if they are positive, finite and increasing."""
-    loads = np.atleast_1d(np.asarray(mean_pressure, float))
+    loads = np.atleast_1d(checked_numbers("mean_pressure", mean_pressure))
     if loads.ndim != 1 or loads.size == 0:
         raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
-    for wrong, what in ((~np.isfinite(loads), "finite"), (loads <= 0, "positive")):
-        if wrong.any():
-            raise ValueError(f"mean_pressure must be {what}, got {loads[wrong][0]} at position {wrong.argmax()}")
-    falls = np.diff(loads) <= 0
-    if falls.any():
-        at = int(falls.argmax())
-        raise ValueError(f"mean_pressure must increase, got {loads[at]} before {loads[at + 1]}: sort the loads")
+    checked_numbers("mean_pressure", loads, "be finite", np.isfinite)
+    checked_numbers("mean_pressure", loads, "be positive", _positive)
+    step = np.diff(loads)
+    if (step <= 0).any():
+        at = int((step <= 0).argmax())
+        wrong = f"{loads[at]} before {loads[at + 1]}: sort the loads"
+        if step[at] == 0:
+            wrong = f"{loads[at]} at positions {at} and {at + 1}: give each load once"
+        raise ValueError(f"mean_pressure must increase, got {wrong}")
     return loads
 
 
-def checked_load(mean_pressure: float) -> float:
+def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
     """The load, if there is only one and it is positive and finite."""
-    loads = checked_loads(mean_pressure)
-    if loads.size != 1:
-        raise ValueError(f"mean_pressure must be one load, got {loads.size}: ask for the fields of each by itself")
-    return float(loads[0])
+    return checked_number(name, mean_pressure, "be one load, positive and finite", lambda load: 0 < load < np.inf)
+
+
+def _positive(loads: Array) -> Flags:
+    return loads > 0
 
 
 def check_range(loads: Array) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from weier.kernels.arrays import Array
+from weier.theory.arguments import checked_numbers, shown
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ def random_phases(seed: int) -> RandomPhases:
     array([3.928, 5.637])
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise ValueError(f"seed must be a non-negative integer, got {seed!r}")
+        raise ValueError(f"seed must be a non-negative integer, got {shown(seed)}")
     return RandomPhases(int(seed))
 
 
@@ -47,9 +48,9 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     """The phases, if they are finite, and one for all terms or one for each of m."""
     if isinstance(phases, RandomPhases):
         return phases
-    values = np.asarray(phases, float)
-    if values.ndim > 1 or not np.all(np.isfinite(values)):
-        raise ValueError(f"phases must be finite numbers in radians, got {phases!r}")
+    values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite)
+    if values.ndim > 1:
+        raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
     if values.ndim == 0:
         return float(values)
     if values.size != m:

@@ -8,19 +8,25 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
+from numbers import Rational
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory import series
+from weier.theory.arguments import checked_count, checked_number, checked_numbers, shown
 from weier.theory.crests import find_crests, sample
 from weier.theory.phases import Phases, RandomPhases, checked_phases
 
+MAX_POINTS = 10**7  # of a sampled period, and so of a grid
 MAX_PHASES_DESCRIBED = 8  # phases in a line
-MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, pi is refused
+MAX_X = 1e15  # lambda_0: from here on a float does not tell the crest of a wave from its trough
+MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, and pi is no ratio
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,8 @@ class Profile:
     D : float
         Fractal dimension, 1 < D < 2.
     gamma : int, Fraction, str or float
-        Ratio of successive wavelengths, > 1 and rational: 5, Fraction(5, 2), "5/2", 2.5.
+        Ratio of successive wavelengths, > 1: 5, Fraction(5, 2), "5/2", 2.5. With a float that is no ratio of whole
+        numbers up to 10^6 the profile never repeats: it is for methods that need no period.
     m : int or inf
         Number of terms. An infinite series has no heights: it is for methods that resolve no finest wave.
     phases : float, sequence of m floats, or RandomPhases
@@ -66,7 +73,7 @@ class Profile:
     ) -> None:
         for name, value in (
             ("D", series.checked_dimension(D)),
-            ("gamma", _checked_ratio(gamma)),
+            ("gamma", checked_ratio(gamma)),
             ("m", series.checked_terms(m)),
             ("phases", checked_phases(phases, m)),
         ):
@@ -118,11 +125,13 @@ class Profile:
 
     def truncated(self, terms: int) -> Profile:
         """The first `terms` of the series, as a profile."""
+        terms = checked_count("terms", terms, 1, self.m)
         phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
         return Profile(self.D, self.gamma, terms, phases)
 
     def amplitude_beyond(self, terms: float) -> float:
         """Sum of the amplitudes of this series after the first `terms`, in g_0."""
+        terms = checked_number("terms", terms, f"lie in [1, m = {self.m}]", lambda terms: 1 <= terms <= self.m)
         return 0.0 if terms == self.m else self.total_amplitude - self.truncated(int(terms)).total_amplitude
 
     @property
@@ -138,7 +147,8 @@ class Profile:
 
     def describe(self) -> str:
         """The parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
-        return f"D = {self.D:g}, gamma = {self.gamma}, m = {self.m}"
+        gamma = self.gamma if self.gamma.denominator <= MAX_DENOMINATOR else float(self.gamma)
+        return f"D = {self.D:g}, gamma = {gamma}, m = {self.m}"
 
     def describe_with_phases(self) -> str:
         """The same and the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
@@ -163,6 +173,8 @@ class Profile:
 
     def sampled_height(self, points: int, terms: int | None = None) -> Array:
         """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
+        terms = self.terms if terms is None else checked_count("terms", terms, 1, self.terms)
+        points = checked_count("points", points, 1, MAX_POINTS)
         return sample(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
 
     @cached_property
@@ -182,34 +194,58 @@ class Profile:
 
     @cached_property
     def _wavenumber(self) -> Array:
-        return 2 * np.pi * np.array(self.waves_per_period) / self.period
+        return 2 * np.pi * self._waves_per_length
+
+    @cached_property
+    def _waves_per_length(self) -> Array:
+        """Waves of each term in lambda_0, shape (m,)."""
+        try:
+            return np.array([k / self.period for k in self.waves_per_period])
+        except OverflowError:
+            raise ValueError(
+                f"the finest wave of {self.describe()} is too short for a float: take fewer terms"
+            ) from None
 
     def _series(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
-        x = np.asarray(x, float)
+        x = checked_numbers("x", x, f"lie in [-{MAX_X:g}, {MAX_X:g}]", lambda x: np.abs(x) <= MAX_X)
         total = np.zeros_like(x)
-        for c, k, phi in zip(coefficient, self.waves_per_period, self.phase, strict=True):
-            cycles = x * (k / self.period)
+        for c, k, phi in zip(coefficient, self._waves_per_length, self.phase, strict=True):
+            cycles = x * k
             total += c * wave(2 * np.pi * (cycles - np.rint(cycles)) + phi)
         return total
 
 
-def _checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+def checked_profile(profile: Profile) -> Profile:
+    """The profile, if it is one."""
+    if not isinstance(profile, Profile):
+        raise ValueError(f"profile must be a weier.Profile, got {shown(profile)}")
+    return profile
+
+
+def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
+    """The ratio of successive wavelengths, if it is one: see `Profile`."""
+    ratio = _ratio(gamma)
+    if ratio is None:
+        raise ValueError(f'gamma must be a finite number or a fraction such as "5/2", got {shown(gamma)}')
+    if ratio <= 1:
+        raise ValueError(f"gamma must exceed 1, so that each term is finer than the one before, got {shown(gamma)}")
+    return ratio
+
+
+def _ratio(gamma: Any) -> Fraction | None:
+    """The ratio that is meant, exactly; for a float, the one of small numbers that is the same float, if any is."""
     if isinstance(gamma, np.floating):
         gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
+    if isinstance(gamma, bool | np.bool_) or not isinstance(gamma, str | Rational | float | Decimal):
+        return None
     try:
+        if isinstance(gamma, str) and "/" not in gamma and not math.isfinite(float(gamma)):
+            return None  # before a Fraction writes out all the digits of 1e999999999
         given = Fraction(gamma)
-    except (ValueError, OverflowError, TypeError, ZeroDivisionError):
-        raise ValueError(f'gamma must be an integer or a fraction such as "5/2", got {gamma!r}') from None
+        float(given)
+    except (ValueError, OverflowError, ZeroDivisionError):
+        return None
     # A Fraction keeps the integers that it is made of, and NumPy's overflow in its powers without a word.
     ratio = Fraction(int(given.numerator), int(given.denominator))
-    if isinstance(gamma, float):
-        ratio = ratio.limit_denominator(MAX_DENOMINATOR)
-        if float(ratio) != gamma:
-            near = ratio.limit_denominator(100)
-            raise ValueError(
-                f"gamma must be a ratio of whole numbers, or the profile never repeats: "
-                f'instead of {gamma} take "{near}" = {float(near):.6g}'
-            )
-    if ratio <= 1:
-        raise ValueError(f"gamma must exceed 1, so that each term is finer than the one before, got {gamma}")
-    return ratio
+    near = ratio.limit_denominator(MAX_DENOMINATOR)
+    return near if isinstance(gamma, float) and float(near) == gamma else ratio

@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.theory.arguments import checked_number
+
+MAX_TERMS = 10**6  # of a finite series, whose amplitudes are an array
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
@@ -37,16 +40,14 @@ def tail_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
 
 def checked_dimension(D: float) -> float:
     """D, if it is a fractal dimension of a profile."""
-    if not 1 < D < 2:
-        raise ValueError(f"D must lie in (1, 2), got {D}")
-    return float(D)
+    return checked_number("D", D, "lie in (1, 2)", lambda D: 1 < D < 2)
 
 
 def checked_terms(m: float) -> float:
     """m, if it is a number of terms: an integer, or inf."""
-    if isinstance(m, bool | np.bool_) or not m >= 1 or (math.isfinite(m) and m != int(m)):
-        raise ValueError(f"m must be a whole number of terms, at least 1, or inf, got {m}")
-    return math.inf if math.isinf(m) else int(m)
+    condition = f"be a whole number of terms, from 1 to {MAX_TERMS}, or inf"
+    terms = checked_number("m", m, condition, lambda m: m == math.inf or (1 <= m <= MAX_TERMS and m == m // 1))
+    return terms if math.isinf(terms) else int(terms)
 
 
 def _power(gamma: ArrayLike, exponent: Array, n: ArrayLike) -> Array:

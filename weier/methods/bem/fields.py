@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from weier.methods.bem import fft
 from weier.methods.bem.grids import full_contact, nested_grids
-from weier.methods.bem.solver import check_residual, check_tolerance, checked_points
+from weier.methods.bem.solver import (
+    check_residual,
+    check_tolerance,
+    checked_points,
+    full_contact_load,
+    full_contact_pressure,
+)
 from weier.theory.loads import checked_load
 from weier.theory.profile import Profile
 
@@ -44,10 +50,18 @@ def field(profile: Profile, mean_pressure: float, points: int | None = None, tol
     load = checked_load(mean_pressure)
     points = checked_points(profile, points)
     check_tolerance(tolerance)
+    x = np.linspace(0.0, profile.period, points, endpoint=False)
+    if load >= full_contact_load(profile, points):
+        return _full_contact(profile, load, x)
     hierarchy = nested_grids(profile, points, tolerance)
     state = fft.make_grid_state(points)
     start = full_contact(hierarchy, load)
     plane, residual, _ = fft.cascade(load, hierarchy, start, state)
     check_residual(np.array([residual]), np.array([load]), points, tolerance)
-    x = np.linspace(0.0, profile.period, points, endpoint=False)
     return Field(x, state.pressure, plane - state.deformed, profile.sampled_height(points) - state.deformed)
+
+
+def _full_contact(profile: Profile, load: float, x: Array) -> Field:
+    """The surface pressed flat, however heavy the load: a solver would lose the waves beside it."""
+    height = profile.sampled_height(x.size)
+    return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(x.size), height)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +14,7 @@ from weier.methods.bem.contact_list import ContactTable
 from weier.methods.bem.continuum import make_continuum
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
 from weier.methods.errors import ConvergenceError
+from weier.theory.arguments import checked_number
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.limits import check_points, check_resolvable
 from weier.theory.loads import checked_loads
@@ -254,13 +254,13 @@ def checked_points(profile: Profile, points: int | None = None) -> int:
     finest = profile.waves_per_period[-1]
     if points is None:
         return POINTS_PER_WAVE * finest
-    if not isinstance(points, Real) or not points > 2 * finest or points != points // 1:
-        raise ValueError(
-            f"points must be a whole number above {2 * finest}, two for each of the {finest} finest waves in a "
-            f"period, got {points}; {POINTS_PER_WAVE * finest} is the default"
-        )
-    check_points(points)
-    return int(points)
+    condition = (
+        f"be a whole number above {2 * finest}, two for each of the {finest} finest waves in a period "
+        f"({POINTS_PER_WAVE * finest} is the default)"
+    )
+    count = checked_number("points", points, condition, lambda count: count > 2 * finest and count == count // 1)
+    check_points(count)
+    return int(count)
 
 
 def check_edges(edges: str, solver: str, points: int, finest: int) -> None:
@@ -293,15 +293,17 @@ def check_tolerance(tolerance: float) -> None:
         If it is not.
 
     """
-    if not 0 < tolerance < math.inf:
-        raise ValueError(f"tolerance must be a positive length in g_0, such as 1e-10, got {tolerance}")
+    checked_number("tolerance", tolerance, "be a positive length in g_0, such as 1e-10", lambda t: 0 < t < math.inf)
 
 
 def full_contact_load(profile: Profile, points: int) -> float:
     """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
-    height = profile.sampled_height(points)
-    pressure = np.fft.irfft(inverse(eigenvalues(points, profile.period)) * np.fft.rfft(height), points)
-    return float(-pressure.min())
+    return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
+
+
+def full_contact_pressure(height: Array, period: float) -> Array:
+    """The pressures, of mean 0, that press these heights at the nodes of a period flat."""
+    return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
 
 
 def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:

@@ -19,6 +19,7 @@ from weier.methods.method import Method
 from weier.methods.planned.candidates import candidates
 from weier.methods.planned.truncations import resolvable_lengths, truncation_error
 from weier.methods.segment import COMPLIANCE, QUANTITIES, Segment
+from weier.theory.arguments import checked_number, checked_word
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
@@ -167,7 +168,5 @@ def _reached(profile: Profile, loads: Array, tolerance: float, quantity: str, me
 def _check(loads: Array, tolerance: float, quantity: str) -> None:
     if loads[0] < MIN_LOAD:
         raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for a plan, got {loads[0]:g}")
-    if quantity not in QUANTITIES:
-        raise ValueError(f"quantity must be one of {', '.join(QUANTITIES)}, got {quantity!r}")
-    if not 0 < tolerance < math.inf:
-        raise ValueError(f"tolerance must be positive and finite, got {tolerance}")
+    checked_word("quantity", quantity, QUANTITIES)
+    checked_number("tolerance", tolerance, "be positive and finite", lambda tolerance: 0 < tolerance < math.inf)

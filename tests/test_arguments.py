@@ -1,0 +1,243 @@
+"""Every public function, given values of every type: a sound result, or one sentence that names the argument.
+
+Texts, booleans, bytes, complex numbers and the like are never taken for numbers.
+"""
+
+import inspect
+import math
+import warnings
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import weier
+from weier.data import dataset
+from weier.methods.errors import ConvergenceError
+from weier.methods.registry import find_method, names
+from weier.methods.settings import defaults
+from weier.theory import conduction
+
+FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+MANY = settings(FEW, max_examples=500, derandomize=False, database=None)
+MAX_MESSAGE = 400
+
+PROFILE = weier.Profile(1.25, 5, 2, 1.0)
+INTERFACE = weier.Interface(
+    mu_1=45e9, mu_2=45e9, nu_1=0.34, nu_2=0.34, rho_1=1.7e-8, rho_2=1.7e-8, lambda_0=1e-3, g_0=1e-6
+)
+
+
+def contact():
+    """A file's worth of curves: one case, two methods."""
+    data = dataset.blank(1, ["demelio", "bem"], np.array([0.1, 1.0]), 2)
+    for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("phase", [0, 1.0])):
+        data[name].values[0] = value
+    return weier.Contact(data)
+
+
+# Sound values of the arguments, by their names; a function may have others.
+SOUND = {
+    "profile": PROFILE, "subject": PROFILE, "mean_pressure": [0.1, 1.0], "D": 1.25, "gamma": 5, "m": 2,
+    "phases": 0.5, "seed": 7, "low": 0.05, "high": 0.3, "tolerance": 1e-3, "quantity": "compliance", "points": 64,
+    "path": "there/is/none.nc", "x": [0.1, 0.2], "terms": 1, "normalised": [0.1, 0.2],
+    "radii": [1e-6], "contour_radius": 1e-5, "modulus": 1e9, "compliance_slope": 1e-9,
+    "data": contact().data, "phase": 1.0, "solution_method": "bem", **vars(INTERFACE),
+}  # fmt: skip
+OWN = {
+    "solve": {"method": "demelio"},
+    "fields": {"mean_pressure": 0.1, "method": "patches"},
+    "Profile.sampled_height": {"terms": 2},
+    "Contact.sel": {"mean_pressure": 0.1},
+}
+
+
+def functions():
+    """Every public function and method: those of `weier.__all__`, and what the theory of conduction has beside."""
+    found = {name: getattr(weier, name) for name in weier.__all__ if callable(getattr(weier, name))}
+    classes = {name: value for name, value in found.items() if inspect.isclass(value)}
+    for name, value in classes.items():
+        if issubclass(value, Exception):
+            del found[name]  # raised, not called
+            continue
+        instance = {"Profile": PROFILE, "Interface": INTERFACE, "Contact": contact()}[name]
+        for method, function in inspect.getmembers(value, inspect.isfunction):
+            if not method.startswith("_") and set(inspect.signature(function).parameters) - {"self"}:
+                found[f"{name}.{method}"] = getattr(instance, method)
+    extra = (conduction.holm, conduction.greenwood, conduction.composite_modulus, conduction.specific_resistance)
+    return found | {function.__name__: function for function in extra}
+
+
+FUNCTIONS = functions()
+
+
+def arguments(name):
+    """The sound arguments of a function."""
+    parameters = inspect.signature(FUNCTIONS[name]).parameters.values()
+    known = SOUND | OWN.get(name, {})
+    return {each.name: known[each.name] for each in parameters if each.kind is not each.VAR_KEYWORD}
+
+
+ARGUMENTS = [(name, argument) for name in FUNCTIONS for argument in arguments(name)]
+SETTINGS = [(method, setting) for method in names() for setting in defaults(find_method(method))]
+
+# What no number is made of.
+never = (
+    st.text(max_size=5) | st.sampled_from(["0.5", "nan", "1e-3", "5"]) | st.booleans() | st.binary(max_size=4)
+    | st.binary(min_size=1, max_size=2).map(bytearray) | st.complex_numbers() | st.sampled_from([
+        {}, {"D": 1}, {1.5}, object(), slice(1, 2), np.bool_(True), np.complex128(1), np.str_("5"), np.array("5"),
+        np.datetime64("2001-01-01"), np.timedelta64(5, "s"), np.ma.masked, np.array(True), Ellipsis, int, 10**400,
+        -10**5000, Fraction(10**400, 3), xr.Dataset(), math.sqrt, iter([0.5]),
+    ])
+)  # fmt: skip
+arrays_of_none = never.map(lambda value: [value]) | never.map(lambda value: [0.1, value]) | st.sampled_from([
+    np.array([True, False]), np.array(["0.1", "0.2"]), np.array([0.1, 1j]), np.ma.array([0.1, 0.2], mask=[0, 1]),
+    np.array([0.1, None], object), [[0.1], [0.2, 0.3]], [np.ones(2), np.ones(3)], "0.1,0.2", [None],
+    np.array(["2001"], "datetime64[s]"), xr.DataArray([True]),
+])  # fmt: skip
+numbers = (
+    st.floats() | st.integers() | st.decimals() | st.fractions()
+    | st.sampled_from([np.uint8, np.int8, np.int64, np.float16, np.float32, np.longdouble]).map(lambda of: of(2))
+    | st.sampled_from([np.array(1.5), xr.DataArray(1.5), np.array([0.1, 0.2]), xr.DataArray([0.1, 0.2]), [], [[]],
+                       np.ones((2, 2)), Decimal("NaN"), Decimal("sNaN"), range(1, 3), [0.1, 0.1], (0.2, 0.1)])
+    | st.lists(st.floats(), max_size=3)
+)  # fmt: skip
+anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
+
+NOT_NUMBERS = {"profile", "subject", "method", "quantity", "solution_method", "path", "data"}
+TEXT_TOO = {"gamma"}
+NONE_TOO = {
+    "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
+    "Contact.sel": {"D", "gamma", "m", "phase", "mean_pressure", "solution_method"},
+}  # fmt: skip
+
+
+def clear(message, argument):
+    """One sentence that names the argument, or the rule that its value breaks."""
+    assert "\n" not in message, message
+    assert len(message) < MAX_MESSAGE, message
+    assert argument in message or "mu_1" in message, (argument, message)
+
+
+def attempt(call, argument):
+    """What a call gives, or None where it refuses in a clear sentence."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return (call(),)
+        except (ValueError, ConvergenceError) as refusal:
+            clear(str(refusal), argument)
+    return None
+
+
+def holds_a_number(value):
+    """Whether the value may be taken for a number or an array of numbers."""
+    if isinstance(value, bool | np.bool_) or np.ma.is_masked(value):
+        return False
+    if isinstance(value, list | tuple | range):
+        return all(holds_a_number(each) for each in value)
+    if isinstance(value, np.ndarray | xr.DataArray):
+        return value.dtype.kind in "iuf"
+    return isinstance(value, int | float | Fraction | Decimal | np.integer | np.floating)
+
+
+def check(name, argument, value):
+    given_arguments = arguments(name) | {argument: value}
+    result = attempt(lambda: FUNCTIONS[name](**given_arguments), argument)
+    if result is None or argument in NOT_NUMBERS or (value is None and argument in NONE_TOO.get(name, ())):
+        return
+    if isinstance(value, str) and argument in TEXT_TOO:
+        return
+    assert holds_a_number(value), (name, argument, value, result)
+
+
+@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
+def test_every_argument_of_every_public_function(name, argument):
+    @FEW
+    @given(anything)
+    def run(value):
+        check(name, argument, value)
+
+    run()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
+def test_hundreds_of_each(name, argument):
+    @MANY
+    @given(anything)
+    def run(value):
+        check(name, argument, value)
+
+    run()
+
+
+@pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda each: each)
+def test_every_setting_of_every_method(method, setting):
+    profile = weier.Profile(1.25, 5, math.inf) if method == "hybrid" else PROFILE
+    default = defaults(find_method(method))[setting]
+
+    @FEW
+    @given(never | arrays_of_none)
+    def run(value):
+        taken = attempt(lambda: weier.solve(profile, [0.1], method, **{setting: value}), setting)
+        assert taken is None or isinstance(default, bool | str), (value, taken)
+
+    run()
+
+
+def test_the_arguments_are_sound():
+    """Else nothing but refusals would be tested."""
+    for name in FUNCTIONS:
+        if name != "open":
+            FUNCTIONS[name](**arguments(name))
+
+
+LIST = np.array([1.2, 1.3])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: weier.Profile("1.25", 5, 3), r"D must lie in \(1, 2\), got the text '1.25'"),
+        (lambda: weier.Profile(LIST, 5, 3), r"D must lie in \(1, 2\), got an array of shape \(2,\)"),
+        (lambda: weier.Profile(1.25, 5, None), "m must be a whole number of terms, .*, got None"),
+        (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
+        (lambda: weier.solve([0.1], [0.1]), r"profile must be a weier.Profile, got \[0.1\]"),
+        (
+            lambda: weier.solve(PROFILE, [0.1, 0.1]),
+            "got 0.1 at positions 0 and 1: give each load once",
+        ),
+        (lambda: weier.solve(PROFILE, [0.2, 0.1]), "must increase, got 0.2 before 0.1: sort the loads"),
+        (lambda: weier.solve(PROFILE, [0.1], "bem", tolerance=None), "tolerance of bem must lie in .*, got None"),
+        (lambda: weier.solve(PROFILE, [0.1], "bem", resistance="no"), "resistance of bem must be true or false"),
+        (lambda: weier.solve(PROFILE, [0.1], "bem", resistance=None), "resistance of bem must be true or false"),
+        (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),
+        (lambda: contact().sel(D=[]), "D must have a value to select by, got an empty list"),
+        (lambda: conduction.holm([0], 1, 1), "radii must be positive, got 0.0 at position 0"),
+        (lambda: conduction.holm([-1], 1, 1), "radii must be positive, got -1.0 at position 0"),
+        (lambda: conduction.holm([], 1, 1), "radii must be those of at least one contact"),
+        (lambda: INTERFACE.pressure(1j), "normalised must be a number or an array of numbers, got 1j"),
+        (lambda: weier.events(PROFILE, 1.0, 0.5), "high must exceed low, got 1.0 and 0.5"),
+    ],
+)
+def test_what_is_refused_is_told_in_a_sentence(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_a_float_of_numpy_is_a_ratio():
+    assert weier.Profile(1.25, np.float32(1.5), 3).gamma == Fraction(3, 2)
+
+
+def test_full_contact_has_fields_however_heavy_the_load():
+    for load in (3.0, 1e3, 1e100):
+        bem, exact = (weier.fields(PROFILE, load, method) for method in ("bem", "patches"))
+        assert np.all(bem.gap == 0)
+        # 64 points on the finest wave of amplitude 1.5: its pressure is off by (pi/64)^2/3 of itself.
+        assert bem.pressure.values - load == pytest.approx(exact.pressure.values - load, abs=2e-3)
+        assert bem.displacement.values == pytest.approx(exact.displacement.values, abs=1e-12)

@@ -1,0 +1,156 @@
+"""What enters from outside: numbers, arrays of numbers, words, and yes or no.
+
+Each check returns what Python or NumPy itself has for it, or refuses in one sentence with the name, what is allowed,
+and what came. Texts, booleans, bytes, complex numbers and masked values are no numbers here, although NumPy may take
+them for some.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Sequence
+from decimal import Decimal
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags
+
+MAX_SHOWN = 60  # characters of a value in a message
+MAX_DIGITS = 40  # of an integer in a message
+TEXTS = (str, bytes, bytearray, memoryview)
+
+Condition = Callable[[Any], Any]
+
+
+def _always(value: Any) -> Any:
+    return np.ones(np.shape(value), bool)
+
+
+def checked_number(name: str, value: Any, condition: str = "be a number", holds: Condition = _always) -> float:
+    """A number as a float.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : object
+        What came.
+    condition : str
+        What a number must do, in words that follow "must", such as "be positive".
+    holds : callable
+        The same of a float.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or not such a one.
+    """
+    number = _number(value)
+    if number is None or not holds(number):
+        raise ValueError(f"{name} must {condition}, got {_what_came(value)}")
+    return number
+
+
+def checked_numbers(name: str, values: Any, condition: str = "be numbers", holds: Condition = _always) -> Array:
+    """A number, or an array or nested list of numbers, as an array of floats of the same shape; see `checked_number`.
+
+    NaN is a number that `holds`, for a whole array, may refuse.
+    """
+    numbers = _numbers(name, values)
+    failing: Flags = ~np.asarray(holds(numbers), bool)
+    if failing.any():
+        where = f" at position {int(failing.ravel().argmax())}" if numbers.ndim else ""
+        raise ValueError(f"{name} must {condition}, got {shown(numbers[failing][0])}{where}")
+    return numbers
+
+
+def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> int:
+    """A whole number from `least` to `most`."""
+    within = f"at least {least}" if math.isinf(most) else f"from {least} to {most:.10g}"
+
+    def holds(number: float) -> bool:
+        return least <= number <= most and number == number // 1  # which inf is not
+
+    return int(checked_number(name, value, f"be a whole number, {within}", holds))
+
+
+def checked_word(name: str, value: Any, choices: Collection[str], where: str = "") -> str:
+    """One of some words."""
+    if not isinstance(value, str) or value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(choices)}{where and ' '}{where}, got {shown(value)}")
+    return str(value)
+
+
+def checked_flag(name: str, value: Any) -> bool:
+    """True or false: no word, number or None that Python counts as one of them."""
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name} must be true or false, got {shown(value)}")
+    return bool(value)
+
+
+def shown(value: Any) -> str:
+    """A value in one short line."""
+    if isinstance(value, np.ma.core.MaskedConstant):
+        return "a masked value"
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**MAX_DIGITS:
+        return f"a number of more than {MAX_DIGITS} digits"
+    if hasattr(value, "__array__"):
+        return f"an array of shape {np.shape(value)}"
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # an integer in it is too long to be written
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}..."
+
+
+def _what_came(value: Any) -> str:
+    """The same where a number was wanted: a text may look like one."""
+    return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
+
+
+def _number(value: Any) -> float | None:
+    """A number as a float; None for whatever else, and for an integer or fraction too large for a float."""
+    if hasattr(value, "__array__") and np.ndim(value) == 0:
+        value = np.asanyarray(value)
+        value = None if np.ma.is_masked(value) or value.dtype.kind not in "iufO" else value.item()
+    if isinstance(value, bool) or not isinstance(value, Real | Decimal):
+        return None
+    try:
+        return float(value)
+    except (OverflowError, ValueError):  # a signalling NaN of Decimal
+        return None
+
+
+def _numbers(name: str, values: Any) -> Array:
+    """An array of floats of the shape of what came."""
+    array = _array(values)
+    if array is None or array.dtype.kind not in "iufO":
+        raise ValueError(f"{name} must be a number or an array of numbers, got {_what_came(values)}")
+    if np.ma.is_masked(array):
+        at = int(np.ma.getmaskarray(array).ravel().argmax())
+        raise ValueError(f"{name} must have all its values, got a masked one at position {at}: leave it out")
+    if array.dtype.kind != "O":
+        with np.errstate(over="ignore"):  # a long double beyond the floats is inf
+            return np.asarray(array, float)
+    numbers = [_number(value) for value in array.ravel().tolist()]
+    if None in numbers:
+        at = numbers.index(None)
+        what = f"got {_what_came(array.ravel()[at])}" + (f" at position {at}" if array.ndim else "")
+        raise ValueError(f"{name} must be a number or an array of numbers, {what}")
+    return np.array(numbers, float).reshape(array.shape)
+
+
+def _array(values: Any) -> np.ndarray[Any, Any] | None:
+    """What came as an array that hides no type of its elements; None if it is no array, list or number."""
+    if hasattr(values, "__array__"):
+        return np.asanyarray(values)
+    if isinstance(values, Sequence) and not isinstance(values, TEXTS):
+        try:
+            return np.array(values, object)
+        except ValueError:  # arrays of shapes that do not go together
+            return None
+    return np.array(values, object) if isinstance(values, Real | Decimal) else None
