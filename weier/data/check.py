@@ -6,11 +6,16 @@ from enum import IntEnum
 
 
 class Check(IntEnum):
-    """The flags of a file, and their names in its attributes."""
+    """The flags of a file, and their names in its attributes.
+
+    not_measured : the data lack what is needed
+    not_decided : the data have it, and leave the question open
+    """
 
     no = 0
     yes = 1
     not_measured = 2
+    not_decided = 3
 
     @classmethod
     def of(cls, holds: bool | None) -> Check:

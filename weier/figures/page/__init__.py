@@ -26,6 +26,7 @@ from weier.figures.captions import caption
 from weier.figures.page import plans
 from weier.figures.page.cells import largest, significant
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
+from weier.pipeline.claims.paper import CRITERIA
 from weier.scene import Scene
 
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
@@ -134,7 +135,8 @@ def _claims(data: xr.Dataset) -> str:
         return "<p>This scene checks no claims.</p>"
     holds = [Check(number).text for number in data["claim_holds"].values.tolist()]
     columns = [data[name].values.tolist() for name in ("claim", "claim_statement", "claim_measured")]
-    return _table(["claim", "the paper says", "measured here", "holds"], zip(*columns, holds, strict=True))
+    table = _table(["claim", "the paper says", "measured here", "holds"], zip(*columns, holds, strict=True))
+    return f"{table}\n<p>{escape(CRITERIA)}</p>"
 
 
 def _errors(data: xr.Dataset) -> str:

@@ -69,9 +69,14 @@ def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:
     if name not in CLAIMS:
         raise ValueError(_unknown(name))
     try:
-        return CLAIMS[name].measure(curves.cases(studies))
+        return CLAIMS[name].measure(_distinct(curves.cases(studies)))
     except MissingError as error:
         return Measured(f"Not measured: {error}.")
+
+
+def _distinct(cases: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Each case once: it may stand in several studies, and would count twice."""
+    return list({str(case["key"].values): case for case in cases}.values())
 
 
 def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
@@ -85,12 +90,20 @@ def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
         "claim_measured": ([each.text for each in measured.values()], "what is measured here"),
         "claim_quantity": ([claim.quantity for claim in claims], "quantity measured for the claim"),
         "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
-        "claim_measured_value": ([each.value for each in measured.values()], "value of the quantity here"),
+        "claim_measured_value": (
+            [each.value for each in measured.values()], "value of the quantity here, as the mean over all phases"
+        ),
+        "claim_spread": (
+            [each.spread for each in measured.values()], "standard deviation of the quantity over all phases"
+        ),
+        "claim_members": (
+            np.array([each.members for each in measured.values()], "i4"), "profiles of different phases measured"
+        ),
         "claim_holds": (
-            np.array([Check.of(each.holds) for each in measured.values()], "i1"),
+            np.array([each.outcome for each in measured.values()], "i1"),
             "whether the statement of the paper fits what is measured here",
         ),
-    }
+    }  # fmt: skip
     variables = {
         name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
         for name, (values, long_name) in columns.items()
@@ -103,7 +116,7 @@ def _markdown(title: str, measured: Mapping[str, Measured]) -> str:
     if not measured:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [*map(markdown.plain, (name, CLAIMS[name].statement, each.text)), Check.of(each.holds).text]
+        [*map(markdown.plain, (name, CLAIMS[name].statement, each.text)), each.outcome.text]
         for name, each in measured.items()
     ]
     table = markdown.table(["claim", "the paper says", "measured here", "holds"], rows)

@@ -1,22 +1,32 @@
-"""What a claim is: a statement of the paper, and a function that measures what it says on the cases of a scene."""
+"""What a claim is: a statement of the paper, and a function that judges it on the cases of a scene."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from weier.data.check import Check
+
 Cases = Sequence[xr.Dataset]
 
 
 class Measured(NamedTuple):
-    """What was measured for a claim, in words and as a number, and whether the statement holds; None if unknown."""
+    """What was measured for a claim.
+
+    text : in words
+    value, spread : the quantity of the claim, as the mean over an ensemble, and its standard deviation
+    members : how many profiles of different phases these are of
+    outcome : whether the statement holds
+    """
 
     text: str
     value: float = np.nan
-    holds: bool | None = None
+    spread: float = np.nan
+    members: int = 0
+    outcome: Check = Check.not_measured
 
 
 class Claim(NamedTuple):
@@ -41,21 +51,3 @@ def claim(
         return measure
 
     return enter
-
-
-def judge(text: str, value: float, conditions: Iterable[tuple[bool, str]]) -> Measured:
-    """What was measured, and whether all conditions of the statement are met; the text names those that are not.
-
-    Parameters
-    ----------
-    text : str
-        What was measured, in whole sentences.
-    value : float
-        The quantity of the claim.
-    conditions : iterable of (met, objection)
-        What the statement says, and a clause that tells why it does not hold where the condition is not met.
-
-    """
-    objections = [objection for met, objection in conditions if not met]
-    reason = f" The statement does not hold here: {'; '.join(objections)}." if objections else ""
-    return Measured(text + reason, value, not objections)

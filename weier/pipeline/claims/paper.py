@@ -1,37 +1,51 @@
 """The claims of the paper: for each one its words, and beside them the function that measures it.
 
 "The numerical curve" of a case is that of the most accurate method that solved it. An excess or error is of an
-estimate over the numerical curve.
+estimate over the numerical curve. Averages are over the load, which is the axis of the paper's figures, and ranges of
+loads end at interpolated compliances, so that no number depends on how the loads are spaced.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import NamedTuple
-
 import numpy as np
 import xarray as xr
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array
 from weier.pipeline import curves
-from weier.pipeline.claims.claim import Cases, Measured, claim, judge
+from weier.pipeline.claims.claim import Cases, Measured, claim
+from weier.pipeline.claims.ensemble import (
+    MIN_MEMBERS,
+    MIN_SHARE,
+    OPEN_FACTOR,
+    Condition,
+    Ensemble,
+    Kind,
+    Limits,
+    at_least,
+    at_most,
+    combine,
+    ensembles,
+    examine,
+    judge,
+    negative,
+    positive,
+    series,
+)
 from weier.pipeline.claims.readings import (
     LOW_COMPLIANCE,
     ROUNDING,
     MissingError,
+    between_compliances,
     curve,
     describe,
-    farthest_from_zero,
-    join,
     label,
+    largest_size,
     loads_of,
-    low_and_high_loads,
+    mean_over_loads,
     need,
     numerical,
     partial_contact,
-    percent_range,
     total_of,
-    value_range,
 )
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import tail_amplitude
@@ -43,7 +57,6 @@ CLOSE_AGREEMENT = 0.1  # relative to the compliance itself: no plot shows such a
 CLOSE = 0.05  # "fairly close", "good results", "relatively small": of the compliance at full contact
 EXTREMELY_SMALL = 0.02  # of the compliance at full contact
 MAX_ALIGNED_ANGLE = np.pi / 6  # "close to zero and pi": no farther from them than this
-MIN_COMMON_START = 0.1  # p_0*: at lighter loads the curves of different phases start from different heights
 # Resistances are compared in this range of compliance over that at full contact. Below it one contact carries
 # everything, and above it the resistance vanishes, so that no ratio has a meaning.
 INTERMEDIATE = (0.1, 0.9)
@@ -51,6 +64,9 @@ DEMELIO_ERROR = 0.30  # of the resistance, in the paper: "by as much as"
 LAYER_ERROR = 0.12  # of the resistance, in the paper: "about"
 QUOTED_TOLERANCE = 1.25  # "as much as 30%" and "about 12%" allow up to this times the number
 NUMERICAL_ERROR = 1e-3  # g_0, of the boundary elements: a smaller difference has no sign
+RESISTANCE_ERROR = 0.01  # relative, of the numerical resistance: likewise
+EXACT = at_most(1 + ROUNDING, factor=1)  # for ratios that a theorem allows up to 1
+NONE = at_most(ROUNDING, factor=1)  # for distances that it allows none of
 
 CRITERIA = (
     "Excess and error are of an estimate over the numerical curve. "
@@ -59,7 +75,14 @@ CRITERIA = (
     f"{EXTREMELY_SMALL:.0%}; the few elements agree closely within {CLOSE_AGREEMENT:.0%} of the compliance itself. "
     f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
     "contact: below, one contact carries everything, and above, the resistance vanishes, so that no ratio has a "
-    "meaning."
+    "meaning. Averages are over the load.\n\n"
+    "Each statement is judged on an ensemble of profiles that differ in their phases alone. A statement about all "
+    "loads or profiles holds if every profile meets it, and does not hold if one contradicts it. A statement of what "
+    f"tends to be holds if at least {MIN_SHARE:.0%} of the profiles meet it, and does not hold if as many contradict "
+    f"it. Otherwise it is not decided. A profile leaves it open where the value is within {NUMERICAL_ERROR:g} g_0 "
+    f"(or {RESISTANCE_ERROR:.0%} of the resistance) of a change of sign, lies between one of the limits above and "
+    f"{OPEN_FACTOR:g} times this limit, or is closer to the limit than it moves where every second load is left out. "
+    f"Fewer than {MIN_MEMBERS} profiles confirm nothing."
 )
 
 
@@ -70,94 +93,75 @@ CRITERIA = (
 )
 def twelve_elements(cases: Cases) -> Measured:
     """The relative error of a few elements against Eq. (12), with one in contact and with more."""
-    (case, *_) = cases
+    error, close = "relative error of the compliance with", CLOSE_AGREEMENT
+    conditions = [
+        Condition(
+            "few elements agree closely with Eq. (12) where more than one is in contact",
+            f"largest {error} more than one element in contact",
+            lambda case: largest_size(_errors_of_elements(case)[1]), at_most(close), form=".1%",
+        ),
+        Condition(
+            "they do not agree closely where only one is in contact",
+            f"largest {error} only one element in contact",
+            lambda case: largest_size(_errors_of_elements(case)[0]), at_least(close), form=".1%",
+        ),
+    ]  # fmt: skip
+    return judge(conditions, ensembles(cases))
+
+
+def _errors_of_elements(case: xr.Dataset) -> tuple[Array, Array]:
+    """The relative errors of boundary elements on one wave, with one element in contact and with more."""
     h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
     points = float(case["points"].values[case["solution_method"].values.tolist().index("bem")])
     single = points * fraction < 1.5
     need(single.any() and not single.all(), "loads with one element in contact and loads with more")
     error = h / exact - 1
-    one, more = farthest_from_zero(error[single]), farthest_from_zero(error[~single])
-    text = (
-        f"With {points:.0f} elements, the largest error of the compliance is {more:+.1%} where more than one element "
-        f"is in contact, and {one:+.1%} where only one is (up to {loads_of(case)[single].max():.2g} p_0*)."
-    )
-    return judge(
-        text,
-        abs(more),
-        [
-            (abs(more) < CLOSE_AGREEMENT, f"{abs(more):.1%} with more than one element is no close agreement"),
-            (abs(one) > CLOSE_AGREEMENT, f"{abs(one):.1%} with one element is as close as with more"),
-        ],
-    )
-
-
-class PhaseSpread(NamedTuple):
-    """The curves of all phases at one gamma, relative to the compliance at full contact.
-
-    spread : between the highest and the lowest curve, shape (loads,)
-    distance : the largest distance of each phase from the average, shape (phases,)
-    angle : each phase, from 0 to pi, shape (phases,)
-    aligned : whether the phase is close to zero or pi, shape (phases,)
-    """
-
-    spread: Array
-    distance: Array
-    angle: Array
-    aligned: Flags
+    return error[single], error[~single]
 
 
 @claim(
     "The curves for gamma = 2 lie fairly close to their average for all phases except those close to zero and "
     "pi; the effect of phase is extremely small at gamma = 5 (5.2).",
-    "largest spread of the curves for the larger gamma, of the compliance at full contact",
+    "largest distance from the average at other phases for the smaller gamma, of the compliance at full contact",
 )
 def phase_spread(cases: Cases) -> Measured:
-    """How far the curves of different phases lie from each other and from their average, for two gamma."""
+    """How far the curves of different phases lie from each other and from their average, for two gamma.
+
+    The phases are the subject here, so that all of them together are one member.
+    """
     groups = sorted(curves.groups(cases, "gamma"), key=lambda group: float(group[0]["gamma"]))
     need(len(groups) > 1, "phases for two values of gamma")
-    ends = groups[0], groups[-1]
-    coarse, fine = (_phase_spread(group) for group in ends)
-    text = " ".join(_describe_spread(group, spread) for group, spread in zip(ends, (coarse, fine), strict=True))
-    between, aligned = (float(coarse.distance[which].max()) for which in (~coarse.aligned, coarse.aligned))
-    largest = float(fine.spread.max())
-    less, more = (float(group[0]["gamma"]) for group in ends)
-    return judge(
-        text,
-        largest,
-        [
-            (
-                between < CLOSE,
-                f"for gamma = {less:g}, {between:.1%} of full contact from the average is not close, at phases that "
-                "are neither near zero nor near pi",
-            ),
-            (aligned > CLOSE, f"for gamma = {less:g}, phases close to zero and pi are close to the average, too"),
-            (
-                largest < EXTREMELY_SMALL,
-                f"for gamma = {more:g}, a spread of {largest:.1%} of full contact is not extremely small",
-            ),
-        ],
-    )
+    ends = {f"gamma = {float(group[0]['gamma']):g}": group for group in (groups[0], groups[-1])}
+    coarse, fine = (Ensemble(name, (group,), True) for name, group in ends.items())
+    between = Condition(
+        "the curves lie fairly close to their average at phases that are neither near zero nor near pi",
+        "largest distance from the average at other phases, of full contact",
+        lambda *phases: _distance_from_average(phases, aligned=False), at_most(CLOSE), form=".1%",
+    )  # fmt: skip
+    aligned = Condition(
+        "phases close to zero and pi are an exception",
+        "largest distance from the average at phases close to zero and pi, of full contact",
+        lambda *phases: _distance_from_average(phases, aligned=True), at_least(CLOSE), form=".1%",
+    )  # fmt: skip
+    spread = Condition(
+        "the effect of the phase is extremely small",
+        "largest spread of all curves, of full contact",
+        lambda *phases: float(np.ptp(_relative_curves(phases), axis=0).max()), at_most(EXTREMELY_SMALL), form=".1%",
+    )  # fmt: skip
+    return combine([[examine(between, coarse)], [examine(aligned, coarse)], [examine(spread, fine)]])
 
 
-def _phase_spread(cases: Cases) -> PhaseSpread:
-    h, total = np.array([numerical(case) for case in cases]), total_of(cases[0])
-    angle = np.array([curves.phase_angle(case) for case in cases])
-    aligned = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
-    need(aligned.any() and not aligned.all(), "phases close to zero or pi and phases between")
-    return PhaseSpread(np.ptp(h, axis=0) / total, np.abs(h - h.mean(axis=0)).max(axis=1) / total, angle, aligned)
+def _relative_curves(cases: Cases) -> Array:
+    """The curves of some phases, shape (phases, loads), relative to the compliance at full contact."""
+    return np.array([numerical(case) / total_of(case) for case in cases])
 
 
-def _describe_spread(cases: Cases, phases: PhaseSpread) -> str:
-    loads, total, at = loads_of(cases[0]), total_of(cases[0]), int(phases.spread.argmax())
-    heavy = phases.spread[loads >= MIN_COMMON_START]
-    return (
-        f"For gamma = {float(cases[0]['gamma']):g}, the curves spread over up to "
-        f"{total * phases.spread[at]:.2g} g_0, {phases.spread[at]:.1%} of full contact, at {loads[at]:.2g} p_0*"
-        + (f" ({total * heavy.max():.2g} g_0 from {MIN_COMMON_START:g} p_0* on)" if heavy.size else "")
-        + f"; the phase of {phases.angle[phases.distance.argmax()] / np.pi:.2g} pi is farthest from their average, "
-        f"by {total * phases.distance.max():.2g} g_0, and phases that are not close to zero or pi stay within "
-        f"{total * phases.distance[~phases.aligned].max():.2g} g_0 of it."
-    )
+def _distance_from_average(cases: Cases, aligned: bool) -> float:
+    """The largest distance of a curve from the average of all, among phases close to zero and pi or among others."""
+    h, angle = _relative_curves(cases), np.array([curves.phase_angle(case) for case in cases])
+    close = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
+    need(close.any() and not close.all(), "phases close to zero or pi and phases between")
+    return largest_size((h - h.mean(axis=0))[close if aligned else ~close])
 
 
 @claim(
@@ -166,21 +170,18 @@ def _describe_spread(cases: Cases, phases: PhaseSpread) -> str:
 )
 def archard_above(cases: Cases) -> Measured:
     """Archard's compliance less the numerical one, in partial contact."""
-    excesses = [(curve(case, "archard") - numerical(case))[partial_contact(case)] for case in cases]
-    text = "In partial contact, Archard's compliance less the numerical one is " + join(
-        f"{value_range(excess)} g_0 for {describe(case)}" for case, excess in zip(cases, excesses, strict=True)
+    condition = Condition(
+        "Archard's compliance is too high at all loads",
+        "least excess of Archard's compliance in partial contact, in g_0",
+        lambda case: float(_excess(case, "archard")[partial_contact(case)].min()),
+        at_least(-NUMERICAL_ERROR, factor=1),  # it may meet the numerical curve, as at full contact
     )
-    least = float(min(excess.min() for excess in excesses))
-    return judge(
-        text, least, [(least > -NUMERICAL_ERROR, f"Archard's compliance is too low by up to {-least:.2g} g_0")]
-    )
+    return judge([condition], ensembles(cases))
 
 
-class DemelioExcess(NamedTuple):
-    """Demelio's compliance less the numerical one, in g_0, at low loads; and the loads where it is above, in p_0*."""
-
-    low: Array
-    loads_above: Array
+def _excess(case: xr.Dataset, method: str) -> Array:
+    """The compliance by an estimate less the numerical one, in g_0, shape (loads,)."""
+    return curve(case, method) - numerical(case)
 
 
 @claim(
@@ -188,95 +189,66 @@ class DemelioExcess(NamedTuple):
     "largest excess of the compliance at low loads, in g_0",
 )
 def demelio_below(cases: Cases) -> Measured:
-    """Demelio's compliance less the numerical one at low loads, and from where on it is above."""
-    excesses = [_demelio_excess(case) for case in cases]
-    text = "At low loads, Demelio's compliance less the numerical one is " + join(
-        f"{value_range(excess.low)} g_0 for {describe(case)}, and it is "
-        + (f"above from {excess.loads_above.min():.2g} p_0* on" if excess.loads_above.size else "nowhere above")
-        for case, excess in zip(cases, excesses, strict=True)
+    """Demelio's compliance less the numerical one, at low loads."""
+    condition = Condition(
+        "Demelio's compliance is too low at low loads",
+        "largest excess of Demelio's compliance at low loads, in g_0",
+        lambda case: float(_at_low_loads(case, _excess(case, "demelio")).max()),
+        negative(NUMERICAL_ERROR),
     )
-    largest = float(max(excess.low.max() for excess in excesses))
-    return judge(text, largest, [(largest < 0, f"Demelio's compliance is too high by up to {largest:.2g} g_0")])
+    return judge([condition], ensembles(cases))
 
 
-def _demelio_excess(case: xr.Dataset) -> DemelioExcess:
-    low, _ = low_and_high_loads(case)
-    excess = curve(case, "demelio") - numerical(case)
-    return DemelioExcess(excess[low], loads_of(case)[excess > NUMERICAL_ERROR])
-
-
-class LayerExcess(NamedTuple):
-    """The layer's compliance less the numerical one, in g_0, at low and at high loads.
-
-    largest : the largest size at low loads, relative to the compliance at full contact
-    """
-
-    low: Array
-    high: Array
-    largest: float
+def _at_low_loads(case: xr.Dataset, values: Array) -> Array:
+    return between_compliances(case, values, 0, LOW_COMPLIANCE)[1]
 
 
 @claim(
     "The non-linear layer model gives good results at low loads, but tends to underestimate the compliance "
     "slightly at high loads (5.3).",
-    "largest error of the compliance at low loads, of that at full contact",
+    "mean excess of the compliance at high loads, in g_0",
 )
 def layer_close(cases: Cases) -> Measured:
     """The layer's compliance less the numerical one, at low and at high loads."""
-    excesses = [_layer_excess(case) for case in cases]
-    text = "The layer's compliance less the numerical one is " + join(
-        f"{value_range(excess.low)} g_0 at low loads ({excess.largest:.1%} of full contact) and "
-        f"{value_range(excess.high)} g_0 at high loads, with a mean of {excess.high.mean():+.1g} g_0, for "
-        f"{describe(case)}"
-        for case, excess in zip(cases, excesses, strict=True)
-    )
-    largest = max(excess.largest for excess in excesses)
-    underestimates = all(excess.high.mean() < 0 for excess in excesses)
-    return judge(
-        text,
-        largest,
-        [
-            (largest < CLOSE, f"an error of {largest:.1%} of full contact at low loads is not good"),
-            (underestimates, "the mean error at high loads is not an underestimate for every profile"),
-        ],
-    )
-
-
-def _layer_excess(case: xr.Dataset) -> LayerExcess:
-    low, high = low_and_high_loads(case)
-    excess = curve(case, "layer") - numerical(case)
-    return LayerExcess(excess[low], excess[high], float(np.abs(excess[low]).max() / total_of(case)))
+    conditions = [
+        Condition(
+            "the layer underestimates the compliance at high loads",
+            "mean excess of the layer's compliance at high loads, in g_0",
+            lambda case: mean_over_loads(*between_compliances(case, _excess(case, "layer"), LOW_COMPLIANCE, 1)),
+            negative(NUMERICAL_ERROR), Kind.most,
+        ),
+        Condition(
+            "the layer gives good results at low loads",
+            "its largest error at low loads, of full contact",
+            lambda case: largest_size(_at_low_loads(case, _excess(case, "layer"))) / total_of(case),
+            at_most(CLOSE), Kind.most, ".1%",
+        ),
+    ]  # fmt: skip
+    return judge(conditions, ensembles(cases))
 
 
 @claim(
     "The higher fractal dimension generally makes the approximations less accurate (5.3).",
-    "least growth of the largest error of an estimate, as a ratio",
+    "growth of the largest error of the compliance by the estimate whose error grows least, of full contact",
 )
 def errors_grow_with_dimension(cases: Cases) -> Measured:
     """The largest error of each estimate, of the compliance at full contact, for the least and the largest D."""
-    ordered = sorted(cases, key=lambda case: float(case["D"]))
-    need(ordered and ordered[0]["D"] < ordered[-1]["D"], "cases of two values of D")
-    ends = ordered[0], ordered[-1]
-    errors = {method: [_largest_error(case, method) for case in ends] for method in ESTIMATES}
-    less, more = (float(case["D"]) for case in ends)
-    text = f"The largest errors for D = {less:g} and D = {more:g}, of full contact, are " + join(
-        f"{smooth:.1%} and {rough:.1%} ({label(method)})" for method, (smooth, rough) in errors.items()
-    )
-    growth = {method: rough / smooth for method, (smooth, rough) in errors.items()}
-    shrinking = [label(method) for method, ratio in growth.items() if not ratio > 1]
-    objection = f"the error does not grow with D by {' and '.join(shrinking)}"
-    return judge(text, min(growth.values()), [(not shrinking, objection)])
+    groups = series(cases, "D")
+    findings = [[examine(_growth(method), each) for each in groups] for method in ESTIMATES]
+    return combine(sorted(findings, key=lambda row: min(float(finding.values.mean()) for finding in row)))
+
+
+def _growth(method: str) -> Condition:
+    return Condition(
+        f"the largest error of {label(method)} grows with D",
+        f"growth of the largest error of {label(method)}, of full contact",
+        lambda *cases: _largest_error(cases[-1], method) - _largest_error(cases[0], method),
+        positive(NUMERICAL_ERROR), Kind.most, "+.2%",
+    )  # fmt: skip
 
 
 def _largest_error(case: xr.Dataset, method: str) -> float:
-    return float(np.abs(curve(case, method) - numerical(case)).max() / total_of(case))
-
-
-class ResistanceErrors(NamedTuple):
-    """Relative errors of the resistance by each estimate, over the loads, in p_0*, of intermediate compliance."""
-
-    loads: Array
-    by_method: dict[str, Array]
+    return largest_size(_excess(case, method)) / total_of(case)
 
 
 @claim(
@@ -287,85 +259,92 @@ class ResistanceErrors(NamedTuple):
     paper_value=LAYER_ERROR,
 )
 def resistance_errors(cases: Cases) -> Measured:
-    """Extremes of the relative error of each estimate of the resistance, at intermediate compliance."""
-    errors = [_resistance_errors(case) for case in cases]
-    text = "The relative errors of the resistance are " + join(
-        ", ".join(
-            f"{percent_range(error)} with a mean of {error.mean():+.0%} ({label(method)})"
-            for method, error in each.by_method.items()
-        )
-        + f" from {each.loads[0]:.2g} to {each.loads[-1]:.2g} p_0* for {describe(case)}"
-        for case, each in zip(cases, errors, strict=True)
-    )
-    largest = float(max(np.abs(each.by_method["layer"]).max() for each in errors))
-    fits = [_fits_the_paper(each) for each in errors]
-    objections = (
-        "Archard does not underestimate the resistance at high loads of every profile",
-        f"Demelio's errors do not lie between 0 and about {DEMELIO_ERROR:.0%}",
-        "the layer is not the best for every profile",
-        f"the layer's largest error is more than about {LAYER_ERROR:.0%}",
-    )
-    return judge(text, largest, zip(map(all, zip(*fits, strict=True)), objections, strict=True))
+    """The relative errors of each estimate of the resistance, at intermediate compliance."""
+    exactly = negative(RESISTANCE_ERROR)
+    conditions = [
+        Condition(
+            f"the layer's largest error is about {LAYER_ERROR:.0%}",
+            "largest relative error of the layer's resistance",
+            lambda case: largest_size(_resistance_error(case, "layer")[1]), _up_to(LAYER_ERROR), form=".0%",
+        ),
+        Condition(
+            "the layer's largest error is an overestimate",
+            "its largest overestimate less its largest underestimate",
+            lambda case: float(np.sum(_range(_resistance_error(case, "layer")[1]))), positive(RESISTANCE_ERROR),
+            Kind.most, "+.0%",
+        ),
+        Condition(
+            "the layer is the best estimate of the resistance",
+            "its root mean square error less that of the better of the others",
+            _layer_behind_others, exactly, Kind.most, "+.1%",
+        ),
+        Condition(
+            "Archard underestimates the resistance at high loads",
+            "mean relative error of Archard's resistance at high loads",
+            lambda case: mean_over_loads(*_resistance_error(case, "archard", LOW_COMPLIANCE)), exactly, Kind.most,
+            "+.0%",
+        ),
+        Condition(
+            "Demelio overestimates the resistance at all loads",
+            "least relative error of Demelio's resistance",
+            lambda case: float(_resistance_error(case, "demelio")[1].min()),
+            at_least(-RESISTANCE_ERROR, factor=1), form="+.0%",
+        ),
+        Condition(
+            f"Demelio's errors are at most about {DEMELIO_ERROR:.0%}",
+            "largest relative error of Demelio's resistance",
+            lambda case: float(_resistance_error(case, "demelio")[1].max()), _up_to(DEMELIO_ERROR), form="+.0%",
+        ),
+    ]  # fmt: skip
+    return judge(conditions, ensembles(cases))
 
 
-def _resistance_errors(case: xr.Dataset) -> ResistanceErrors:
-    relative = numerical(case) / total_of(case)
-    intermediate = (relative >= INTERMEDIATE[0]) & (relative <= INTERMEDIATE[1])
-    need(intermediate.any(), "loads of intermediate compliance")
-    reference = numerical(case, "resistance")[intermediate]
-    errors = {method: curve(case, method, "resistance")[intermediate] / reference - 1 for method in ESTIMATES}
-    return ResistanceErrors(loads_of(case)[intermediate], errors)
+def _up_to(quoted: float) -> Limits:
+    """For values up to about a number of the paper."""
+    return at_most(QUOTED_TOLERANCE * quoted)
 
 
-def _fits_the_paper(errors: ResistanceErrors) -> tuple[bool, bool, bool, bool]:
-    """Whether Archard is too low at high loads, Demelio too high but not too much, the layer best, and its error."""
-    archard, demelio, layer = (errors.by_method[method] for method in ESTIMATES)
-    high = errors.loads >= np.median(errors.loads)
-    size = {method: np.sqrt(np.mean(error**2)) for method, error in errors.by_method.items()}
-    return (
-        bool(archard[high].mean() < 0),
-        bool(demelio.min() > -CLOSE and demelio.max() < QUOTED_TOLERANCE * DEMELIO_ERROR),
-        min(size, key=size.__getitem__) == "layer",
-        bool(np.abs(layer).max() < QUOTED_TOLERANCE * LAYER_ERROR),
-    )
+def _range(values: Array) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
 
 
-class DiscretisationError(NamedTuple):
-    """The error of the boundary elements against the exact contact edges of the patches.
+def _resistance_error(case: xr.Dataset, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
+    """Loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
+    exact = numerical(case, "resistance")
+    with np.errstate(divide="ignore", invalid="ignore"):  # in full contact, which is no intermediate compliance
+        error = curve(case, method, "resistance") / exact - 1
+    return between_compliances(case, error, lowest, INTERMEDIATE[1])
 
-    compliance : the largest, in g_0
-    resistance : relative, over the loads of partial contact
-    ratio : of the largest relative error of the resistance to that of the compliance
-    """
 
-    compliance: float
-    resistance: Array
-    ratio: float
+def _layer_behind_others(case: xr.Dataset) -> float:
+    squares = {method: _resistance_error(case, method) for method in ESTIMATES}
+    size = {method: np.sqrt(mean_over_loads(loads, error**2)) for method, (loads, error) in squares.items()}
+    return float(size["layer"] - min(size["archard"], size["demelio"]))
 
 
 @claim(
     "The numerical resistance is rather sensitive to discretization errors (5.4).",
-    "least ratio of the largest relative errors of resistance and compliance",
+    "ratio of the largest relative errors of resistance and compliance",
 )
 def boundary_elements(cases: Cases) -> Measured:
     """The error of the boundary elements themselves, against the exact contact edges of the patches."""
-    errors = [_discretisation_error(case) for case in cases]
-    text = "Boundary elements are off from contact patches by at most " + join(
-        f"{error.compliance:.1g} g_0 in the compliance, and in the resistance by {np.median(error.resistance):.2%} "
-        f"at half of the loads and {error.resistance.max():.0%} at all, for {describe(case)}"
-        for case, error in zip(cases, errors, strict=True)
-    )
-    least = min(error.ratio for error in errors)
-    return judge(text, least, [(least > 1, "the resistance is no more in error than the compliance")])
+    condition = Condition(
+        "the resistance by boundary elements is more in error than the compliance",
+        "ratio of the largest relative errors of resistance and compliance by boundary elements",
+        lambda case: _resistance_discretisation(case) / _compliance_discretisation(case), at_least(1), form=".2g",
+    )  # fmt: skip
+    return judge([condition], ensembles(cases))
 
 
-def _discretisation_error(case: xr.Dataset) -> DiscretisationError:
-    partial = partial_contact(case)
-    compliance_error = float(np.abs(curve(case, "bem") - curve(case, "patches")).max())
-    resistance, exact = (curve(case, method, "resistance")[partial] for method in ("bem", "patches"))
-    resistance_error = np.abs(resistance / exact - 1)
-    ratio = float(resistance_error.max() / (compliance_error / total_of(case)))
-    return DiscretisationError(compliance_error, resistance_error, ratio)
+def _compliance_discretisation(case: xr.Dataset) -> float:
+    """The largest error of the compliance by boundary elements, of that at full contact."""
+    return largest_size(curve(case, "bem") - curve(case, "patches")) / total_of(case)
+
+
+def _resistance_discretisation(case: xr.Dataset) -> float:
+    """The largest relative error of the resistance by boundary elements, in partial contact."""
+    resistance, exact = (curve(case, method, "resistance")[partial_contact(case)] for method in ("bem", "patches"))
+    return largest_size(resistance / exact - 1)
 
 
 @claim(
@@ -373,37 +352,27 @@ def _discretisation_error(case: xr.Dataset) -> DiscretisationError:
     "largest change of the mean gap with the last term, of the compliance at full contact",
 )
 def fourth_term(cases: Cases) -> Measured:
-    """How much each further term moves the mean gap, and what the bounds theorem allows the last."""
-    ordered = sorted(cases, key=lambda case: float(case["m"]))
-    need(len(ordered) > 1, "series of two lengths")
-    gap = [total_of(case) - numerical(case) for case in ordered]
-    changes = [float(np.abs(more - less).max()) for less, more in pairwise(gap)]
-    last, before = total_of(ordered[-1]), total_of(ordered[-2])
-    relative = changes[-1] / last
-    steps = ", ".join(f"{v:.2g} g_0 from m = {float(c['m']):g}" for v, c in zip(changes, ordered, strict=False))
-    text = (
-        f"One more term moves the mean gap by up to {steps}; the last step is {relative:.1%} of full contact, and "
-        f"the bounds theorem allows it {last - before:.2g} g_0."
-    )
-    return judge(
-        text,
-        relative,
-        [
-            (relative < CLOSE, f"{relative:.1%} of full contact is not relatively small"),
-            (changes[-1] == min(changes), "the last term has more effect than one before it"),
-        ],
-    )
+    """How much each further term moves the mean gap."""
+    conditions = [
+        Condition(
+            "the last term has a relatively small effect",
+            "largest change of the mean gap with the last term, of full contact",
+            lambda *lengths: _change(*lengths[-2:]) / total_of(lengths[-1]), at_most(CLOSE), form=".1%",
+        ),
+        Condition(
+            "the last term has less effect than those before it",
+            "this change over the least of those before",
+            lambda *lengths: _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf),
+            at_most(1), form=".2g",
+        ),
+    ]  # fmt: skip
+    return judge(conditions, series(cases, "m"))
 
 
-class OneWaveDistances(NamedTuple):
-    """Where the estimates lie between the bounds from the one-wave solution.
-
-    largest : the largest distance of each estimate from the middle of the bounds, over their half-width
-    resistances_within : whether all resistances lie within their bounds
-    """
-
-    largest: dict[str, float]
-    resistances_within: bool
+def _change(shorter: xr.Dataset, longer: xr.Dataset) -> float:
+    """The largest change of the mean gap between two series, in g_0."""
+    gaps = [total_of(case) - numerical(case) for case in (shorter, longer)]
+    return largest_size(gaps[1] - gaps[0])
 
 
 @claim(
@@ -417,39 +386,47 @@ def one_wave_bounds(cases: Cases) -> Measured:
     Notes
     -----
     Counted from the mean plane, the infinite series lies within G_1 of the one-wave solution. A series of m terms,
-    such as the estimates here are of, lies within g_1 + ... + g_(m-1) < G_1.
+    such as the estimates here are of, lies within g_1 + ... + g_(m-1) < G_1. The estimates know no phases, so that
+    one case of each series is enough.
     """
     one = next((case for case in cases if float(case["m"]) == 1), None)
-    longer = [case for case in cases if float(case["m"]) > 1]
+    longer = curves.groups([case for case in cases if float(case["m"]) > 1], "D", "gamma", "m")
     if one is None or not longer:
         raise MissingError("there are no one-wave solution and longer series")
-    exact = curves.curve(one, "compliance", "westergaard")
-    wave = numerical(one) if exact is None else exact
-    distances = [_one_wave_distances(case, wave) for case in longer]
-    text = "The largest distances from the one-wave solution, of G_1, are " + join(
-        ", ".join(f"{distance:.0%} ({label(method)})" for method, distance in each.largest.items())
-        + f" for {describe(case)}, whose resistances "
-        + ("lie within the bounds" if each.resistances_within else "do not all lie within the bounds")
-        for case, each in zip(longer, distances, strict=True)
-    )
-    largest = max(distance for each in distances for distance in each.largest.values())
-    return judge(
-        text,
-        largest,
-        [
-            (largest <= 1 + ROUNDING, "a compliance lies outside the bounds"),
-            (all(each.resistances_within for each in distances), "a resistance lies outside the bounds"),
-        ],
-    )
+    exact = "westergaard" if curves.curve(one, "compliance", "westergaard") is not None else None
+    groups = [Ensemble(describe(group[0]), ((group[0], one),), True) for group in longer]
+    conditions = [
+        Condition(
+            "all compliances lie within the bounds",
+            "largest distance from the one-wave solution, of G_1",
+            lambda case, wave: _distance_of_compliances(case, _wave(wave, exact)), EXACT, form=".0%",
+        ),
+        Condition(
+            "all resistances lie within the bounds",
+            "largest distance of a resistance beyond its bounds, in g_0/p_0*",
+            lambda case, wave: _excess_of_resistances(case, _wave(wave, exact)), NONE, form=".2g",
+        ),
+    ]  # fmt: skip
+    return judge(conditions, groups)
 
 
-def _one_wave_distances(case: xr.Dataset, wave: Array) -> OneWaveDistances:
-    tail = float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
+def _wave(case: xr.Dataset, method: str | None) -> Array:
+    """The compliance of one wave, by the closed form if there is one."""
+    return numerical(case) if method is None else curve(case, method)
+
+
+def _tail_of_one(case: xr.Dataset) -> float:
+    return float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
+
+
+def _distance_of_compliances(case: xr.Dataset, wave: Array) -> float:
+    tail = _tail_of_one(case)
     lower, upper = compliance_bounds(wave - 1, tail)
-    low, high = resistance_bounds(loads_of(case), wave, tail, 0.0)
-    largest, within = {}, True
-    for method in ESTIMATES:
-        h, resistance = curve(case, method) - total_of(case), curve(case, method, "resistance")
-        largest[method] = float(np.abs(2 * h - lower - upper).max() / (2 * tail))
-        within &= bool(np.all((resistance >= low - ROUNDING) & (resistance <= high + ROUNDING)))
-    return OneWaveDistances(largest, within)
+    estimates = (curve(case, method) - total_of(case) for method in ESTIMATES)
+    return max(largest_size(2 * h - lower - upper) for h in estimates) / (2 * tail)
+
+
+def _excess_of_resistances(case: xr.Dataset, wave: Array) -> float:
+    low, high = resistance_bounds(loads_of(case), wave, _tail_of_one(case), 0.0)
+    estimates = [curve(case, method, "resistance") for method in ESTIMATES]
+    return float(max(max((low - each).max(), (each - high).max()) for each in estimates))

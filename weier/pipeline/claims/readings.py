@@ -1,8 +1,6 @@
-"""What the claims read from a case, and how they put numbers and cases into words."""
+"""What the claims read from a case, and how they name methods and cases."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -13,7 +11,6 @@ from weier.pipeline import curves
 
 LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, high loads above
 ROUNDING = 1e-9  # a difference that rounding may make, of numbers close to 1
-MAX_CASES_IN_WORDS = 4
 
 
 class MissingError(ValueError):
@@ -60,20 +57,32 @@ def partial_contact(case: xr.Dataset) -> Flags:
     return partial
 
 
-def low_and_high_loads(case: xr.Dataset) -> tuple[Flags, Flags]:
-    """Which loads are low and which are high, but for full contact, where all methods agree.
+def between_compliances(case: xr.Dataset, values: Array, low: float, high: float) -> tuple[Array, Array]:
+    """Loads, and values there, where the numerical compliance lies in a range, in parts of that at full contact.
 
-    Raises MissingError if there are no loads on one side.
+    The ends of the range are interpolated, so that they do not depend on the spacing of the loads. A range up to
+    full contact ends at the last load of partial contact, since all methods agree above. MissingError is raised if
+    the loads do not reach across half of the range.
     """
-    low = numerical(case) <= LOW_COMPLIANCE * total_of(case)
-    high = ~low & partial_contact(case)
-    need(low.any() and high.any(), "loads on both sides of half the compliance at full contact")
-    return low, high
+    loads, relative = loads_of(case), numerical(case) / total_of(case)
+    partial = partial_contact(case)
+    loads, relative, values = loads[partial], relative[partial], values[partial]
+    middle = (low + high) / 2
+    need(relative[0] < middle < relative[-1], f"loads across {middle:.0%} of the compliance at full contact")
+    ends = np.interp([low, high], relative, loads)
+    inside = (loads > ends[0]) & (loads < ends[1])
+    within = np.concatenate([ends[:1], loads[inside], ends[1:]])
+    return within, np.interp(within, loads, values)
 
 
-def farthest_from_zero(values: Array) -> float:
-    """The value of the largest size, with its sign."""
-    return float(values[np.abs(values).argmax()])
+def mean_over_loads(loads: Array, values: Array) -> float:
+    """The mean of the values over the load, by the trapezoidal rule."""
+    return float(np.trapezoid(values, loads) / (loads[-1] - loads[0]))
+
+
+def largest_size(values: Array) -> float:
+    """The largest size of a value."""
+    return float(np.abs(values).max())
 
 
 def label(method: str) -> str:
@@ -84,20 +93,3 @@ def label(method: str) -> str:
 def describe(case: xr.Dataset) -> str:
     """The profile of a case in words."""
     return curves.profile(case).describe()
-
-
-def value_range(values: Array) -> str:
-    """The least and the largest value."""
-    return f"{values.min():+.2g} to {values.max():+.2g}"
-
-
-def percent_range(values: Array) -> str:
-    """The least and the largest value, in percent."""
-    return f"{values.min():+.0%} to {values.max():+.0%}"
-
-
-def join(texts: Iterable[str]) -> str:
-    """One sentence of what the text of each case says: only the first few cases if there are many."""
-    texts = list(texts)
-    more = len(texts) - MAX_CASES_IN_WORDS
-    return "; ".join(texts[:MAX_CASES_IN_WORDS]) + (f"; and {more} more cases" if more > 0 else "") + "."
