@@ -67,6 +67,16 @@ def test_a_product_is_every_combination(tmp_path):
     assert len({tuple(case.profile.phase) for case in cases}) == 3
 
 
+def test_a_list_may_hold_ranges(tmp_path):
+    loads = [{"from": 0.1, "to": 0.3, "count": 3}, 0.5, {"from": 1, "to": 100, "count": 3, "spacing": "log"}]
+    study = {"product": {"D": 1.25, "gamma": 5, "m": [1, {"from": 3, "to": 5, "count": 3}]}}
+    loaded = scene.load(write(tmp_path, loads=loads, studies={"one": study}))
+    assert loaded.loads == pytest.approx([0.1, 0.2, 0.3, 0.5, 1, 10, 100])
+    assert [case.profile.m for case in loaded.studies["one"]] == [1, 3, 4, 5]
+    with pytest.raises(scene.SceneError, match="at most 3 cases, got 4"):
+        scene.load(write(tmp_path, studies={"one": study}, max_cases=3))
+
+
 def test_a_list_of_cases_is_itself(tmp_path):
     rows = [
         {"D": 1.25, "gamma": 5, "m": 2, "phases": [[0, 1]]},

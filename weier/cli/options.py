@@ -19,6 +19,7 @@ Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 
 LOADS = "1e-3:4:40"
+PLOTTED_LOADS = "1e-3:4:400"  # so many that steps of the resistance look like steps
 
 
 def parse_loads(text: str) -> Array:
@@ -121,7 +122,6 @@ def _series(required: bool) -> tuple[Option, ...]:
 
 
 _SOLVED = (
-    loads(LOADS, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.'),
     click.option(
         "--method", "methods", multiple=True, type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
@@ -134,9 +134,10 @@ _SOLVED = (
 )  # fmt: skip
 
 
-def of_one_profile(command: Command) -> Command:
+def of_one_profile(default_loads: str) -> Option:
     """The options that name a profile, its loads and the methods."""
-    return _with_options(command, *_series(required=True), *_SOLVED)
+    pressures = loads(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
+    return lambda command: _with_options(command, *_series(required=True), pressures, *_SOLVED)
 
 
 def of_any_profile(command: Command) -> Command:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 import xarray as xr
 
-from weier.cli.options import INTO, of_one_profile, output, parameters
+from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, of_one_profile, output, parameters
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, PLOTTED
 from weier.methods.segment import QUANTITIES
@@ -21,7 +21,7 @@ def _solved(loads: Array, methods: Sequence[str], settings: Mapping[str, Any], *
 
 
 @click.command()
-@of_one_profile
+@of_one_profile(LOADS)
 @INTO
 def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
     """Compute the compliance and resistance of one profile.
@@ -44,7 +44,7 @@ def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
 
 
 @click.command()
-@of_one_profile
+@of_one_profile(PLOTTED_LOADS)
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path", "", ".pdf", ".svg", ".png")
 def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:

@@ -57,7 +57,8 @@ def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
     """
     loaded = _load(scene_file)
     wanted = loaded.figure(name)
-    draw(wanted.draw, [gather.read_study(loaded, study, batches) for study in wanted.studies], wanted.title, path)
+    studies = [gather.read_study(loaded, study, batches) for study in wanted.studies]
+    draw(wanted.draw, studies, wanted.title, path, wanted.grouping)
 
 
 @click.command()

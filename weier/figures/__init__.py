@@ -1,7 +1,8 @@
 """Figures: each kind is one module of this folder, drawn in the style of `weier.figures.style`.
 
-A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. Figures may use data,
-theory, methods, scene, pipeline and accuracy, but not the command line.
+A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. If draw also takes
+`grouping`, a scene may say which parameter sets the colour, the panel and so on. Figures may use data, theory,
+methods, scene, pipeline and accuracy, but not the command line.
 
 The constants of the modules are read from their text, so that the kinds can be listed without importing matplotlib,
 which takes longer than all the rest.
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import xarray as xr
 
 from weier.data.files import replacing
-from weier.scene import Scene, SceneError
+from weier.scene import BY_DEFAULT, Grouping, Scene, SceneError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,29 +34,40 @@ class FigureKind(NamedTuple):
     caption : CAPTION, in plain text; {methods} stands for the sentence that tells the curves of methods apart
     command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
+    grouped : whether a scene may say by which parameters it is drawn
     """
 
     caption: str
     command: str = ""
     variable: str = ""
+    grouped: bool = False
 
 
 def kinds() -> dict[str, FigureKind]:
     """All kinds of figures, by the names of their modules."""
     modules = sorted((path for folder in __path__ for path in Path(folder).glob("*.py")), key=lambda path: path.stem)
-    constants = {path.stem: _text_constants(path) for path in modules}
-    return {
-        name: FigureKind(words["CAPTION"], words.get("COMMAND", ""), words.get("VARIABLE", ""))
-        for name, words in constants.items()
-        if "CAPTION" in words
-    }
+    found = {}
+    for path in modules:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        words = _text_constants(tree)
+        if "CAPTION" in words:
+            command, variable = words.get("COMMAND", ""), words.get("VARIABLE", "")
+            found[path.stem] = FigureKind(
+                words["CAPTION"], command, variable, "grouping" in _parameters_of_draw(tree)
+            )
+    return found
 
 
-def _text_constants(path: Path) -> dict[str, str]:
+def _parameters_of_draw(tree: ast.Module) -> list[str]:
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "draw"]
+    return [argument.arg for function in functions for argument in function.args.args]
+
+
+def _text_constants(tree: ast.Module) -> dict[str, str]:
     """The constants of a module that are plain strings."""
     return {
         target.id: statement.value.value
-        for statement in ast.parse(path.read_text(encoding="utf-8")).body
+        for statement in tree.body
         if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Constant)
         for target in statement.targets
         if isinstance(target, ast.Name) and isinstance(statement.value.value, str)
@@ -63,17 +75,25 @@ def _text_constants(path: Path) -> dict[str, str]:
 
 
 def check_kinds(scene: Scene) -> None:
-    """Refuse a scene with a figure that cannot be drawn from its studies."""
-    choice = [name for name, kind in kinds().items() if not kind.command]
+    """Refuse a scene with a figure that cannot be drawn from its studies, or not by the parameters that it names."""
+    known = kinds()
+    choice = [name for name, kind in known.items() if not kind.command]
     for name, figure in scene.figures.items():
         if figure.draw not in choice:
             raise SceneError(
                 f"scene {scene.name}: figures.{name}.draw: there is no figure {figure.draw!r} of studies: "
                 f"choose from {', '.join(choice)}"
             )
+        if figure.grouping != BY_DEFAULT and not known[figure.draw].grouped:
+            raise SceneError(
+                f"scene {scene.name}: figures.{name}: {figure.draw!r} takes no colour, facet or median over: leave "
+                f"them out, or draw {' or '.join(each for each in choice if known[each].grouped)}"
+            )
 
 
-def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path) -> None:
+def draw(
+    kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path, grouping: Grouping = BY_DEFAULT
+) -> None:
     """Draw one figure, as PDF, SVG and PNG beside each other.
 
     Parameters
@@ -86,6 +106,8 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
         One line over the figure; empty for none.
     path : path
         Where to write: its suffix is replaced by .pdf, .svg and .png.
+    grouping : Grouping
+        By which parameters to draw, for a kind that is `grouped`.
 
     Raises
     ------
@@ -99,15 +121,16 @@ def draw(kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path)
     from weier.figures.style import RC
 
     # The reset keeps the user's own matplotlibrc out of the figure.
+    wanted = {} if grouping == BY_DEFAULT else {"grouping": grouping}
     with matplotlib.style.context(RC, after_reset=True):
-        save(import_module(f"weier.figures.{kind}").draw(studies, title), path)
+        save(import_module(f"weier.figures.{kind}").draw(studies, title, **wanted), path)
 
 
 def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
     known = kinds()
     if kind not in known:
         raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(known)}")
-    _, command, variable = known[kind]
+    _, command, variable, _ = known[kind]
     if command and [variable in study for study in studies] != [True]:
         raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
 

@@ -9,7 +9,10 @@ from typing import NamedTuple
 from weier import figures
 from weier.figures.style import MAX_PANELS
 from weier.methods.registry import find_method, numerical_names
-from weier.scene import Scene
+from weier.scene import Grouping, Scene
+
+NOUNS = {"D": "D", "gamma": "gamma", "m": "m", "seed": "seed of the phases"}
+NOUNS |= {name: name for name in ("method", "phase", "phases")}
 
 
 class Caption(NamedTuple):
@@ -24,10 +27,24 @@ def caption(scene: Scene, name: str) -> Caption:
     """The caption of a figure of a scene, as plain text with the paper's symbols."""
     figure = scene.figure(name)
     methods = [case.methods for study in figure.studies for case in scene.study(study)]
-    text = figures.kinds()[figure.draw].caption.format(methods=_describe_methods(methods))
+    described = _describe_grouping(figure.grouping) or _describe_methods(methods)
+    text = figures.kinds()[figure.draw].caption.format(methods=described)
     title = name.replace("_", " ").capitalize()
     subject, *_ = re.split(r"[:.;] ?", text)
     return Caption(title, " ".join(filter(None, [figure.title and f"{figure.title}.", text])), f"{title}: {subject}")
+
+
+def _describe_grouping(grouping: Grouping) -> str:
+    """Sentences that say what panels, colours, lines and bands show; none where the scene does not choose."""
+    sentences = []
+    if grouping.facet:
+        sentences.append(f"Each panel has one {NOUNS[grouping.facet]}.")
+    if grouping.colour:
+        sentences.append(f"Colours show the {NOUNS[grouping.colour]}.")
+    if grouping.median_over:
+        over = " and ".join(NOUNS[name] for name in grouping.median_over)
+        sentences.append(f"Lines are medians over the {over}, and bands hold all curves.")
+    return " ".join(sentences)
 
 
 def _describe_methods(cases: Sequence[Collection[str]]) -> str:

@@ -9,23 +9,29 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.figures import style
+from weier.figures import grouped, lines, style
 from weier.methods.registry import names, numerical_names
 from weier.pipeline import curves
+from weier.scene import BY_DEFAULT, Grouping
 
 
 def compare(
-    studies: Sequence[xr.Dataset], title: str, quantity: str
+    studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping = BY_DEFAULT
 ) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
     """The quantity by each method: one panel for each case if there are few, else all cases in one panel.
+
+    If the scene says by which parameters, the figure is `weier.figures.grouped`.
 
     Returns
     -------
     figure : Figure
     panels : list of (Axes, cases)
-        The legend, limits and scales are left to the caller; the labels are in place.
+        Limits and scales are left to the caller, and the legend unless the scene says how to draw; the labels
+        are in place.
 
     """
+    if grouping != BY_DEFAULT:
+        return grouped.compare(studies, title, quantity, grouping)
     cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
     if not cases:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
@@ -46,30 +52,34 @@ def _draw_case(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     """The most accurate numerical method as a line, further ones as points."""
     (case,) = cases
     reference, numerical = curves.numerical_method(case), numerical_names()
-    for method, values in _curves_by_method(case, quantity).items():
-        look = style.line(method) if method == reference or method not in numerical else style.points(method)
+    for method in _methods(case, quantity):
+        beside = method in numerical and method != reference
+        look = style.points(method) if beside else style.line(method)
         if method in numerical:
             look["zorder"] = 1.9  # below the estimates, which are thinner than it or have gaps
-        axes.plot(case["mean_pressure"].values, values, **look)
+        drawn = lines.points(case, quantity, method) if beside else lines.line(case, quantity, method)
+        if drawn:
+            axes.plot(*drawn, **look)
 
 
 def _draw_medians(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     """A thin line for each case, and a thick one, or points, for the median of each method."""
-    loads, rows = cases[0]["mean_pressure"].values, [_curves_by_method(case, quantity) for case in cases]
-    methods = _in_drawing_order(method for row in rows for method in row)
+    methods = _in_drawing_order(method for case in cases for method in _methods(case, quantity))
     as_points = style.drawn_as_points(methods)
     for method in methods:
-        values = np.array([row[method] for row in rows if method in row])
+        drawn = [each for case in cases if (each := lines.line(case, quantity, method))]
+        loads, values = lines.on_common_loads(drawn)
         look = style.points(method) if method in as_points else style.line(method)
         axes.plot(loads, values.T, color=look["color"], linewidth=0.3, alpha=style.FAINT_ALPHA)
         axes.plot(loads, np.median(values, axis=0), **look, zorder=3)
+    axes.plot([], [], color=style.GREY, label="thick: median of a method")
+    axes.plot([], [], color=style.GREY, linewidth=0.3, label="thin: a single profile")
 
 
-def _curves_by_method(case: xr.Dataset, quantity: str) -> dict[str, np.ndarray]:
-    """The curves of a case by their methods, in the order in which they are drawn."""
+def _methods(case: xr.Dataset, quantity: str) -> list[str]:
+    """The methods that have a curve of a case, in the order in which they are drawn."""
     methods = _in_drawing_order(case["solution_method"].values.tolist())
-    rows = {method: curves.curve(case, quantity, method) for method in methods}
-    return {method: row for method, row in rows.items() if row is not None}
+    return [method for method in methods if curves.curve(case, quantity, method) is not None]
 
 
 def _in_drawing_order(methods: Iterable[str]) -> list[str]:

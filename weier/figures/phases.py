@@ -11,7 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from weier.figures import style
+from weier.figures import lines, style
 from weier.pipeline import curves
 
 CAPTION = (
@@ -38,16 +38,16 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    loads = cases[0]["mean_pressure"].values
-    h = np.array([curves.numerical(case, "compliance") for case in cases])
+    drawn = [each for case in cases if (each := lines.line(case, "compliance", curves.numerical_method(case)))]
+    fine, h = lines.on_common_loads(drawn)
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
     for row, color in zip(h, colors, strict=True):
-        axes.plot(loads, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
+        axes.plot(fine, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
     axes.plot(
-        loads, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases", zorder=3
+        fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases", zorder=3
     )
     checks = [curves.less_accurate(case, "compliance") for case in cases]
-    style.draw_sparse_points(axes, loads, zip(checks, colors, strict=True))
+    style.draw_sparse_points(axes, cases[0]["mean_pressure"].values, zip(checks, colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

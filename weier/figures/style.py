@@ -27,6 +27,8 @@ MAX_PANELS = 4  # in one column: more would not fit a page
 FAINT_ALPHA = 0.3  # opacity of the curves of single cases among many
 LOGARITHMIC_MARGIN = 1.3  # factor between the extreme values and the ends of a logarithmic axis
 
+GREY = "0.35"  # of what a legend names without a colour
+
 # These stand in Python, not in a style sheet, so that whatever follows imports sees a change of style.
 RC: dict[str, Any] = {
     "font.family": "STIXGeneral",

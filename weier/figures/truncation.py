@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.figures import style
+from weier.figures import lines, style
 from weier.pipeline import curves
 
 # From the values of a series and its total amplitude to values that count from a datum which all series share.
@@ -49,8 +49,10 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str, datum: D
         thin = {"linewidth": 0.4, "alpha": style.FAINT_ALPHA} if len(same) > 1 else {}
         for number, case in enumerate(same):
             label = style.describe(case, "m") if number == 0 else None
-            values = datum(numerical_or_nan(case, quantity), float(case["total_amplitude"]))
-            axes.plot(case["mean_pressure"].values, values, label=label, **look | thin)
+            drawn = lines.line(case, quantity, curves.numerical_method(case))
+            if drawn is not None:
+                loads, values = drawn
+                axes.plot(loads, datum(values, float(case["total_amplitude"])), label=label, **look | thin)
     alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
     checks = [(_less_accurate(case, quantity, datum), color) for case, color in alone]
     style.draw_sparse_points(axes, cases[0]["mean_pressure"].values, checks)

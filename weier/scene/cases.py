@@ -85,13 +85,29 @@ class Layout(NamedTuple):
     edges: int
 
 
+class Grouping(NamedTuple):
+    """Which parameters of a sweep a figure shows, and how; none where the figure chooses.
+
+    colour, facet : the parameter that sets the colour, and the one that each panel has a value of
+    median_over : over which a median is drawn, with a band that holds all curves
+    """
+
+    colour: str = ""
+    facet: str = ""
+    median_over: tuple[str, ...] = ()
+
+
+BY_DEFAULT = Grouping()
+
+
 @dataclass(frozen=True)
 class Figure:
-    """What a figure draws (a module of weier.figures) and from which studies."""
+    """What a figure draws (a module of weier.figures), from which studies, and by which parameters."""
 
     draw: str
     studies: tuple[str, ...]
     title: str
+    grouping: Grouping = BY_DEFAULT
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from weier.data.variables import of_curves
 from weier.data.yaml import number, parse_yaml
 from weier.methods.registry import PLANNED, find_method, names, returned_by
 from weier.methods.settings import checked_settings
-from weier.scene.cases import Case, Figure, Scene, SceneError
+from weier.scene.cases import Case, Figure, Grouping, Scene, SceneError
 from weier.scene.products import MAX_CASES, axis, check_count, combinations
 from weier.theory.loads import check_range, checked_loads
 
@@ -59,6 +59,7 @@ def schema() -> dict[str, Any]:
     """The JSON schema of scene files, with the names of all methods there are."""
     loaded = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
     loaded["$defs"]["method"]["enum"] = names()
+    loaded["$defs"]["parameter"]["enum"] = ["method", *loaded["$defs"]["profile"]["properties"]]
     return loaded
 
 
@@ -86,13 +87,15 @@ def _scene(raw: Raw, text: str, path: Path) -> Scene:
     for name, study in raw["studies"].items():
         with _in_file(path, f"studies.{name}"):
             studies[name] = tuple(_cases(study, raw, plan))
+    with _in_file(path, "figures"):
+        figures = _figures(raw)
     scene = Scene(
         name=path.stem,
         title=raw["title"],
         loads=loads,
         studies=studies,
         batch_size=int(raw.get("batch", BATCH_SIZE)),
-        figures=_figures(raw),
+        figures=figures,
         claims={name: tuple(wanted) for name, wanted in raw.get("claims", {}).items()},
         contact_edges=raw.get("contact_edges", False),
         text=text,
@@ -132,9 +135,23 @@ def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
 
 def _figures(raw: Raw) -> dict[str, Figure]:
     return {
-        name: Figure(figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""))
+        name: Figure(
+            figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""), _grouping(name, figure)
+        )
         for name, figure in raw.get("figures", {}).items()
     }
+
+
+def _grouping(name: str, figure: Raw) -> Grouping:
+    over = figure.get("median over", [])
+    grouping = Grouping(
+        figure.get("colour", ""), figure.get("facet", ""), tuple(over if isinstance(over, list) else [over])
+    )
+    given = [each for each in (grouping.colour, grouping.facet, *grouping.median_over) if each]
+    for each in given:
+        if given.count(each) > 1:
+            raise ValueError(f"{name}: {each} can be the colour, the facet or one to take the median over, not two")
+    return grouping
 
 
 def _check_references(scene: Scene, path: Path) -> None:

@@ -36,9 +36,9 @@ def check_count(studies: Mapping[str, Any], most: int) -> None:
 
 
 def axis(values: Any) -> list[Any]:
-    """A number, a list or a range, as a list."""
+    """A number, a list of numbers and ranges, or a range, as a list."""
     if isinstance(values, list):
-        return values
+        return [value for each in values for value in axis(each)]
     if not isinstance(values, dict):
         return [values]
     if values["count"] > MAX_RANGE_VALUES:
@@ -57,4 +57,6 @@ def _products(study: Mapping[str, Any]) -> list[Product]:
 
 
 def _length(values: Any) -> int:
-    return int(values["count"]) if isinstance(values, dict) else len(values) if isinstance(values, list) else 1
+    if isinstance(values, list):
+        return sum(map(_length, values))
+    return int(values["count"]) if isinstance(values, dict) else 1

@@ -26,6 +26,10 @@ MIN_SHARE = 5 / 6  # of an ensemble, to say what usually happens
 OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and this times it, nothing is decided
 THIN = 2  # every second load is left out, to see what a number owes to the choice of loads
 PARAMETERS = ("D", "gamma", "m")
+LEADS = {
+    Check.no: ["The statement does not hold here."],
+    Check.not_decided: ["Whether the statement holds is not decided here."],
+}
 
 
 class Kind(enum.Enum):
@@ -201,7 +205,7 @@ def combine(findings: Sequence[Sequence[Finding]]) -> Measured:
     first = max(findings[0], key=_distance)
     reasons = [_reason(finding) for finding in every if finding.outcome != Check.yes]
     return Measured(
-        " ".join([*map(_describe_values, findings), *reasons]),
+        " ".join([*map(_describe_values, findings), *LEADS.get(outcome, ()), *reasons]),
         float(first.values.mean()),
         float(first.values.std()),
         len(first.values),
@@ -233,15 +237,11 @@ def _reason(finding: Finding) -> str:
     """Why a condition does not hold, or is not decided, in one sentence."""
     yes, no = (finding.checks.count(check) for check in (Check.yes, Check.no))
     count, name, text = len(finding.checks), finding.ensemble.name, finding.condition.text
-    if count == 1 and finding.ensemble.complete:
-        return {
-            Check.no: f"The statement does not hold here: it is not so that {text} for {name}.",
-            Check.not_decided: f"It is not decided whether {text} for {name}: the value is too close to the limit.",
-        }[finding.outcome]
-    counted = f"of {count} profiles of different phases, {yes} say yes, {no} say no"
-    left = f", and {count - yes - no} {'is' if count - yes - no == 1 else 'are'} too close to tell"
-    counted += left if yes + no < count else ""
+    if finding.ensemble.complete and finding.outcome == Check.no:
+        return f"For {name}, it is not so that {text}."
+    if finding.ensemble.complete:
+        return f"For {name}, it is open whether {text}: the value is too close to the limit."
     if finding.outcome == Check.no:
-        return f"The statement does not hold here: it is not so that {text} for {name}: {counted}."
-    few = f"; at least {MIN_MEMBERS} are needed" if count < MIN_MEMBERS else ""
-    return f"It is not decided whether {text} for {name}: {counted}{few}."
+        return f"For {name}, {no} of {count} profiles contradict that {text}."
+    few = f"; at least {MIN_MEMBERS} profiles are needed" if count < MIN_MEMBERS else ""
+    return f"For {name}, it is open whether {text}: {yes} of {count} profiles say yes and {no} say no{few}."

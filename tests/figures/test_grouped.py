@@ -1,0 +1,126 @@
+"""Figures by the parameters that a scene names: colours, panels and medians say what the scene asks."""
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from matplotlib.figure import Figure
+
+from weier import figures, scene
+from weier.data import dataset
+from weier.figures import compliance, resistance
+from weier.figures.captions import caption
+from weier.scene import Grouping, SceneError
+
+LOADS = np.geomspace(0.01, 4, 12)
+GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]
+
+
+@pytest.fixture(scope="module")
+def sweep() -> xr.Dataset:
+    """Curves that rise with gamma, and differ a little between seeds."""
+    data = dataset.blank(len(GAMMAS) * SEEDS, METHODS, LOADS, 3)
+    for row, (gamma, seed) in enumerate((gamma, seed) for gamma in GAMMAS for seed in range(SEEDS)):
+        data["key"].values[row] = f"case{row}"
+        data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, gamma, 3
+        data["phase"].values[row] = 0, seed + 0.1, seed + 0.2
+        data["total_amplitude"].values[row] = total = gamma + 0.1 * seed
+        data["compliance"].values[row] = total * -np.expm1(-LOADS)
+        data["resistance"].values[row] = total * np.exp(-LOADS)
+    return data
+
+
+def sketch(sweep: xr.Dataset, **grouping: object) -> Figure:
+    figure = compliance.draw([sweep], "", Grouping(**grouping))  # type: ignore[arg-type]
+    figure.draw_without_rendering()
+    return figure
+
+
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
+    """One panel a method, one line a ratio: its median over the seeds, in a band that holds all of them."""
+    figure = sketch(sweep, colour="gamma", facet="method", median_over=("seed",))
+    assert [axes.get_title() for axes in figure.axes] == [
+        "(a)  Demelio,  $D=1.25$,  $m=3$",
+        "(b)  boundary elements,  $D=1.25$,  $m=3$",
+    ]
+    for axes in figure.axes:
+        ends = [line.get_ydata()[-1] for line in axes.get_lines()]
+        assert ends == pytest.approx([(gamma + 0.15) * -np.expm1(-LOADS[-1]) for gamma in GAMMAS])
+        assert len(axes.collections) == len(GAMMAS)
+        assert len({line.get_color() for line in axes.get_lines()}) == len(GAMMAS)
+    assert words(figure) == [
+        *(r"$\gamma=2$", r"$\gamma=5/2$", r"$\gamma=5$"), "line: median over seed", "band: all of them",
+    ]  # fmt: skip
+
+
+def test_the_legend_says_what_dashes_mean_where_they_are_methods(sweep: xr.Dataset) -> None:
+    figure = sketch(sweep, colour="gamma", median_over=("seed",))
+    assert words(figure)[3:5] == ["Demelio", "boundary elements"]
+    (axes,) = figure.axes
+    assert len(axes.get_lines()) == len(GAMMAS) * len(METHODS)
+
+
+def test_what_is_not_named_stays_apart(sweep: xr.Dataset) -> None:
+    (axes,) = sketch(sweep.isel(solution_method=[0]), colour="gamma").axes
+    assert len(axes.get_lines()) == len(GAMMAS) * SEEDS
+    assert not axes.collections
+
+
+PARAMETERS = ["method", "D", "gamma", "m", "phase", "phases", "seed"]
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_every_parameter_can_be_colour_and_facet(name: str, sweep: xr.Dataset) -> None:
+    small = sweep.isel(case=slice(0, 3))
+    assert words(sketch(small, colour=name))
+    assert sketch(small, facet=name).axes
+    assert sketch(small, median_over=(name,)).axes
+
+
+def test_resistance_is_grouped_as_well(sweep: xr.Dataset) -> None:
+    figure = resistance.draw([sweep], "", Grouping("gamma", "method", ("seed",)))
+    assert [axes.get_yscale() for axes in figure.axes] == ["log", "log"]
+
+
+def load(folder: object, **figure: object) -> scene.Scene:
+    text = {
+        "title": "test", "loads": [0.1], "methods": ["layer"],
+        "studies": {"one": {"product": {"D": 1.5, "gamma": [2, 3], "m": 2, "seed": [0, 1]}}},
+        "figures": {"f": {"draw": "compliance", "studies": ["one"]} | figure},
+    }  # fmt: skip
+    path = folder / "scene.yaml"  # type: ignore[operator]
+    path.write_text(yaml.safe_dump(text))
+    return scene.load(path)
+
+
+def test_a_scene_names_the_parameters(tmp_path: object) -> None:
+    loaded = load(tmp_path, colour="gamma", facet="method", **{"median over": "seed"})
+    figures.check_kinds(loaded)
+    assert loaded.figures["f"].grouping == Grouping("gamma", "method", ("seed",))
+    text = caption(loaded, "f").text
+    assert "Each panel has one method. Colours show the gamma." in text
+    assert "Lines are medians over the seed of the phases, and bands hold all curves." in text
+
+
+WRONG: list[tuple[dict[str, object], str]] = [
+    ({"colour": "density"}, "figures.f.colour: 'density' is not one of"),
+    ({"colour": "gamma", "facet": "gamma"}, "gamma can be the colour, the facet or"),
+    ({"facet": "seed", "median over": ["m", "seed"]}, "seed can be the colour, the facet or"),
+]
+
+
+@pytest.mark.parametrize(("figure", "said"), WRONG)
+def test_a_parameter_that_there_is_not_or_twice_is_refused(
+    figure: dict[str, object], said: str, tmp_path: object
+) -> None:
+    with pytest.raises(SceneError, match=said):
+        load(tmp_path, **figure)
+
+
+def test_a_figure_that_takes_no_parameters_says_which_do(tmp_path: object) -> None:
+    with pytest.raises(SceneError, match=r"'profiles' takes no colour.*or draw compliance or resistance"):
+        figures.check_kinds(load(tmp_path, draw="profiles", colour="gamma"))

@@ -1,0 +1,89 @@
+"""Lines between the loads of a curve, from what compliance and resistance say of each other.
+
+The resistance is the slope of the compliance, so that a compliance is drawn as cubic pieces with the right slopes,
+not as a polygon. Where a resistance falls to 0 between two loads, the rise of the compliance tells at which load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from weier.kernels.arrays import Array, Flags
+from weier.pipeline import curves
+
+PIECES = 8  # between two loads
+DECADES = 4  # that a resistance falls on its way to 0, beyond which no axis shows it
+
+
+def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
+    """Loads and values of a curve to draw, at the loads of the case and between them; None if there is no curve."""
+    found = points(case, quantity, method)
+    if found is None:
+        return None
+    loads, values = found
+    h, slope = (curves.curve(case, name, method) for name in ("compliance", "resistance"))
+    if h is None or slope is None or loads.size < 2:
+        return loads, values
+    return compliance_line(loads, h, slope) if quantity == "compliance" else resistance_line(loads, h, slope)
+
+
+def points(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
+    """The loads and values of a curve as they are; None if there is no curve."""
+    values = curves.curve(case, quantity, method)
+    return None if values is None else (case["mean_pressure"].values, values)
+
+
+def on_common_loads(drawn: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """All loads of several lines, and the values of each line there, shape (lines, loads)."""
+    loads = np.unique(np.concatenate([loads for loads, _ in drawn]))
+    return loads, np.array([np.interp(loads, own, values) for own, values in drawn])
+
+
+def between(loads: Array) -> Array:
+    """The loads and others between them, in equal ratios, shape (PIECES (loads - 1) + 1,)."""
+    ratio = (loads[1:] / loads[:-1])[:, None] ** (np.arange(PIECES) / PIECES)
+    return np.append((loads[:-1, None] * ratio).ravel(), loads[-1])
+
+
+def compliance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
+    """The compliance between the loads, as cubics with its slopes (Hermite), shape (PIECES (loads - 1) + 1,)."""
+    fine = between(loads)
+    piece = np.minimum(np.searchsorted(loads, fine, side="right") - 1, loads.size - 2)
+    width = (loads[1:] - loads[:-1])[piece]
+    t = (fine - loads[piece]) / width
+    values = (
+        h[piece] * (1 + 2 * t) * (1 - t) ** 2
+        + h[piece + 1] * t**2 * (3 - 2 * t)
+        + width * (slope[piece] * t * (1 - t) ** 2 - slope[piece + 1] * t**2 * (1 - t))
+    )
+    return fine, np.clip(values, h[piece], h[piece + 1])
+
+
+def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
+    """The resistance at the loads and, where it falls to 0, on its way there.
+
+    Notes
+    -----
+    Before the last gap closes at the load p_c, the resistance is proportional to p_c - p, as -ln p is at p = 1 for
+    one wave (13). The compliance still rises by R (p_c - p)/2 there, which tells p_c.
+    """
+    ends = np.flatnonzero((slope[:-1] > 0) & (slope[1:] == 0))
+    if not ends.size:
+        return loads, slope
+    last = int(ends[-1])
+    zero = zero_load(loads, h, slope, last)
+    remaining = np.append(np.geomspace(1, 10.0**-DECADES, PIECES * DECADES)[1:], 0.0)
+    more = zero - (zero - loads[last]) * remaining
+    beyond: Flags = loads > zero
+    return (
+        np.concatenate([loads[: last + 1], more, loads[beyond]]),
+        np.concatenate([slope[: last + 1], slope[last] * remaining, slope[beyond]]),
+    )
+
+
+def zero_load(loads: Array, h: Array, slope: Array, last: int) -> float:
+    """The load at which the resistance is 0, after the load of this number and not after the next."""
+    return float(min(loads[last] + 2 * (h[last + 1] - h[last]) / slope[last], loads[last + 1]))
