@@ -29,7 +29,7 @@ def test_the_help_tells_which_methods_take_the_infinite_series(method):
 
 
 def _options():
-    command = options.of_one_profile(lambda: None)
+    command = options.of_one_profile(options.LOADS)(lambda: None)
     return command.__click_params__
 
 
