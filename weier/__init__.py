@@ -1,14 +1,23 @@
-"""Elastic contact stiffness and electrical contact resistance of the Weierstrass profile."""
+"""Elastic contact stiffness and electrical contact resistance of the Weierstrass profile.
+
+The public names are imported when they are first used: xarray, pandas and numba take a second, and a program that
+asks for a version or for the help of a command needs none of them.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from weier.data.provenance import VERSION
-from weier.data.results import Contact, open
-from weier.methods.errors import ConvergenceError
-from weier.methods.fields import events, fields
-from weier.methods.solve import solve
-from weier.pipeline.plan import plan
-from weier.theory.conduction import Interface
-from weier.theory.phases import random_phases
-from weier.theory.profile import Profile
+
+if TYPE_CHECKING:
+    from weier.data.results import Contact, open
+    from weier.methods.errors import ConvergenceError
+    from weier.methods.fields import events, fields
+    from weier.methods.solve import solve
+    from weier.pipeline.plan import plan
+    from weier.theory.conduction import Interface
+    from weier.theory.phases import random_phases
+    from weier.theory.profile import Profile
 
 __version__ = VERSION
 
@@ -25,3 +34,28 @@ __all__ = [
     "random_phases",
     "solve",
 ]
+
+_MODULES = {
+    "Contact": "data.results",
+    "ConvergenceError": "methods.errors",
+    "Interface": "theory.conduction",
+    "Profile": "theory.profile",
+    "events": "methods.fields",
+    "fields": "methods.fields",
+    "open": "data.results",
+    "plan": "pipeline.plan",
+    "random_phases": "theory.phases",
+    "solve": "methods.solve",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -22,7 +22,7 @@ def examples(text):
 
 
 def described(command):
-    return (cli if command is None else cli.commands[command]).help
+    return (cli if command is None else cli.commands[command].loaded).help
 
 
 @pytest.mark.parametrize("command", ["solve", "plot", "plan"])

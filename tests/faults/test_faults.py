@@ -329,7 +329,7 @@ def square(x):
 @pytest.mark.parametrize("size", [0, 99])
 def test_a_damaged_cache_of_compiled_kernels(tmp_path, monkeypatch, suffix, size):
     """numba alone would stop at it in every later run."""
-    monkeypatch.setattr(jit, "_FOLDER", str(tmp_path / "cache"))
+    monkeypatch.setattr(jit, "folder", lambda: tmp_path / "cache")
     (tmp_path / "kernels.py").write_text(KERNEL)
     assert compiled_and_cached(tmp_path) == (9.0, 0)
     (damaged,) = (tmp_path / "cache").rglob(f"*.{suffix}")
@@ -343,4 +343,4 @@ def compiled_and_cached(folder):
     spec = importlib.util.spec_from_file_location("kernels", folder / "kernels.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.square(3.0), sum(module.square.stats.cache_hits.values())
+    return module.square(3.0), sum(module.square.compiled.stats.cache_hits.values())

@@ -5,6 +5,7 @@ from threading import Event
 
 import numpy as np
 import pytest
+import scipy.linalg  # noqa: F401 - whose BLAS counts as well
 from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 
 import weier

@@ -1,11 +1,12 @@
 """The cache of compiled kernels: named by what it was made from."""
 
+import importlib.util
 import subprocess
 import sys
 from threading import Thread
 from time import perf_counter
 
-import numba
+import numpy as np
 import pytest
 
 from weier.kernels import jit
@@ -41,7 +42,7 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     (package / "kernels").mkdir()
     for name in ("__init__.py", "kernels/__init__.py"):
         (package / name).touch()
-    for name in ("jit.py", "sources.py"):
+    for name in ("arrays.py", "compiler.py", "jit.py", "sources.py", "transform.py"):
         (package / "kernels" / name).write_text((jit.PACKAGE / "kernels" / name).read_text())
     (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier import constants"))
 
@@ -58,15 +59,12 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
 
 
 @pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
-def test_seconds_of_compiling_are_those_of_the_thread_that_waits():
-    def cubed(x):
-        return x**3
-
-    compiled, seconds = numba.njit(cubed), []
+def test_seconds_of_compiling_are_those_of_the_thread_that_waits(folders):
+    module, seconds = load(folders[0]), []
 
     def call():
         before, start = jit.compiling_seconds(), perf_counter()
-        compiled(2.0)
+        module.product(module.Pair(np.ones(3), np.ones(3)))
         seconds.append((jit.compiling_seconds() - before, perf_counter() - start))
 
     elsewhere = Thread(target=call)
@@ -78,11 +76,102 @@ def test_seconds_of_compiling_are_those_of_the_thread_that_waits():
     assert again == 0
 
 
+KERNELS = """
+from typing import NamedTuple
+import numpy as np
+from weier.kernels.jit import kernel
+
+class Pair(NamedTuple):
+    one: np.ndarray
+    other: np.ndarray
+
+@kernel
+def product(pair):
+    return pair.one @ pair.other + offset(pair)
+
+@kernel
+def offset(pair):
+    return pair.one[0]
+"""
+
+
+def load(folder):
+    """The module of kernels in a folder, as a program of its own would have it."""
+    spec = importlib.util.spec_from_file_location("some_kernels", folder / "some_kernels.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["some_kernels"] = module  # where numba looks for the type of a tuple
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def folders(tmp_path, monkeypatch):
+    """Two copies of one module of kernels, and an empty cache."""
+    monkeypatch.setattr(jit, "folder", lambda: tmp_path / "cache")
+    monkeypatch.delitem(sys.modules, "some_kernels", raising=False)
+    for name in ("checkout", "installed"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "some_kernels.py").write_text(KERNELS)
+    yield tmp_path / "checkout", tmp_path / "installed"
+    sys.modules.pop("some_kernels", None)
+
+
 @pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
-def test_compiling_is_announced_once():
+def test_two_copies_of_the_same_sources_share_a_cache(folders):
+    hits = []
+    for folder in folders:
+        module = load(folder)
+        assert module.product(module.Pair(np.ones(3), np.ones(3))) == 4.0
+        hits.append(sum(module.product.compiled.stats.cache_hits.values()))
+    assert hits == [0, 1]
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_a_kernel_inside_another_is_not_cached_by_itself_and_can_still_be_called(folders):
+    module = load(folders[0])
+    pair = module.Pair(np.ones(3), np.ones(3))
+    module.product(pair)
+    cached = {path.name.partition("-")[0] for path in (folders[0].parent / "cache").rglob("*.nbc")}
+    assert cached == {"some_kernels.product"}
+    assert module.offset(pair) == 1.0
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_compiling_is_announced_for_what_python_calls(folders, monkeypatch):
     said = []
-    jit.announce_compiling(lambda: said.append("now"))
-    compiled = numba.njit(lambda x: x + 1)
+    monkeypatch.setattr(jit, "LISTENERS", [])
+    jit.announce_compiling(said.append)
+    module = load(folders[0])
     assert said == []
-    assert compiled(1) + compiled(1.0) == 4
-    assert said == ["now"]
+    module.product(module.Pair(np.ones(3), np.ones(3)))
+    assert said == ["some_kernels"]  # not for the kernel inside
+    module.product(module.Pair(np.ones(2), np.ones(2)))
+    assert said == ["some_kernels"]
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_a_cache_that_cannot_be_made_stops_nothing(folders, monkeypatch):
+    (folders[0] / "file").touch()
+    monkeypatch.setattr(jit, "folder", lambda: folders[0] / "file" / "cache")
+    module = load(folders[0])
+    assert module.product(module.Pair(np.ones(3), np.ones(3))) == 4.0
+
+
+def test_a_program_imports_what_it_uses():
+    """The heavy packages, by what a program does; numba, xarray and pandas take a second."""
+    heavy = ["bokeh", "matplotlib", "mpmath", "netCDF4", "numba", "pandas", "rocket_fft", "scipy.special", "xarray"]
+    command = "import sys; from weier.cli import cli; sys.argv = ['weier', '--help']; cli(standalone_mode=False)"
+    closed_forms = "from weier.methods.registry import find_method; import numpy as np; from weier import Profile"
+    programs = {
+        "import weier; dir(weier)": [],
+        "import weier; weier.Profile(D=1.25, gamma=5, m=2)": [],
+        "import weier.methods.registry": [],
+        f"{closed_forms}; find_method('westergaard').solve(Profile(D=1.25, gamma=5, m=1), np.array([0.1]))": [],
+        "import weier; weier.solve": ["netCDF4", "pandas", "xarray"],
+        command: [],
+        command.replace("'--help'", "'solve', '--help'"): [],
+    }
+    for program, expected in programs.items():
+        code = f"{program}; import sys; print('\\n', *sorted(sys.modules.keys() & set({heavy})))"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert done.stdout.splitlines()[-1].split() == expected, program

@@ -1,4 +1,4 @@
-"""One run compiles every kernel there is, so that no two jobs of a scene compile the same one side by side."""
+"""One run compiles every kernel there is, and a batch those that it runs, none of them in two jobs side by side."""
 
 import ast
 import os
@@ -11,6 +11,7 @@ import pytest
 from weier.kernels.sources import PACKAGE
 from weier.pipeline import compile
 from weier.pipeline.compile import compile_kernels
+from weier.scene import Case
 
 # As plain Python, which shows what is called.
 PROGRAM = """
@@ -59,25 +60,53 @@ def test_nothing_is_run_where_nothing_is_compiled(monkeypatch):
     compile_kernels()
 
 
-def test_one_process_compiles_and_the_others_find_it_done(tmp_path, monkeypatch):
-    compiled = []
+CASES = [Case({"D": 1.25, "gamma": 5, "m": m}, ("archard", "bem"), {"bem": {"points": 512}}) for m in (1, 2)]
 
-    def compile_all():
-        compiled.append(1)
-        (tmp_path / "cache" / compile.COMPLETE).touch()
 
+@pytest.fixture
+def solved(tmp_path, monkeypatch):
+    """What is solved to compile, into an empty cache."""
+    calls = []
     monkeypatch.setattr("weier.kernels.jit.disabled", lambda: False)
-    monkeypatch.setattr("weier.kernels.jit.cache_folder", lambda: tmp_path / "cache")
-    monkeypatch.setattr(compile, "compile_kernels", compile_all)
+    monkeypatch.setattr("weier.kernels.jit.folder", lambda: tmp_path / "cache")
+    monkeypatch.setattr(compile, "solve", lambda profile, loads, method, **settings: calls.append((method, settings)))
+    return calls
+
+
+def test_a_batch_compiles_what_it_runs_and_its_jobs_share_that(solved):
     with ThreadPoolExecutor(4) as pool:
-        for _ in pool.map(lambda _: compile.compile_once(), range(4)):
+        for _ in pool.map(lambda _: compile.compile_for(CASES), range(4)):
             pass
-    assert compiled == [1]
+    assert sorted(solved) == [("archard", {}), ("bem", {})]
+    compile.compile_for(CASES)
+    assert len(solved) == 2
 
 
-def test_a_cache_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch):
+def test_settings_with_kernels_of_their_own_are_compiled_for_cases_that_have_them(solved):
+    settings = {"bem": {"solver": "direct", "points": 96}}
+    compile.compile_for([Case({"D": 1.25, "gamma": 5, "m": 1}, ("bem",), settings)])
+    assert solved == [("bem", {"solver": "direct"})]
+
+
+def test_a_job_takes_another_task_while_one_is_compiled_elsewhere(solved, monkeypatch):
+    first, second = compile._tasks_of(CASES)
+    order = []
+    with compile._locked(first, wait=False) as free:
+        assert free
+
+        def run(task):
+            order.append(task.method)
+            if task == second:
+                raise InterruptedError  # before it waits for the other for ever
+
+        monkeypatch.setattr(compile.Task, "run", run)
+        with pytest.raises(InterruptedError):
+            compile.compile_for(CASES)
+    assert order == [second.method]
+
+
+def test_a_cache_that_cannot_be_written_stops_nothing(solved, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
-    monkeypatch.setattr("weier.kernels.jit.disabled", lambda: False)
-    monkeypatch.setattr("weier.kernels.jit.cache_folder", lambda: tmp_path / "file" / "cache")
-    monkeypatch.setattr(compile, "compile_kernels", lambda: pytest.fail("compiled"))
-    compile.compile_once()
+    monkeypatch.setattr("weier.kernels.jit.folder", lambda: tmp_path / "file" / "cache")
+    compile.compile_for(CASES)
+    assert len(solved) == 2

@@ -5,16 +5,26 @@ May use all other folders of weier, and none of them uses it.
 
 from __future__ import annotations
 
+import ast
 import sys
-from typing import NoReturn
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NoReturn
 
 import click
 
-from weier.cli import measure, plan, profile, scene
 from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
 
+# The commands of each module, in the order of the help.
+COMMANDS = {
+    "profile": ("solve", "plot"),
+    "plan": ("plan",),
+    "scene": ("compile", "batch", "figure", "claims", "page"),
+    "measure": ("tradeoff", "convergence", "extremes", "draw"),
+}
 EXIT = "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage."
 
 
@@ -37,20 +47,59 @@ def cli() -> None:
     """  # noqa: D301 - click wants the character
 
 
-for module in (profile, plan, scene, measure):
-    for command in module.COMMANDS:
-        cli.add_command(command)
+class Command(click.Command):
+    """A command whose module is imported when it is called: the list of all of them is there at once."""
+
+    def __init__(self, module: str, name: str, summary: str) -> None:
+        super().__init__(name, short_help=summary)
+        self._module = module
+
+    @property
+    def loaded(self) -> click.Command:
+        """The command itself."""
+        command: click.Command = getattr(import_module(f"{__name__}.{self._module}"), str(self.name))
+        return command
+
+    def make_context(self, *arguments: Any, **options: Any) -> click.Context:
+        """The context of the command itself, in which it runs."""
+        return self.loaded.make_context(*arguments, **options)
+
+
+def _summaries(module: str) -> dict[str, str]:
+    """The first line of each function's docstring in a module of commands, from its text."""
+    tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
+    functions = [statement for statement in tree.body if isinstance(statement, ast.FunctionDef)]
+    return {each.name: (ast.get_docstring(each) or "").partition("\n")[0] for each in functions}
+
+
+for _module, _names in COMMANDS.items():
+    _lines = _summaries(_module)
+    for _name in _names:
+        cli.add_command(Command(_module, _name, _lines[_name]))
 
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
-    announce_compiling(lambda: click.echo("compiling, once for this installation: up to a minute", err=True))
+    announce_compiling(_say_compiling())
     try:
         cli(prog_name="weier")
     except MemoryError:
         _stop("not enough memory: ask for fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:
         _stop(" ".join(str(error).split()))
+
+
+def _say_compiling() -> Callable[[str], None]:
+    """What tells which method is compiled, once for each."""
+    told: set[str] = set()
+
+    def say(module: str) -> None:
+        name = module.removeprefix("weier.methods.").partition(".")[0]
+        if name not in told:
+            click.echo(f"compiling {name}, once for all later runs", err=True)
+        told.add(name)
+
+    return say
 
 
 def _stop(why: str) -> NoReturn:

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import click
 
-from weier import scene
 from weier.cli.options import FILES, SCENE, output
-from weier.data import dataset
 
 
 @click.command()
@@ -21,7 +19,9 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 
     The profiles are those of a scene. The data go to PATH, and the page to TABLE.
     """
+    from weier import scene
     from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
+    from weier.data import dataset
 
     loaded = scene.load(scene_file)
     data = trade.measure(loaded)
@@ -40,7 +40,9 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 
     The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it.
     """
+    from weier import scene
     from weier.accuracy import convergence as study
+    from weier.data import dataset
 
     loaded = scene.load(scene_file)
     profiles = [case.profile for case in loaded.cases.values()]
@@ -54,6 +56,7 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 def extremes(path: Path, table: Path) -> None:
     """Examine every method where digits are lost."""
     from weier.accuracy import extremes as report  # as in tradeoff
+    from weier.data import dataset
 
     title = "Stability at the extremes"
     data = report.measure()
@@ -70,9 +73,7 @@ def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
 
     It is written as PDF, SVG and PNG beside PATH.
     """
+    from weier.data import dataset
     from weier.figures import draw as draw_files  # matplotlib, as in weier.cli.profile
 
     draw_files(kind, [dataset.read(file) for file in files], "", path)
-
-
-COMMANDS = (tradeoff, convergence, extremes, draw)

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from weier import scene
 from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parse_loads
 from weier.kernels.arrays import Array
-from weier.methods.planned.plan import Plan
 from weier.methods.segment import QUANTITIES
-from weier.pipeline import single
-from weier.pipeline.plan import ScenePlan
-from weier.pipeline.plan import plan as plan_scene
+
+if TYPE_CHECKING:
+    from weier.methods.planned.plan import Plan
+    from weier.pipeline.plan import ScenePlan
 
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 
@@ -59,15 +58,17 @@ def plan(
 
 
 def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, quantity: str | None) -> ScenePlan:
+    from weier import scene
+    from weier.pipeline.plan import plan as plan_scene
+
     return plan_scene(scene.load(scene_file), loads, tolerance, quantity)
 
 
 def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | None, quantity: str | None) -> Plan:
+    from weier.pipeline import single  # xarray, as in `weier solve`
+
     missing = [option for option, name in NEEDED.items() if series[name] is None]
     if missing:
         raise click.UsageError(f"a profile takes -D, --gamma and -m, got no {' and no '.join(missing)}")
     pressures = parse_loads(LOADS) if loads is None else loads
     return single.plan_one(parameters(**series), pressures, tolerance, quantity)
-
-
-COMMANDS = (plan,)

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import xarray as xr
 
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, of_one_profile, output, parameters
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, PLOTTED
 from weier.methods.segment import QUANTITIES
-from weier.pipeline import single
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def _solved(loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any) -> xr.Dataset:
+    from weier.pipeline import single  # xarray, as in `solve`
+
     return single.solve_one(parameters(**series), loads, methods, settings)
 
 
@@ -36,6 +39,8 @@ def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points=6400
     """  # noqa: D301 - click wants the character
+    from weier.pipeline import single  # xarray takes half a second, and the help of the command needs none of it
+
     data = _solved(methods=methods or (DEFAULT,), **options)
     if output is None:
         click.echo(single.as_json(data))
@@ -59,6 +64,3 @@ def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> N
     from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
 
     draw(quantity, [_solved(methods=methods or PLOTTED, **options)], "", path)
-
-
-COMMANDS = (solve, plot)

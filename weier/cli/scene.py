@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from weier import scene
 from weier.cli.options import FILE, FILES, SCENE, output
-from weier.data import dataset
-from weier.figures import check_kinds, draw
-from weier.pipeline import claims as claim
-from weier.pipeline import gather
-from weier.pipeline.batch import solve_batch
+
+if TYPE_CHECKING:
+    from weier.scene import Scene
 
 # From a folder, since the names of some thousands of files fit no command.
 BATCHES = click.argument("batches", type=FILE)
@@ -35,11 +33,13 @@ def compile() -> None:
 @click.option("--threads", type=click.IntRange(1), default=1, show_default=True, help="Cases at a time.")
 def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> None:
     """Solve one batch of a scene."""
-    from weier.pipeline.compile import compile_once  # kernels of all methods, which only these two commands need
+    from weier.data import dataset
+    from weier.pipeline.batch import solve_batch
+    from weier.pipeline.compile import compile_for
 
     loaded = _load(scene_file)
     cases = loaded.batch(name)
-    compile_once()
+    compile_for(cases)
     curves, seconds = solve_batch(loaded, cases, threads)
     dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
     dataset.write(curves, data, loaded.title, "solved", loaded.text)
@@ -55,6 +55,9 @@ def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
 
     It is written as PDF, SVG and PNG beside PATH.
     """
+    from weier.figures import draw
+    from weier.pipeline import gather
+
     loaded = _load(scene_file)
     wanted = loaded.figure(name)
     studies = [gather.read_study(loaded, study, batches) for study in wanted.studies]
@@ -71,6 +74,8 @@ def claims(scene_file: Path, path: Path, table: Path, batches: Path) -> None:
 
     The data come from the folder BATCHES.
     """
+    from weier.pipeline import claims as claim
+
     claim.write(_load(scene_file), batches, path, table)
 
 
@@ -91,12 +96,13 @@ def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> 
     pages.write(_load(scene_file), contact, figures, costs, path)
 
 
-def _load(scene_file: Path) -> scene.Scene:
+def _load(scene_file: Path) -> Scene:
     """A scene whose figures can be drawn and whose claims exist."""
+    from weier import scene
+    from weier.figures import check_kinds
+    from weier.pipeline import claims as claim
+
     loaded = scene.load(scene_file)
     check_kinds(loaded)
     claim.check_names(loaded)
     return loaded
-
-
-COMMANDS = (compile, batch, figure, claims, page)

@@ -46,5 +46,7 @@ def _give_up_control() -> None:
 
 @cache
 def _libraries() -> ThreadpoolController:
-    # Those that are loaded by now, found once: the search takes 30 ms.
+    # numpy has one, and scipy another that must be loaded to be found. Once, since the search takes 30 ms.
+    import scipy.linalg  # noqa: F401
+
     return ThreadpoolController()

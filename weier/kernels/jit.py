@@ -1,26 +1,23 @@
-"""One decorator for all kernels: numba with a disk cache that cannot go stale.
+"""One decorator for all kernels: numba, from the first call on, with a disk cache that cannot go stale.
 
-numba stamps a cached kernel with the file that it stands in, so that an edited callee or constant of another
-module would be ignored. Here the cache folder is named by a hash of every source file that kernels stand in or
-import from, and of the versions of numba and rocket-fft: edit any of them and all kernels compile afresh, once,
-for all processes that import this copy of the package.
+A program that calls no kernel does not import numba, which takes half a second. `weier.kernels.compiler` holds all
+that needs it.
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar, cast
-
-import numba
-from numba.core import event
 
 from weier.kernels.sources import PACKAGE, sources
 
@@ -38,7 +35,12 @@ def kernel_sources() -> list[Path]:
 
 
 def cache_folder() -> Path:
-    """Where compiled kernels live: NUMBA_CACHE_DIR or the user's cache folder, then the hash."""
+    """Where compiled kernels live: NUMBA_CACHE_DIR or the user's cache folder, then a digest.
+
+    It is one of every source file that kernels stand in or import from, and of the versions of numba and rocket-fft:
+    edit any of them and all kernels compile afresh, once, for all copies of the package with these sources. numba
+    alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
+    """
     stamp = hashlib.sha256()
     for path in kernel_sources():
         stamp.update(path.read_bytes())
@@ -48,94 +50,95 @@ def cache_folder() -> Path:
     return base / f"weier-{stamp.hexdigest()[:16]}"
 
 
-_FOLDER = str(cache_folder())
+@cache
+def folder() -> Path:
+    """The folder of this process: what it has imported stays as it is, whatever is edited meanwhile."""
+    return cache_folder()
 
 
 def disabled() -> bool:
     """Whether the kernels run as plain Python, NUMBA_DISABLE_JIT=1."""
-    config: Any = numba.config
-    return bool(config.DISABLE_JIT)
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
-@contextmanager
-def _cached_here() -> Iterator[None]:
-    # numba reads the folder when a function is decorated; other packages keep their own.
-    config: Any = numba.config
-    before, config.CACHE_DIR = config.CACHE_DIR, _FOLDER
-    try:
-        yield
-    finally:
-        config.CACHE_DIR = before
-
-
-class _Compiling(event.Listener):
-    """The seconds of each thread under numba's lock: it compiles a kernel, loads one, or waits for another thread."""
+class Stopwatch:
+    """The seconds that each thread has spent inside: it imports numba, compiles a kernel, loads one, or waits."""
 
     def __init__(self) -> None:
         self.of_thread = threading.local()
 
-    def on_start(self, event: Any) -> None:
+    def start(self) -> None:
+        """Begin to count, unless this thread does so already."""
         depth = getattr(self.of_thread, "depth", 0)
         if depth == 0:
             self.of_thread.since = perf_counter()
         self.of_thread.depth = depth + 1
 
-    def on_end(self, event: Any) -> None:
+    def stop(self) -> None:
+        """End what began last."""
         self.of_thread.depth -= 1
         if self.of_thread.depth == 0:
             self.of_thread.seconds = self.seconds() + perf_counter() - self.of_thread.since
 
     def seconds(self) -> float:
+        """Those of this thread so far."""
         return getattr(self.of_thread, "seconds", 0.0)
 
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Count in a `with` statement."""
+        self.start()
+        try:
+            yield
+        finally:
+            self.stop()
 
-_COMPILING = _Compiling()
-event.register("numba:compiler_lock", _COMPILING)  # type: ignore[no-untyped-call]  # numba has no types
+
+COMPILING = Stopwatch()
 
 
 def compiling_seconds() -> float:
     """What this thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve."""
-    return _COMPILING.seconds()
+    return COMPILING.seconds()
 
 
-class _FirstCompiling(event.Listener):
-    """Calls `say` when the first kernel is compiled that the cache does not hold."""
+def announce_compiling(say: Callable[[str], None]) -> None:
+    """Call `say` with the module of each kernel that the cache does not hold, before it is compiled.
 
-    def __init__(self, say: Callable[[], None]) -> None:
-        self.say: Callable[[], None] | None = say
-
-    def on_start(self, event: Any) -> None:
-        if self.say:
-            self.say()
-        self.say = None
-
-    def on_end(self, event: Any) -> None:
-        pass
+    Without a word, nothing would be seen for many seconds.
+    """
+    LISTENERS.append(say)
 
 
-def announce_compiling(say: Callable[[], None]) -> None:
-    """Call `say` once, when the first kernel is compiled: without a word, nothing would be seen for many seconds."""
-    event.register("numba:compile", _FirstCompiling(say))  # type: ignore[no-untyped-call]  # numba has no types
+LISTENERS: list[Callable[[str], None]] = []
+
+
+class Kernel:
+    """A function that numba compiles at the first call."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        functools.update_wrapper(self, function)
+        self.function = function
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the compiled function."""
+        return self.compiled(*arguments)
+
+    @cached_property
+    def compiled(self) -> Any:
+        """What a call from Python runs, numba's dispatcher: cached on disk with all kernels that it calls."""
+        with COMPILING.running():
+            from weier.kernels import compiler
+
+            return compiler.entry(self.function)
+
+    @cached_property
+    def _numba_type_(self) -> Any:  # numba's name for the type that an object has in compiled code
+        from weier.kernels import compiler
+
+        return compiler.inner_type(self.function)
 
 
 def kernel(function: Function) -> Function:
     """Compile `function` with numba on first call: arrays in, arrays out, IEEE division, no GIL."""
-    with _cached_here():
-        compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
-    if not disabled():
-        _forgive(compiled._cache)
-    return cast(Function, compiled)
-
-
-def _forgive(cache: Any) -> None:
-    """Treat a damaged file of the cache as a missing one; numba alone would fail on it in every run."""
-    load = cache.load_overload
-
-    def load_or_forget(*arguments: Any) -> Any:
-        try:
-            return load(*arguments)
-        except Exception:  # whatever pickle makes of torn bytes
-            cache.flush()
-            return None
-
-    cache.load_overload = load_or_forget
+    return function if disabled() else cast(Function, Kernel(function))

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.jit import kernel
+from weier.kernels.transform import Spectrum
 from weier.methods.bem.contact import DiscreteSolution, blank_solution, count, count_patches
 from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, refine
-from weier.methods.bem.transform import Spectrum, circulant_product
+from weier.methods.bem.transform import circulant_product
 
 Array = NDArray[np.float64]
 

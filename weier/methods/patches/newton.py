@@ -10,8 +10,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgetrf, dgetrs
 
 from weier.kernels.arrays import Array, Flags
 from weier.methods.patches.collocation import assemble
@@ -109,14 +109,15 @@ def _solve(matrix: Array, right_side: Array, near: Factors | None) -> tuple[Arra
             first = ratio if refinement == 0 else first
             if ratio * first < REFINEMENT_TOLERANCE:
                 return solution, near
-    lu, pivot, singular = dgetrf(matrix.T, overwrite_a=True)  # LAPACK's columns are numpy's rows: nothing is copied
+    # LAPACK's columns are numpy's rows: nothing is copied.
+    lu, pivot, singular = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)
     if singular:
         raise np.linalg.LinAlgError
     return _back_substitute((lu, pivot), right_side), (lu, pivot)
 
 
 def _back_substitute(factors: Factors, right_side: Array) -> Array:
-    return dgetrs(*factors, right_side, trans=1)[0]
+    return scipy.linalg.lapack.dgetrs(*factors, right_side, trans=1)[0]
 
 
 def _step_size(segments: Segments, phi: Array, step: Array) -> float:

@@ -1,0 +1,130 @@
+"""How numba compiles kernels: those that Python calls into the disk cache, with all that they call inside.
+
+A kernel that only other kernels call needs no way in from Python, which takes numba as long to make as the rest of a
+small kernel whose arguments are tuples of arrays, and no place in the cache.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core import event, types
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, UserProvidedCacheLocator
+from numba.extending import overload
+from rocket_fft import c2r, r2c
+
+from weier.kernels import jit
+from weier.kernels.transform import backward, forward
+
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+AXES = np.zeros(1, np.int64)  # along which to transform: made here, since in a kernel each product would make it anew
+_LOCK = threading.RLock()
+
+
+class _Locator(UserProvidedCacheLocator):
+    """Where a kernel is kept: below the folder that digests its sources, by the module and not by its path."""
+
+    def __init__(self, function: Any, file: str) -> None:
+        self._py_file, self._lineno = file, function.__code__.co_firstlineno
+        self._cache_path = str(jit.folder() / function.__module__)
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> Any:
+        locator = cls(function, file)
+        locator.ensure_cache_path()
+        return locator
+
+
+class _Layout(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012 - as numba has it
+
+
+class _Cache(FunctionCache):
+    """A damaged file counts as a missing one, and a full disk as no cache; numba alone would fail in every run."""
+
+    _impl_class = _Layout
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        try:
+            return super().load_overload(signature, context)
+        except Exception:  # whatever pickle makes of torn bytes
+            self.flush()
+            return None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        with suppress(OSError):
+            super().save_overload(signature, result)
+
+
+def entry(function: Callable[..., Any]) -> Any:
+    """The dispatcher of a kernel for calls from Python, with a cache unless none can be written."""
+    with _LOCK:
+        return _entry(function)
+
+
+@cache
+def _entry(function: Callable[..., Any]) -> Any:
+    dispatcher: Any = numba.njit(**OPTIONS)(function)
+    try:
+        dispatcher._cache = _Cache(function)
+    except OSError:
+        dispatcher._cache = NullCache()
+    return dispatcher
+
+
+def inner_type(function: Callable[..., Any]) -> Any:
+    """The type of a kernel for calls from other kernels."""
+    with _LOCK:
+        return types.Dispatcher(_inner(function))
+
+
+@cache
+def _inner(function: Callable[..., Any]) -> Any:
+    options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return numba.njit(**options)(function)
+
+
+class _Watch(event.Listener):
+    """Counts the time under numba's lock, of a thread that compiles a kernel, loads one, or waits for another."""
+
+    def on_start(self, event: Any) -> None:
+        jit.COMPILING.start()
+
+    def on_end(self, event: Any) -> None:
+        jit.COMPILING.stop()
+
+
+class _Announcer(event.Listener):
+    """Tells whose kernel is compiled; a kernel inside another one belongs to that."""
+
+    def __init__(self) -> None:
+        self.depth = 0
+
+    def on_start(self, event: Any) -> None:
+        self.depth += 1
+        if self.depth == 1:
+            for say in jit.LISTENERS:
+                say(str(event.data["dispatcher"].py_func.__module__))
+
+    def on_end(self, event: Any) -> None:
+        self.depth -= 1
+
+
+event.register("numba:compiler_lock", _Watch())
+event.register("numba:compile", _Announcer())
+
+
+@overload(forward, strict=False)
+def _compiled_forward(x: Any, spectrum: Any) -> Any:
+    return lambda x, spectrum: r2c(x, spectrum, AXES, True, 1.0, 1)
+
+
+@overload(backward, strict=False)
+def _compiled_backward(spectrum: Any, x: Any) -> Any:
+    return lambda spectrum, x: c2r(spectrum, x, AXES, False, 1.0 / x.size, 1)
