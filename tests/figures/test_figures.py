@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from weier import figures, scene
 from weier.data import dataset
 from weier.data.dataset import Status
-from weier.figures import style, truncated_compliance
+from weier.figures import style, truncated_compliance, truncation
 from weier.figures.captions import caption
 from weier.methods import registry
 from weier.methods.method import Style
@@ -294,14 +294,20 @@ def test_boundary_elements_are_points_beside_each_exact_curve(studies: dict[str,
         assert [line.get_marker() for line in without] == ["None"]
 
 
-def test_truncated_series_meet_in_the_mean_plane(studies: dict[str, xr.Dataset]) -> None:
+def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict[str, xr.Dataset]) -> None:
     for case in curves.cases([studies["terms"]]):
         h = curves.numerical(case, "compliance")
         assert h is not None
-        gap = -truncated_compliance.from_mean_plane(h, float(case["total_amplitude"]))
+        whole = 1 / (1 - 3**-0.75)  # G for D = 1.25, gamma = 3 (22)
+        gap = whole - truncated_compliance.from_the_infinite_series(
+            h, float(case["total_amplitude"]), truncation.infinite_amplitude(case)
+        )
         assert np.all(np.diff(gap) < 0)
         assert np.all(gap > -1e-9)  # the surfaces do not overlap
         assert gap[0] < case["total_amplitude"]  # they touch no earlier than the highest crest does
+    (axes, *_) = sketch("truncated_compliance", [studies["terms"]]).axes
+    assert axes.get_ylabel() == style.LABELS["compliance"]
+    assert axes.get_ylim()[0] == 0
 
 
 def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -> None:

@@ -12,10 +12,13 @@ from bokeh.models import Line, Scatter
 
 from weier import scene
 from weier.data import dataset, provenance
+from weier.data.check import Check
 from weier.data.dataset import Status
 from weier.figures import kinds, page, style
 from weier.figures.page import explorer, plans
+from weier.figures.page.formulae import typeset
 from weier.methods import registry
+from weier.pipeline import claims
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
@@ -71,7 +74,10 @@ def test_the_page_needs_no_network(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
-    assert re.findall(r"(?:src|href)=\"(?!data:)", markup) == []
+    links = re.findall(r"(?:src|href)=\"(?!data:)([^\"]*)", markup)
+    assert [link for link in links if not link.startswith(("#", "figures/"))] == [
+        *("contact.nc", "claims.md", "https://doi.org/10.1016/j.jmps.2003.12.002"),
+    ]  # which a reader may follow; nothing is fetched to show the page
     for heading in ("Curves, all 4 cases", "Figures", "Claims", "Errors", "Cost", "Provenance"):
         assert f"<h2>{heading}</h2>" in markup
 
@@ -97,9 +103,9 @@ def test_costs_and_states_are_counted(folder):
 def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
     data, cost = dataset.blank(1, METHODS, LOADS, 3), dataset.blank_cost(1, METHODS[::-1])
     cost["seconds"].values[:] = 1234.5, 2.5e-5  # bem, demelio
-    assert re.findall(r"<td>(.*?)</td>", page._costs(data, [cost])) == [
-        *("demelio", "1", "2.5e-05", "2.5e-05", "2.5e-05"),
-        *("bem", "1", "1200", "1200", "1230"),
+    assert page._costs(data, [cost]).rows == [
+        ["demelio", 1, "2.5e-05", "2.5e-05", "2.5e-05"],
+        ["bem", 1, "1200", "1200", "1230"],
     ]
 
 
@@ -108,15 +114,18 @@ def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
     data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
-    assert "<td>bem</td><td>0</td><td>2</td><td>0</td><td>0</td><td>7.0e-05</td><td>inf</td><td>3.0e-11</td>" in (
-        page._errors(data)
-    )
-    assert "<td>demelio</td><td>0</td><td>2</td><td>0</td><td>0</td><td></td><td></td><td></td>" in page._errors(data)
-    assert page._errors(data).count("expected") == 2
-    assert "expected" not in page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
+    table = page._errors(data)
+    assert table.rows == [
+        ["demelio", 0, 2, 0, 0, "", "", ""],
+        ["bem", 0, 2, 0, 0, "7.0e-05", "inf", "3.0e-11"],
+    ]
+    assert sum("expected" in heading for heading in table.header) == 2
+    without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
+    assert not any("expected" in heading for heading in without.header)
     data["compliance_error"].values[:] = data["resistance_error"].values[:] = np.nan  # of a scene without a tolerance
-    assert "expected" not in page._errors(data)
-    assert "residual" in page._errors(data)
+    table = page._errors(data)
+    assert not any("expected" in heading for heading in table.header)
+    assert any("residual" in heading for heading in table.header)
 
 
 def test_a_method_looks_as_in_the_figures():
@@ -155,7 +164,8 @@ def test_a_method_looks_as_in_the_figures():
 def test_figures_have_captions(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {kinds()['profiles'].caption}"
-    assert f"<figcaption>{caption}</figcaption>" in text
+    assert f"<figcaption>{caption}" in text
+    assert '<a href="figures/figure_1.svg">svg</a>' in text
     assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in text
 
 
@@ -163,7 +173,44 @@ def test_the_page_says_what_its_date_is(folder):
     with dataset.reading(folder / "contact.nc") as data:
         comment = data.attrs["comment"]
     assert provenance.commit().dating in comment
-    assert f"<td>{comment}</td>" in (folder / "page.html").read_text(encoding="utf-8")
+    assert f"<td>{typeset(comment)}</td>" in (folder / "page.html").read_text(encoding="utf-8")
+
+
+OUTCOMES = {"archard_above": Check.yes, "demelio_below": Check.no, "layer_close": Check.not_decided}
+
+
+def test_a_claim_is_a_card_that_says_why(folder):
+    measured = {
+        name: claims.Measured(f"Error of {name}: 1.5e-04 g_0.", f"Why {outcome.text}.", outcome=outcome)
+        for name, outcome in OUTCOMES.items()
+    }
+    section = page._claims(dataset.blank(1, METHODS, LOADS, 3).merge(claims._columns(measured)))
+    assert [(claim.name, claim.outcome) for claim in section.claims] == list(OUTCOMES.items())
+    assert [claim.reason for claim in section.claims] == ["Why yes.", "Why no.", "Why not decided."]
+
+
+def test_the_contents_lead_to_every_section(folder):
+    text = (folder / "page.html").read_text(encoding="utf-8")
+    anchors = re.findall(r'<li><a href="#([^"]+)">', text)
+    assert anchors == re.findall(r'<section id="([^"]+)">', text) == [
+        "curves", "figures", "claims", "errors", "cost", "provenance",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("h = sum g_n", "<i>h</i> = &sum; <i>g<sub>n</sub></i>"),
+        ("in g_0/p_0*", "in <i>g<sub>0</sub></i>/<i>p<sub>0</sub></i><sup>*</sup>"),
+        ("gamma = 5 <b>", "<i>&gamma;</i> = 5 &lt;b&gt;"),
+        ("7.0e-05", "7.0&times;10<sup>&minus;5</sup>"),
+        ("1e+03 and inf", "1&times;10<sup>3</sup> and &infin;"),
+        ("2 pi M", "2 &pi; M"),
+        ("not_requested, weier_1e5, information", "not_requested, weier_1e5, information"),
+    ],
+)
+def test_symbols_and_numbers_are_typeset(text, html):
+    assert typeset(text) == html
 
 
 @pytest.fixture
@@ -290,7 +337,8 @@ const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
   (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
 const measure = () => {
   if (find(document, "canvas").length < 2) return setTimeout(measure, 200)
-  const ends = find(document, "select, canvas, input, img").map((each) => each.getBoundingClientRect().right)
+  const parts = find(document, "select, canvas, input, img, article, nav")
+  const ends = parts.map((each) => each.getBoundingClientRect().right)
   const { clientWidth, scrollWidth } = document.documentElement
   parent.postMessage({ window: clientWidth, page: scrollWidth, ends }, "*")
 }
@@ -310,6 +358,8 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phase"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
+    measured = claims.Measured("a number with words " * 30, "It does not hold. " * 9, outcome=Check.no)
+    data = data.merge(claims._columns({"archard_above": measured}))
     dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
     page.write(load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], [], tmp_path / "page.html")
     head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
@@ -318,7 +368,7 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     text = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
     widths = json.loads(re.search(r'<pre id="result">(.*?)</pre>', text).group(1))
     assert widths["page"] == widths["window"] <= 420  # the frame, less a bar to scroll up and down
-    assert len(widths["ends"]) > 5 + len(registry.names()) + 2  # drop-downs, boxes, plots
+    assert len(widths["ends"]) > 5 + len(registry.names()) + 4  # drop-downs, boxes, plots, contents, a claim
     assert max(widths["ends"]) <= widths["window"]
 
 

@@ -22,6 +22,7 @@ PAPER = (
     f"{', '.join(AUTHORS)}, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
 )
+DOI = "https://doi.org/10.1016/j.jmps.2003.12.002"
 SUMMARY = (
     "Elastic compliance and electrical contact resistance against mean pressure of a Weierstrass profile pressed on "
     "a plane: closed-form estimates, numerical solutions, and bounds on the infinite series, by case and method."
@@ -54,7 +55,7 @@ FIXED = {
     "program": "weier",
     "product_version": VERSION,
     "standard_name_vocabulary": "CF Standard Name Table v93",
-    "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
+    "metadata_link": DOI,
 }
 
 

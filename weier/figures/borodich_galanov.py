@@ -30,7 +30,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     ):
         axes.plot(*stiffness_curve(x), label=label, color=color, linestyle=dash)
     axes.axhline(1, color=style.BLACK, linewidth=0.5)
-    axes.annotate("smooth punch", (0.98, 1), (0, 2), textcoords="offset points", ha="right", fontsize=8)
+    axes.annotate("smooth punch", (0.98, 1), (0, 4), textcoords="offset points", ha="right", fontsize=8)
     axes.set(xlim=(0, 1), ylim=(0, MAX_STIFFNESS))
     axes.set_xlabel(r"roughness $\epsilon$")
     axes.set_ylabel(r"stiffness and conductance $\kappa = k/k_H$")

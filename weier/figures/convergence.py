@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,26 +15,35 @@ from weier.figures import style
 from weier.pipeline import curves
 
 CAPTION = (
-    "The infinite series: estimates with more and more terms resolved lie within the bounds, which hold whatever the "
-    "remaining terms are. Estimates and bounds converge as terms are resolved."
+    "The infinite series. Bands are rigorous bounds, which hold whatever the terms are that are not resolved: the "
+    "more terms k, the narrower the band. The line is the best estimate. Below, the half-width of the bounds and the "
+    "error of the estimates: their distance from that of most terms, or from the middle of bounds that go further."
 )
 COMMAND = "convergence"
 VARIABLE = "resolved_terms"
 
-COUNTS = (1, 2, 4)  # of resolved terms, beside the largest
+HEIGHT = 2.1  # inches, of a panel
+BANDS = (1, 2, 4)  # resolved terms whose bounds are drawn, from light to dark, beside those of the most
+LEGEND_ROW = 0.17  # inches
+COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # of cases
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Two panels a case: estimates within the best bounds, and how both converge as terms are resolved."""
-    cases = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
-    if not cases:
+    """A panel a case, its best estimate within bounds of more and more terms, and one of how all cases converge."""
+    found = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
+    if not found:
         raise ValueError("there are no estimates to compare in these data: resolve more terms")
-    figure, axes = style.column(2 * len(cases))
+    title, cases = style.limit_panels(title, found, "cases")
+    figure, axes = style.column(len(cases) + 1, height=HEIGHT)
+    figure.set_figheight(figure.get_figheight() + LEGEND_ROW * len(cases))
     for number, case in enumerate(cases):
-        _curves(axes[2 * number], case)
-        _convergence(axes[2 * number + 1], case)
-        style.name_panel(axes[2 * number], 2 * number, len(axes), style.describe(case, "D", "gamma", "m"))
-        style.name_panel(axes[2 * number + 1], 2 * number + 1, len(axes), "largest over the loads")
+        _draw_bounds(axes[number], case)
+        style.name_panel(axes[number], number, len(axes), style.describe(case, "D", "gamma", "m"))
+        _draw_convergence(axes[-1], case, COLORS[number])
+    style.name_panel(axes[-1], len(cases), len(axes), "largest over the loads")
+    axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes[-1].set(yscale="log", xlabel="resolved terms $k$", ylabel=r"error of $h/g_0$")
+    figure.legend(*axes[-1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     style.set_title(figure, title)
     return figure
 
@@ -43,33 +53,33 @@ def _rows_of_estimates(case: xr.Dataset) -> np.ndarray:
     return np.flatnonzero(np.isfinite(case["compliance"].values).all(axis=1))
 
 
-def _curves(axes: Axes, case: xr.Dataset) -> None:
+def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
+    """The best estimate as a line within bands, each inside of those of fewer terms: so the narrow ones are seen."""
     loads, h, terms = (case[name].values for name in ("mean_pressure", "compliance", "resolved_terms"))
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
-    axes.fill_between(loads, np.fmax.reduce(low), np.fmin.reduce(high), label="bounds", **style.BOUND)
+    bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
+    rows = [*(row for row in bounded[:-1] if terms[row] in BANDS), bounded[-1]]
+    for row, grey in zip(rows, np.linspace(0.92, 0.45, len(rows)), strict=True):
+        axes.fill_between(
+            loads, low[row], high[row], label=f"bounds, $k={terms[row]}$", facecolor=str(grey), linewidth=0
+        )
     last = _rows_of_estimates(case)[-1]
-    rows = [*(row for row in range(last) if terms[row] in COUNTS), last]
-    for look, row in zip(style.family(len(rows)), rows, strict=True):
-        axes.plot(loads, h[row], label=f"{terms[row]} resolved", **look)
+    axes.plot(loads, h[last], label=f"estimate, $k={terms[last]}$", color=style.BLACK, linewidth=1)
     axes.set(xscale="log", xlabel=style.LABELS["mean_pressure"], ylabel=style.LABELS["compliance"])
+    axes.set_xlim(loads[0], loads[-1])
     axes.legend(loc="upper left")
 
 
-def _convergence(axes: Axes, case: xr.Dataset) -> None:
+def _draw_convergence(axes: Axes, case: xr.Dataset, color: str) -> None:
     """Half the width of the bounds, and how far the estimates are from the last, or from bounds that go further."""
     h, terms, estimated = case["compliance"].values, case["resolved_terms"].values, _rows_of_estimates(case)
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
     width = (high - low)[bounded].max(axis=1) / 2
-    axes.plot(terms[bounded], width, label="rigorous: half-width of the bounds", color=style.BLACK, marker="s")
-    if bounded[-1] > estimated[-1]:
-        compared, best, name = estimated, (low + high)[bounded[-1]] / 2, f"bounds by {terms[bounded[-1]]}"
-    else:
-        compared, best, name = estimated[:-1], h[estimated[-1]], f"{terms[estimated[-1]]} resolved"
+    name = style.describe(case, "gamma")
+    axes.plot(terms[bounded], width, label=f"{name}: half-width of bounds", color=color, marker="s")
+    further = bounded[-1] > estimated[-1]
+    compared, best = (estimated, (low + high)[bounded[-1]] / 2) if further else (estimated[:-1], h[estimated[-1]])
     deviation = np.abs(h[compared] - best).max(axis=1)
-    label = f"estimate: distance from {name}"
-    axes.plot(terms[compared], deviation, label=label, color=style.GREEN, marker="o", linestyle=style.DASHES[1])
-    floor = min(deviation.min(), width.min()) / 10  # leaves space for the legend
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(yscale="log", ylim=(floor, None), xlabel="resolved terms $k$", ylabel=r"error of $h/g_0$")
-    axes.legend(loc="lower left")
+    look: dict[str, Any] = {"color": color, "marker": "o", "markerfacecolor": "white", "linestyle": style.DASHES[1]}
+    axes.plot(terms[compared], deviation, label=f"{name}: error of estimate", **look)

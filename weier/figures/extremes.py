@@ -25,6 +25,8 @@ CONDITIONS = {
     "condition_full": "dense, full contact",
     "condition_half": "dense, half in contact",
 }
+POWERS = (-300, -30, -5, -2, 0, 2, 5, 30, 300)  # of ten, of the loads that the axis names
+NEAR, SHARE_OF_NEAR = 2, 1.6  # powers of ten that are spread evenly, and their space in decades of larger powers
 OTHER_ALGORITHM = style.PURPLE  # than the default of a method
 
 
@@ -57,9 +59,13 @@ def _digits(axes: Axes, case: xr.Dataset) -> None:
         known = np.isfinite(row)
         if known.any():
             look = _look(variant, case["solution_method"].sel(variant=variant).item())
-            # On a linear axis: a logarithmic one overflows where it adds a margin to 1e300.
             axes.plot(np.log10(case["mean_pressure"].values[known]), row[known], **look)
-    axes.set(xlabel=rf"$\log_{{10}}$ of {style.LABELS['mean_pressure']}", ylabel=r"correct digits of $h$")
+    # Powers of ten are the axis: a logarithmic one overflows where it adds a margin to 1e300, and would put all that
+    # happens into one place. So the powers are spread, those up to NEAR evenly, and others the less the larger.
+    axes.set_xscale("symlog", linthresh=NEAR, linscale=SHARE_OF_NEAR)
+    axes.set_xticks(POWERS, labels=[f"$10^{{{power}}}$" for power in POWERS], minor=False)
+    axes.minorticks_off()
+    axes.set(xlabel=style.LABELS["mean_pressure"], ylabel=r"correct digits of $h$")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=7)
 
 

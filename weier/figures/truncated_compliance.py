@@ -9,12 +9,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.figures import truncation
+from weier.figures import style, truncation
 from weier.pipeline import curves
 
 CAPTION = (
-    "What further terms change in the compliance, counted from the mean plane that series of all lengths share. The "
-    "band holds the infinite series, whatever the phases of its further terms (27)."
+    "What further terms change in the compliance. All series are counted from the infinite one, undeformed and with "
+    "all waves peaking together, since they share its mean plane. The band holds the infinite series, whatever the "
+    "phases of its further terms (27)."
 )
 
 ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
@@ -23,25 +24,26 @@ INSET = 0.5, 0.51, 0.42, 0.31  # of the axes: left, bottom, width, height; betwe
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Compliance from the mean plane, which all series share, over mean pressure for each number of terms.
+    """Compliance over mean pressure for each number of terms, all counted from the infinite series.
 
     Notes
     -----
-    (27) bounds the mean gap d, so that curves of different m are compared as h - sum g_n = -d, not at full contact
-    nor at first contact.
+    (27) bounds the mean gap d, so that curves of different m are compared as G - d with the same G, the amplitude of
+    all terms, not at their own full contact nor at first contact.
     """
-    figure, panels = truncation.compare(studies, title, "compliance", from_mean_plane)
+    figure, panels = truncation.compare(studies, title, "compliance", from_the_infinite_series)
     for axes, cases in panels:
         axes.set_xlim(0, curves.full_contact_load(cases))
-        axes.set_ylabel(r"compliance from mean plane $-d/g_0$")
+        axes.set_ylim(bottom=0)
+        axes.set_ylabel(style.LABELS["compliance"])
         axes.legend(loc="lower right")
         _draw_zoom(axes, cases)
     return figure
 
 
-def from_mean_plane(h: np.ndarray, total_amplitude: float) -> np.ndarray:
-    """The compliance counted from the mean plane, -d, in g_0."""
-    return h - total_amplitude
+def from_the_infinite_series(h: np.ndarray, total_amplitude: float, infinite_amplitude: float) -> np.ndarray:
+    """The compliance counted from where all waves of the infinite series peak together, G - d, in g_0."""
+    return h + (infinite_amplitude - total_amplitude)
 
 
 def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
@@ -49,9 +51,10 @@ def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     longest = cases[-1]
     loads, h = longest["mean_pressure"].values, truncation.numerical_or_nan(longest, "compliance")
     load = ZOOM_AT * axes.get_xlim()[1]
-    value = np.interp(load, loads, from_mean_plane(h, float(longest["total_amplitude"])))
+    total, infinite = float(longest["total_amplitude"]), truncation.infinite_amplitude(longest)
+    value = np.interp(load, loads, from_the_infinite_series(h, total, infinite))
     across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
     inset = axes.inset_axes(INSET, xlim=(load - across, load + across), ylim=(value - up, value + up))
-    truncation.draw_curves(inset, cases, "compliance", from_mean_plane)
+    truncation.draw_curves(inset, cases, "compliance", from_the_infinite_series)
     inset.set(xticks=[], yticks=[])
     axes.indicate_inset_zoom(inset, edgecolor="0.4")

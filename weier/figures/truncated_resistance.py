@@ -26,5 +26,5 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def _unshifted(resistance: np.ndarray, total_amplitude: float) -> np.ndarray:
+def _unshifted(resistance: np.ndarray, total_amplitude: float, infinite_amplitude: float) -> np.ndarray:
     return resistance

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from weier.figures import lines, style
 from weier.pipeline import curves
 
-# From the values of a series and its total amplitude to values that count from a datum which all series share.
-Datum = Callable[[np.ndarray, float], np.ndarray]
+# From the values of a series, its total amplitude and that of the infinite series to values of one datum for all.
+Datum = Callable[[np.ndarray, float, float], np.ndarray]
 
 
 def compare(
@@ -52,7 +52,12 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str, datum: D
             drawn = lines.line(case, quantity, curves.numerical_method(case))
             if drawn is not None:
                 loads, values = drawn
-                axes.plot(loads, datum(values, float(case["total_amplitude"])), label=label, **look | thin)
+                axes.plot(
+                    loads,
+                    datum(values, float(case["total_amplitude"]), infinite_amplitude(case)),
+                    label=label,
+                    **look | thin,
+                )
     alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
     checks = [(_less_accurate(case, quantity, datum), color) for case, color in alone]
     style.draw_sparse_points(axes, cases[0]["mean_pressure"].values, checks)
@@ -60,8 +65,8 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str, datum: D
 
 def _less_accurate(case: xr.Dataset, quantity: str, datum: Datum) -> dict[str, np.ndarray]:
     """The curves by numerical methods beside the most accurate one, by method."""
-    total = float(case["total_amplitude"])
-    return {method: datum(values, total) for method, values in curves.less_accurate(case, quantity).items()}
+    total, infinite = float(case["total_amplitude"]), infinite_amplitude(case)
+    return {method: datum(values, total, infinite) for method, values in curves.less_accurate(case, quantity).items()}
 
 
 def numerical_or_nan(case: xr.Dataset, quantity: str) -> np.ndarray:
@@ -70,11 +75,17 @@ def numerical_or_nan(case: xr.Dataset, quantity: str) -> np.ndarray:
     return np.full(case.sizes["mean_pressure"], np.nan) if values is None else values
 
 
+def infinite_amplitude(case: xr.Dataset) -> float:
+    """The amplitude G of all terms of the infinite series, in g_0."""
+    return float(case["total_amplitude"] + case["tail_amplitude"])
+
+
 def _draw_bounds(axes: Axes, longest: xr.Dataset, quantity: str, datum: Datum) -> None:
     method = curves.numerical_method(longest)
     low, high = (curves.curve(longest, f"{quantity}_{side}", method) for side in ("lower", "upper"))
     if low is not None and high is not None:
         label = f"bounds from {style.describe(longest, 'm')}"
         loads = longest["mean_pressure"].values
-        infinite = float(longest["total_amplitude"] + longest["tail_amplitude"])  # total of the infinite series
-        axes.fill_between(loads, datum(low, infinite), datum(high, infinite), label=label, **style.BOUND)
+        infinite = infinite_amplitude(longest)
+        lower, upper = (datum(side, infinite, infinite) for side in (low, high))
+        axes.fill_between(loads, lower, upper, label=label, **style.BOUND)

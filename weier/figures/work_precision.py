@@ -26,6 +26,7 @@ LABELS = {
     "compliance": r"largest error of $h/g_0$",
     "resistance": r"largest error of $R$, in max$(R,\,g_0/p_0^{*})$",
 }
+PROFILES: dict[str, Any] = {"marker": ".", "markersize": 1.5, "linestyle": "none", "alpha": 0.6}
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5, "solid_capstyle": "round", "zorder": 1}
 
 
@@ -41,6 +42,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
         _panel(panel, data["solution_method"].values, 1e3 * cost, error)
         panel.set(xscale="log", yscale="log", ylabel=LABELS[quantity])
         style.name_panel(panel, number, 2, quantity)
+    axes[0].plot([], [], **PROFILES, color=style.GREY, label="one profile")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     axes[-1].set_xlabel("milliseconds a load, one core")
     style.set_title(figure, title)
@@ -58,5 +60,5 @@ def _panel(axes: Axes, methods: np.ndarray, cost: np.ndarray, error: np.ndarray)
         look = style.line(method.name) | {"marker": method.style.marker, "linestyle": "none"}
         if method.name == registry.numerical_names()[0]:
             look["markerfacecolor"] = "white"
-        axes.plot(cost[:, members], error[:, members], color=look["color"], marker=".", ms=1, ls="none", alpha=0.4)
+        axes.plot(cost[:, members], error[:, members], color=look["color"], **PROFILES)
         axes.plot(middle_cost[members], middle_error[members], **look)

@@ -17,7 +17,7 @@ from weier.figures import style
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
 LABELS = ("D", "gamma", "m", "phase", "key")  # the last distinguishes cases of different settings
-TITLES = {"phase": "phase, rad"}
+TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMALL LETTER PHI}, rad"}
 MIN_WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "key": 9}  # of the drop-down lists, in rem
 QUANTITIES = {name: entry.plot for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE}
 LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
@@ -121,7 +121,8 @@ def _label(method: str) -> str:
 def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
     plot = figure(
         height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
-        x_axis_label=VARIABLES["mean_pressure"].plot, y_axis_label=QUANTITIES[quantity],
+        x_axis_label=_with_subscripts(VARIABLES["mean_pressure"].plot),
+        y_axis_label=_with_subscripts(QUANTITIES[quantity]),
         tools="pan,wheel_zoom,box_zoom,reset", name=quantity, sizing_mode="stretch_width",
         styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
     )  # fmt: skip
@@ -137,6 +138,10 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(**SMALL_LEGEND)
     return plot
+
+
+def _with_subscripts(label: str) -> str:
+    return label.replace("_0", "\N{SUBSCRIPT ZERO}")
 
 
 def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> Any:

@@ -88,6 +88,9 @@ def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
         "claim": (list(measured), "claim of the paper"),
         "claim_statement": ([claim.statement for claim in claims], "what the paper says"),
         "claim_measured": ([each.text for each in measured.values()], "what is measured here"),
+        "claim_reason": (
+            [each.reason for each in measured.values()], "why the statement does not hold or is not decided"
+        ),
         "claim_quantity": ([claim.quantity for claim in claims], "quantity measured for the claim"),
         "claim_paper_value": ([claim.paper_value for claim in claims], "value of the quantity in the paper"),
         "claim_measured_value": (
@@ -112,11 +115,18 @@ def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
     return xr.Dataset(variables).set_coords("claim")
 
 
+def _words(measured: Measured) -> str:
+    return f"{measured.text} {measured.reason}".strip()
+
+
 def _markdown(title: str, measured: Mapping[str, Measured]) -> str:
     if not measured:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [*map(markdown.plain, (name, CLAIMS[name].statement, each.text)), each.outcome.text]
+        [
+            *map(markdown.plain, (name, CLAIMS[name].statement, _words(each))),
+            each.outcome.text,
+        ]
         for name, each in measured.items()
     ]
     table = markdown.table(["claim", "the paper says", "measured here", "holds"], rows)

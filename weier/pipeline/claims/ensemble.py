@@ -205,7 +205,8 @@ def combine(findings: Sequence[Sequence[Finding]]) -> Measured:
     first = max(findings[0], key=_distance)
     reasons = [_reason(finding) for finding in every if finding.outcome != Check.yes]
     return Measured(
-        " ".join([*map(_describe_values, findings), *LEADS.get(outcome, ()), *reasons]),
+        " ".join(map(_describe_values, findings)),
+        " ".join([*LEADS.get(outcome, ()), *reasons]),
         float(first.values.mean()),
         float(first.values.std()),
         len(first.values),

@@ -1,0 +1,45 @@
+"""The symbols of the paper, written in plain text everywhere else, as HTML: no font, script or network is needed."""
+
+from __future__ import annotations
+
+import re
+
+from markupsafe import Markup, escape
+
+# What a name is typeset as; a subscript and a star may follow it.
+LETTERS = {name: f"&{name};" for name in ("gamma", "lambda", "phi", "rho", "epsilon", "zeta", "xi")}
+SUBSCRIPTED = r"(?P<letter>gamma|lambda|phi|rho|epsilon|zeta|xi|[A-Za-z])_(?P<below>[0-9a-z](?![a-z]))(?P<star>\*?)"
+ALONE = r"\b(?P<greek>gamma|lambda|phi|epsilon)\b|\b(?P<symbol>[DmhkRpxG])(?= ?(?:=|&lt;|&gt;)| from \d)"
+POWER = r"(?<![\w.])(?P<number>[-+]?\d+(?:\.\d+)?)e(?P<sign>[-+])0*(?P<power>\d+)\b"
+WORDS = r"\b(?P<sum>sum(?= [a-z]_))|\b(?P<infinite>inf)\b|\b(?P<pi>pi)\b"
+PATTERN = re.compile("|".join((SUBSCRIPTED, POWER, WORDS, ALONE)))
+
+
+def typeset(text: object) -> Markup:
+    """A plain text as HTML, with its symbols and powers of ten as in print.
+
+    Examples
+    --------
+    >>> print(typeset("h = sum g_n at 1.5e-04 p_0*"))
+    <i>h</i> = &sum; <i>g<sub>n</sub></i> at 1.5&times;10<sup>&minus;4</sup> <i>p<sub>0</sub></i><sup>*</sup>
+
+    """
+    return Markup(PATTERN.sub(_symbol, str(escape(str(text)))))
+
+
+def _symbol(found: re.Match[str]) -> str:
+    part = found.groupdict()
+    if part["letter"]:
+        letter = LETTERS.get(part["letter"], part["letter"])
+        return f"<i>{letter}<sub>{part['below']}</sub></i>{'<sup>*</sup>' if part['star'] else ''}"
+    if part["number"]:
+        sign = "&minus;" if part["sign"] == "-" else ""
+        return f"{part['number']}&times;10<sup>{sign}{part['power']}</sup>"
+    if part["sum"]:
+        return "&sum;"
+    if part["infinite"]:
+        return "&infin;"
+    if part["pi"]:
+        return "&pi;"
+    name = part["greek"] or part["symbol"]
+    return f"<i>{LETTERS.get(name, name)}</i>"
