@@ -1,8 +1,17 @@
 """config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
 
+import os
 import sys
+from pathlib import Path
 
-sys.path.insert(0, str(workflow.basedir))  # the checkout, not an installed copy
+# The checkout, not an installed copy, here and in the jobs, from whatever folder Snakemake runs and in other workflows.
+CHECKOUT = Path(workflow.current_basedir)
+sys.path.insert(0, str(CHECKOUT))
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    filter(None, [str(CHECKOUT), os.environ.get("PYTHONPATH")])
+)
+# Scenes of the folder where Snakemake runs, if it has any, else those of the checkout.
+CONFIG = Path("config" if Path("config/scenes").is_dir() else CHECKOUT / "config")
 
 from snakemake.utils import validate
 
@@ -12,7 +21,7 @@ from weier.kernels.sources import sources
 from weier.pipeline.dependencies import batch_digest, claims_digest, figure_digest
 
 
-configfile: "config/config.yaml"
+configfile: str(CONFIG / "config.yaml")
 
 
 validate(config, "config/config.schema.json")
@@ -30,7 +39,7 @@ include: "rules/scenes.smk"
 onstart:
     check_writable("results")
     remove_leftovers("results")
-    bring_to_present("results", "config")
+    bring_to_present("results", str(CONFIG))
 
 
 rule all:
@@ -50,30 +59,40 @@ rule solve:
         "rules/environment.yaml"
     threads: 1
     params:
+        scene=lambda w: scene_file(w.scene),
         digest=lambda w: scene(w.scene).digest(w.batch),
         program=lambda w: batch_digest(scene(w.scene).methods_of(w.batch)),
     shell:
         "python -m weier batch --threads {threads}"
-        " config/scenes/{wildcards.scene}.yaml {wildcards.batch} {output} 2>&1 | tee {log}"
+        " {params.scene} {wildcards.batch} {output} 2>&1 | tee {log}"
 
 
 rule figure:
     input:
         data=batches(lambda w: scene(w.scene).figures[w.figure].studies),
     output:
-        multiext("results/{scene}/figures/{figure}", pdf=".pdf", svg=".svg", png=".png"),
+        pdf="results/{scene}/figures/{figure}.pdf",
+        svg="results/{scene}/figures/{figure}.svg",
+        png=report(
+            "results/{scene}/figures/{figure}.png",
+            caption="rules/captions/figure.rst",
+            category="{scene}",
+            subcategory="figures",
+        ),
     log:
         "results/logs/{scene}/figure/{figure}.log",
     conda:
         "rules/environment.yaml"
     params:
+        scene=lambda w: scene_file(w.scene),
         figure=lambda w: repr(scene(w.scene).figures[w.figure]),
+        caption=lambda w: caption_as_rst(w.scene, w.figure),
         cases=lambda w: scene(w.scene).digest_of_cases(
             *scene(w.scene).figures[w.figure].studies
         ),
         program=lambda w: figure_digest(scene(w.scene).figures[w.figure].draw),
     shell:
-        "python -m weier figure config/scenes/{wildcards.scene}.yaml"
+        "python -m weier figure {params.scene}"
         " {wildcards.figure} {output.png} results/{wildcards.scene}/batches 2>&1 | tee {log}"
 
 
@@ -82,16 +101,22 @@ rule claims:
         data=batches(lambda w: scene(w.scene).studies),
     output:
         data="results/{scene}/contact.nc",
-        table="results/{scene}/claims.md",
+        table=report(
+            "results/{scene}/claims.md",
+            caption="rules/captions/claims.rst",
+            category="{scene}",
+            subcategory="claims",
+        ),
     log:
         "results/logs/{scene}/claims.log",
     conda:
         "rules/environment.yaml"
     params:
+        scene=lambda w: scene_file(w.scene),
         text=lambda w: scene(w.scene).text,
         program=claims_digest(),
     shell:
-        "python -m weier claims config/scenes/{wildcards.scene}.yaml {output}"
+        "python -m weier claims {params.scene} {output.data} {output.table}"
         " results/{wildcards.scene}/batches 2>&1 | tee {log}"
 
 

@@ -9,16 +9,24 @@ for study, figure in {
         name:
             study
         input:
-            source=sources(f"weier.figures.{figure}"),
+            source=in_checkout(*sources(f"weier.figures.{figure}")),
             data=f"results/{study}/{study}.nc",
         output:
-            multiext(f"results/{study}/{figure}", pdf=".pdf", svg=".svg", png=".png"),
+            pdf=f"results/{study}/{figure}.pdf",
+            svg=f"results/{study}/{figure}.svg",
+            png=report(
+                f"results/{study}/{figure}.png",
+                caption="captions/figure.rst",
+                category="methods",
+                subcategory=study,
+            ),
         log:
             f"results/logs/{study}/draw.log",
         conda:
             "environment.yaml"
         params:
             figure=figure,
+            caption=kinds()[figure].caption,
         shell:
             "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee {log}"
 
@@ -26,9 +34,9 @@ for study, figure in {
 # On its own, since other jobs beside it would disturb the seconds.
 rule measure_tradeoff:
     input:
-        source=sources("weier.accuracy.tradeoff"),
+        source=in_checkout(*sources("weier.accuracy.tradeoff")),
         kernels="results/.kernels",
-        scene="config/scenes/tradeoff.yaml",
+        scene=in_checkout("config/accuracy/tradeoff.yaml"),
     output:
         data="results/tradeoff/tradeoff.nc",
         table="results/tradeoff/tradeoff.md",
@@ -43,9 +51,9 @@ rule measure_tradeoff:
 
 rule measure_convergence:
     input:
-        source=sources("weier.accuracy.convergence"),
+        source=in_checkout(*sources("weier.accuracy.convergence")),
         kernels="results/.kernels",
-        scene="config/scenes/infinite.yaml",
+        scene=in_checkout("config/accuracy/infinite.yaml"),
     output:
         "results/convergence/convergence.nc",
     log:
@@ -58,7 +66,7 @@ rule measure_convergence:
 
 rule measure_extremes:
     input:
-        source=sources("weier.accuracy.extremes"),
+        source=in_checkout(*sources("weier.accuracy.extremes")),
         kernels="results/.kernels",
     output:
         data="results/extremes/extremes.nc",
@@ -74,8 +82,8 @@ rule measure_extremes:
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
 rule plan:
     input:
-        source=sources("weier.pipeline.plan"),
-        scenes=expand("config/scenes/{s}.yaml", s=scene_names()),
+        source=in_checkout(*sources("weier.pipeline.plan")),
+        scenes=[scene_file(name) for name in scene_names()],
     log:
         "results/logs/plan.log",
     conda:

@@ -1,13 +1,15 @@
 # The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
 rule docs:
     input:
-        scene="config/scenes/paper.yaml",
-        source=sorted(str(path) for path in Path("weier").rglob("*.py")),
-        pages=[
-            path
-            for kind in ("py", "rst", "md", "css")
-            for path in sorted(map(str, Path("docs").glob(f"*.{kind}")))
-        ],
+        scene=scene_file("paper"),
+        source=in_checkout(*sorted(CHECKOUT.joinpath("weier").rglob("*.py"))),
+        pages=in_checkout(
+            *(
+                path
+                for kind in ("py", "rst", "md", "css")
+                for path in sorted(CHECKOUT.joinpath("docs").rglob(f"*.{kind}"))
+            )
+        ),
         figures=lambda w: expand(
             "results/paper/figures/{f}.png", f=scene("paper").figures
         ),
@@ -17,5 +19,16 @@ rule docs:
         "results/logs/docs.log",
     conda:
         "environment.yaml"
+    params:
+        docs=in_checkout("docs"),
+        needed="sphinx, myst_parser, furo",
+        install="pip install --require-hashes -r requirements/dev.txt",
     shell:
-        "sphinx-build --fail-on-warning --keep-going --quiet --fresh-env docs results/docs 2>&1 | tee {log}"
+        """
+        python -c "import {params.needed}" 2>{log} || {{
+                            echo "weier: the documentation needs {params.needed}: {params.install}" | tee -a {log} >&2
+                            exit 1
+                        }}
+        sphinx-build --fail-on-warning --keep-going --quiet --fresh-env \
+            -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee {log}
+        """

@@ -1,8 +1,8 @@
 from weier.pipeline.dependencies import page_digest
 
 
-# One HTML page a scene, to look through: snakemake --cores 2 report --config scenes=paper
-rule report:
+# One HTML page a scene, to look through: snakemake --cores 2 pages --config scenes=paper
+rule pages:
     input:
         expand("results/{s}/page.html", s=scene_names()),
 
@@ -23,8 +23,9 @@ rule page:
     conda:
         "environment.yaml"
     params:
+        scene=lambda w: scene_file(w.scene),
         figures=lambda w: repr(scene(w.scene).figures),
         program=page_digest(),
     shell:
-        "python -m weier page config/scenes/{wildcards.scene}.yaml {output}"
+        "python -m weier page {params.scene} {output}"
         " {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"

@@ -1,19 +1,36 @@
 # Scenes by name, and what is made of them.
+import re
 from functools import cache
 from pathlib import Path
 
 from weier import scene as scenes
 from weier.data import dataset
-from weier.figures import check_kinds
+from weier.figures import check_kinds, kinds
+from weier.figures.captions import caption
 from weier.pipeline.claims import check_names
 
 
 @cache
 def scene(name):
-    loaded = scenes.load_by_name(name)
+    loaded = scenes.load_by_name(name, CONFIG / "scenes")
     check_kinds(loaded)
     check_names(loaded)
     return loaded
+
+
+def scene_file(name):
+    """The file of a scene, as jobs read it."""
+    return str(CONFIG / "scenes" / f"{name}.yaml")
+
+
+def caption_as_rst(name, figure):
+    """The caption of a figure for Snakemake's report, whose markup would read p_0* as a link."""
+    return re.sub(r"([*_`|\\])", r"\\\1", caption(scene(name), figure).text)
+
+
+def in_checkout(*paths):
+    """Paths of the checkout as they are called from the folder where Snakemake runs."""
+    return [os.path.relpath(CHECKOUT / path) for path in paths]
 
 
 def scene_names():

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -132,6 +133,74 @@ def test_a_study_more_solves_only_its_own_cases(finished):
     path.write_text(SCENE.replace("figures:", f"{rough}\nfigures:"))
     assert planned(finished)["solve"] == 1
     path.write_text(SCENE)
+
+
+def test_the_report_of_snakemake_has_the_figures_with_captions(finished):
+    run(finished, "--report", "report.html")
+    text = (finished / "report.html").read_text()
+    assert (
+        "Compliance over mean pressure. Colours show the estimates and a solid line shows boundary elements" in text
+    )
+    assert "whether the statement holds" in text
+    assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
+
+
+def test_the_workflow_runs_from_any_folder(finished, tmp_path):
+    """With the scenes of the checkout, or with scenes of that folder."""
+
+    def jobs(*more):
+        command = ["snakemake", "-s", finished / "Snakefile", "-d", tmp_path, "--dry-run", "--cores", "1", *more]
+        done = subprocess.run(command, cwd=tmp_path.parent, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    assert "results/minimal/contact.nc" in jobs("--config", "scenes=minimal")
+    assert "results/extremes/extremes.nc" in jobs("extremes")
+    (tmp_path / "config/scenes").mkdir(parents=True)
+    (tmp_path / "config/config.yaml").write_text("scenes: own")
+    (tmp_path / "config/scenes/own.yaml").write_text(SCENE)
+    command = ["snakemake", "-s", finished / "Snakefile", "-d", tmp_path, "--cores", "2"]
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "results/own/figures/one.png").exists()
+
+
+MODULE = """
+module weier:
+    snakefile: "{snakefile}"
+    config: {{"scenes": "minimal"}}
+
+use rule * from weier as weier_*
+
+rule all:
+    default_target: True
+    input: rules.weier_all.input
+"""
+
+
+def test_the_workflow_is_a_module_of_others(finished, tmp_path):
+    (tmp_path / "Snakefile").write_text(MODULE.format(snakefile=finished / "Snakefile"))
+    command = ["snakemake", "--dry-run", "--cores", "1"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "weier_solve" in done.stdout + done.stderr
+
+
+def test_docs_say_what_to_install(finished):
+    """A folder that hides Sphinx stands for an environment without it."""
+    (finished / "sphinx.py").write_text("raise ImportError('hidden')")
+    (finished / "results/paper/figures").mkdir(parents=True, exist_ok=True)
+    text = Path("rules/docs.smk").read_text()
+    (command,) = re.findall(r"(python -c .*?exit 1\n +\}\})", text, re.S)
+    names = {"params.needed": "sphinx, myst_parser, furo", "params.install": "pip install X", "log": "log.txt"}
+    for name, value in names.items():
+        command = command.replace(f"{{{name}}}", value)
+    command = command.replace("{{", "{").replace("}}", "}")
+    done = subprocess.run(["bash", "-c", command], cwd=finished, capture_output=True, text=True)
+    (finished / "sphinx.py").unlink()
+    assert done.returncode == 1
+    assert "weier: the documentation needs sphinx, myst_parser, furo: pip install X" in done.stderr
 
 
 def test_a_bad_scene_stops_before_anything_runs(finished):

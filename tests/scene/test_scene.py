@@ -1,5 +1,6 @@
 """Scene files: what they expand to, and what is said about a bad one."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from weier import scene
 from weier.methods import registry
 from weier.scene.file import schema
 
-SCENES = sorted(Path("config/scenes").glob("*.yaml"))
+SCENES = sorted(Path("config").glob("*/*.yaml"))
 
 MINIMAL = {
     "title": "test",
@@ -214,3 +215,13 @@ def test_a_tolerance_may_be_written_as_people_do(tmp_path, text):
     path.write_text(f"title: test\nloads: [0.1]\ntolerance: {text}\nstudies: {study}\n")
     (case,) = scene.load(path).studies["one"]
     assert case.settings["planned"] == {"tolerance": 0.01}
+
+
+def test_the_readme_of_the_configuration_explains_every_key():
+    text = Path("config/README.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([a-z_ ]+)`", text))
+    known = schema()
+    keys = {*known["properties"], *known["$defs"]["study"]["properties"], *known["$defs"]["figure"]["properties"]}
+    keys |= yaml.safe_load(Path("config/config.schema.json").read_text())["properties"].keys()
+    assert keys - named == set()
+    assert {path.stem for path in Path("config/scenes").glob("*.yaml")} <= named

@@ -24,6 +24,8 @@ from weier.scene import BY_DEFAULT, Grouping, Scene, SceneError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MAX_PANELS = 4  # in one column: more would not fit a page
+
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 

@@ -7,7 +7,6 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from weier import figures
-from weier.figures.style import MAX_PANELS
 from weier.methods.registry import find_method, numerical_names
 from weier.scene import Grouping, Scene
 
@@ -49,7 +48,7 @@ def _describe_grouping(grouping: Grouping) -> str:
 
 def _describe_methods(cases: Sequence[Collection[str]]) -> str:
     """A sentence that tells the curves of methods apart, for cases given by their methods."""
-    if len(cases) > MAX_PANELS:
+    if len(cases) > figures.MAX_PANELS:
         return "Thin lines are single profiles; thick lines and markers are the median of each method."
     methods = {method for case in cases for method in case}
     parts = ["colours show the estimates"] if methods.difference(numerical_names()) else []

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.figures import grouped, lines, style
+from weier.figures import MAX_PANELS, grouped, lines, style
 from weier.methods.registry import names, numerical_names
 from weier.pipeline import curves
 from weier.scene import BY_DEFAULT, Grouping
@@ -35,7 +35,7 @@ def compare(
     cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
     if not cases:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
-    separate = len(cases) <= style.MAX_PANELS
+    separate = len(cases) <= MAX_PANELS
     panels = [[case] for case in cases] if separate else [cases]
     figure, axes = style.column(len(panels))
     for number, (panel, group) in enumerate(zip(axes, panels, strict=True)):

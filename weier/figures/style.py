@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
+from weier.figures import MAX_PANELS
 from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
@@ -23,7 +24,6 @@ Color = tuple[float, ...]
 
 WIDTH = 3.5  # inches: one column of a journal
 HEIGHT = 2.6
-MAX_PANELS = 4  # in one column: more would not fit a page
 FAINT_ALPHA = 0.3  # opacity of the curves of single cases among many
 LOGARITHMIC_MARGIN = 1.3  # factor between the extreme values and the ends of a logarithmic axis
 

@@ -48,11 +48,11 @@ def load(path: str | Path) -> Scene:
     return _scene(raw, text, path)
 
 
-def load_by_name(name: str) -> Scene:
-    """The scene of this name in config/scenes; a SceneError if the name could lead elsewhere."""
+def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
+    """The scene of this name in a folder of scenes; a SceneError if the name could lead elsewhere."""
     if not re.fullmatch(NAME, name):
         raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
-    return load(Path("config/scenes", f"{name}.yaml"))
+    return load(Path(folder, f"{name}.yaml"))
 
 
 def schema() -> dict[str, Any]:
