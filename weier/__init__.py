@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from weier.data.results import Contact, open
     from weier.methods.errors import ConvergenceError
     from weier.methods.fields import events, fields
-    from weier.methods.solve import solve
     from weier.pipeline.plan import plan
+    from weier.pipeline.solve import solve
     from weier.theory.conduction import Interface
     from weier.theory.phases import random_phases
     from weier.theory.profile import Profile
@@ -45,7 +45,7 @@ _MODULES = {
     "open": "data.results",
     "plan": "pipeline.plan",
     "random_phases": "theory.phases",
-    "solve": "methods.solve",
+    "solve": "pipeline.solve",
 }
 
 

@@ -18,9 +18,9 @@ def test_every_method_gives_compliance_and_resistance_over_the_loads(method):
     assert curve.compliance.dims == ("mean_pressure",)
     assert np.all(np.diff(curve.compliance) > 0)
     assert np.all(np.diff(curve.resistance) < 0)
-    assert curve.attrs["method"] == method
+    assert curve.solution_method == method
     assert curve.attrs["seconds"] > 0
-    assert {v.attrs["units"] for v in curve.variables.values()} == {"1"}
+    assert {v.attrs["units"] for v in curve.data_vars.values()} == {"1"}
 
 
 @pytest.mark.parametrize("method", ["westergaard", *MANY_WAVES])

@@ -92,7 +92,11 @@ FILE = click.Path(path_type=Path)
 SCENE = click.argument("scene_file", type=FILE)
 FILES = click.argument("files", nargs=-1, type=FILE)
 INTO = click.option(
-    "-o", "--output", type=FILE, callback=_writable(".nc", ".json"), help="Write here: netCDF as .nc, or .json."
+    "-o",
+    "--output",
+    type=FILE,
+    callback=_writable(".nc", ".json", ".csv"),
+    help="Write here: netCDF as .nc, or .json or .csv.",
 )
 
 

@@ -17,16 +17,20 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def _solved(loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any) -> xr.Dataset:
+def _solved(
+    default: Sequence[str], loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any
+) -> xr.Dataset:
     from weier.pipeline import single  # xarray, as in `solve`
 
-    return single.solve_one(parameters(**series), loads, methods, settings)
+    profile = parameters(**series)
+    return single.solve_one(profile, loads, methods or single.applicable(profile, default), settings)
 
 
 @click.command()
 @of_one_profile(LOADS)
 @INTO
-def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
+@click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row a load.")
+def solve(output: Path | None, csv: bool, **options: Any) -> None:
     """Compute the compliance and resistance of one profile.
 
     Prints JSON to standard output and progress to standard error. Lengths along x are in lambda_0, heights in g_0,
@@ -41,18 +45,19 @@ def solve(output: Path | None, methods: Sequence[str], **options: Any) -> None:
     """  # noqa: D301 - click wants the character
     from weier.pipeline import single  # xarray takes half a second, and the help of the command needs none of it
 
-    data = _solved(methods=methods or (DEFAULT,), **options)
+    data = _solved((DEFAULT,), **options)
     if output is None:
-        click.echo(single.as_json(data))
+        click.echo(single.as_csv(data) if csv else single.as_json(data))
     else:
         single.write(data, output)
+    single.check_solved(data)
 
 
 @click.command()
 @of_one_profile(PLOTTED_LOADS)
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path", "", ".pdf", ".svg", ".png")
-def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> None:
+def plot(path: Path, quantity: str, **options: Any) -> None:
     """Draw the curves of one profile.
 
     The figure is written as PDF, SVG and PNG beside PATH.
@@ -62,5 +67,8 @@ def plot(path: Path, quantity: str, methods: Sequence[str], **options: Any) -> N
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
     """  # noqa: D301 - click wants the character
     from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
+    from weier.pipeline import single
 
-    draw(quantity, [_solved(methods=methods or PLOTTED, **options)], "", path)
+    data = _solved(PLOTTED, **options)
+    draw(quantity, [data], "", path)
+    single.check_solved(data)

@@ -6,6 +6,7 @@ Where a number is missing, `status` says why.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,15 +28,42 @@ __all__ = [
 ]  # fmt: skip
 
 
-def curve(loads: Array, values: Mapping[str, Any], settings: Mapping[str, Any]) -> xr.Dataset:
-    """One curve over mean_pressure; scalars among the values, and the settings, become attributes."""
+def curve(
+    loads: Array, values: Mapping[str, Any], labels: Mapping[str, Any], settings: Mapping[str, Any]
+) -> xr.Dataset:
+    """One curve over mean_pressure, with its labels as coordinates.
+
+    Scalars among the values become attributes, and so do the settings: each by itself, and all of them as JSON.
+    """
     arrays = {name: value for name, value in values.items() if np.ndim(value) > 0}
     scalars = {name: value for name, value in values.items() if np.ndim(value) == 0}
     data = xr.Dataset(
         {name: (_over_loads(name), value, variables.attributes(name)) for name, value in arrays.items()}
     )
-    data = data.assign_coords(mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")))
-    return data.assign_attrs(normalisation=NORMALISED, references=PAPER, **{**settings, **scalars})
+    coordinates: dict[str, Any] = {name: ((), value, variables.attributes(name)) for name, value in labels.items()}
+    coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
+    plain = {name: _attribute(value) for name, value in {**settings, **scalars}.items() if value is not None}
+    plain["settings"] = json.dumps(dict(settings), sort_keys=True)
+    return data.assign_coords(coordinates).assign_attrs(provenance.of_results() | plain)
+
+
+def as_cases(data: xr.Dataset) -> xr.Dataset:
+    """A curve of one profile by one method, as the one case of a file; what has cases already, as it is."""
+    if "case" in data.dims:
+        return data
+    phases = json.loads(str(data["phases"].values)) if "phases" in data else []
+    each = phases if isinstance(phases, list) else _phases_of_terms(float(data["m"]), phases)
+    labels: dict[str, Any] = {
+        name: ("case", data[name].values[None], data[name].attrs) for name in ("D", "gamma", "m", "seed")
+    }
+    labels["phase"] = (("case", "term"), np.array([each], float), variables.attributes("phase"))
+    wide = data.drop_vars([*labels.keys() & data.coords.keys(), "phases"]).expand_dims("solution_method")
+    return wide.expand_dims("case").assign_coords(labels)
+
+
+def _phases_of_terms(m: float, phase: float) -> list[float]:
+    """The phase of each term of a finite series, of which the first has none; none of an infinite one."""
+    return [] if np.isinf(m) else [0.0, *[phase] * (int(m) - 1)]
 
 
 def blank(
@@ -53,7 +81,8 @@ def blank(
         "edge": edges,
     }
     names = variables.of_curves(returned, edges > 0)
-    data = xr.Dataset({name: variables.blank(name, sizes) for name in names}).set_coords(COORDINATES)
+    data = xr.Dataset({name: variables.blank(name, sizes) for name in names})
+    data = data.set_coords([name for name in names if name in COORDINATES])
     data["status"].values[:] = Status.not_requested
     return data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
@@ -134,16 +163,21 @@ def open_lazily(path: str | Path) -> xr.Dataset:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise _damaged(path, error) from None
-    if "key" not in data.variables:
+    if "key" not in data.variables and data.attrs.get("program") != provenance.FIXED["program"]:
         data.close()
         raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
     return data
 
 
 def _damaged(path: str | Path, error: Exception) -> ValueError:
-    if not Path(path).is_file():
-        return ValueError(f"there is no file {path}: make it first")
+    if not str(path).isprintable() or not Path(path).is_file():
+        return ValueError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
     return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
+
+
+def _attribute(value: Any) -> Any:
+    """A value as an attribute of a netCDF file, which knows no truth values."""
+    return json.dumps(value) if isinstance(value, bool) else value
 
 
 def _over_loads(name: str) -> tuple[str, ...]:

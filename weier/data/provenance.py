@@ -5,10 +5,12 @@ No clock: the same scene and the same commit make the same bytes, so the dates a
 
 from __future__ import annotations
 
+import platform
 import re
 import subprocess
 from collections.abc import Iterable
 from functools import cache
+from importlib.metadata import version
 from typing import NamedTuple
 
 from weier.kernels.sources import PACKAGE
@@ -105,6 +107,22 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
     }
     dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), made.date)
     return FIXED | changing | (dates if made.date else {}) | ({"scene": scene} if scene else {})
+
+
+def of_results(title: str = "") -> dict[str, str]:
+    """Attributes of results in memory."""
+    named = {"title": title} if title else {}
+    return {"program": FIXED["program"], "normalisation": NORMALISED, "references": PAPER, **named, **versions()}
+
+
+@cache
+def versions() -> dict[str, str]:
+    """The versions of what computes: of Python, NumPy, numba and weier."""
+    return {
+        "product_version": VERSION,
+        "python_version": platform.python_version(),
+        **{f"{name}_version": version(name) for name in ("numpy", "numba")},
+    }
 
 
 @cache

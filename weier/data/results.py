@@ -108,7 +108,7 @@ class Contact:
 
 
 def open(path: str | Path) -> Contact:
-    """Open a netCDF file that the pipeline left: values are read where they are asked for, however large it is.
+    """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read where they are needed.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def open(path: str | Path) -> Contact:
     """
     if not isinstance(path, str | PathLike):
         raise ValueError(f"path must be the name of a file, got {shown(path)}")
-    return Contact(dataset.open_lazily(path))
+    return Contact(dataset.as_cases(dataset.open_lazily(path)))
 
 
 def _list(name: str, wanted: Any) -> list[Any]:

@@ -66,13 +66,16 @@ class Variant(NamedTuple):
 def applies_to_resolvable(profile: Profile) -> None:
     """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
 
-    NotApplicableError is raised if there is no finest wave, ValueError if it fits too often into the period.
+    NotApplicableError is raised if there is no finest wave, or it fits too often into the period.
     """
     if math.isinf(profile.m):
         raise NotApplicableError(
             "m = inf has no finest wave to resolve: choose a finite m, or a method for the infinite series"
         )
-    check_resolvable(profile)
+    try:
+        check_resolvable(profile)
+    except ValueError as error:
+        raise NotApplicableError(str(error)) from None
 
 
 def _applies_to_all(profile: Profile) -> None:

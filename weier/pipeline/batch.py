@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -21,16 +21,23 @@ from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
-from weier.methods.solve import solve_checked
+from weier.methods.solve import describe_profile, solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
 from weier.scene.cases import Case, Scene
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
 Arrays = Mapping[str, NDArray[Any]]
+Report = Callable[[str], None]
 
 
-def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[xr.Dataset, xr.Dataset]:
+def _tell(message: str) -> None:
+    print(message, file=sys.stderr)
+
+
+def solve_batch(
+    scene: Scene, cases: Iterable[Case], threads: int = 1, done: Report = _tell, failed: Report = _tell
+) -> tuple[xr.Dataset, xr.Dataset]:
     """Solve cases of a scene, one line of progress each.
 
     Parameters
@@ -41,6 +48,8 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         The rows of the result, in their order.
     threads : int
         Cases at a time: the kernels leave the interpreter to each other. The data do not depend on it.
+    done, failed : callable
+        Take a line for each case that is done, and one that says why a method has no curve of it.
 
     Returns
     -------
@@ -62,11 +71,13 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
         describe_case(data, number, case)
         for method in case.methods:
             position = {"case": number, "solution_method": methods.index(method)}
-            _solve_into(curves, costs, position, case, find_method(method))
+            why = _solve_into(curves, costs, position, case, find_method(method))
+            if why:
+                failed(f"{case.profile.describe()}, {method}: {why}")
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
         seconds = np.nansum(costs["seconds"][number])
-        print(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s", file=sys.stderr)
+        done(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s")
 
     with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(solve_case, range(len(cases))):  # raises what a case raised
@@ -77,7 +88,8 @@ def solve_batch(scene: Scene, cases: Iterable[Case], threads: int = 1) -> tuple[
 def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
     """Fill in the coordinates of a case."""
     profile = case.profile
-    values = {"key": case.key, "D": profile.D, "gamma": float(profile.gamma), "m": profile.m}
+    values = {"key": case.key, **describe_profile(profile)}
+    del values["phases"]
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
     if np.isfinite(profile.m):
         if resolvable(profile):
@@ -87,8 +99,8 @@ def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
         data[name].values[number] = value
 
 
-def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case: Case, method: Method) -> None:
-    """Write one curve, or why there is none, into its row of each array.
+def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case: Case, method: Method) -> str:
+    """Write one curve into its row of each array, and say why if there is none.
 
     Whatever a method returns is stored if the table of variables knows it, as arrays over the loads or as one number:
     so a plan brings along what it expected, `planned_seconds` and `planned_error`.
@@ -99,10 +111,9 @@ def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case
     try:
         solution, seconds = solve_checked(case.profile, curves["mean_pressure"], method, given)
     except (NotApplicableError, ConvergenceError) as error:
-        print(f"{case.profile.describe()}, {method.name}: {error}", file=sys.stderr)
         failed = isinstance(error, ConvergenceError)
         curves["status"][run] = Status.not_converged if failed else Status.not_applicable
-        return
+        return str(error)
     bounds = _bounds(case.profile, curves["mean_pressure"], method, solution)
     for name, values in (solution._asdict() | bounds).items():
         if name in curves:
@@ -111,6 +122,7 @@ def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case
             curves[name][_row(name, position, np.shape(values))] = values
     curves["status"][run] = Status.solved
     costs["seconds"][run] = seconds
+    return ""
 
 
 def _bounds(profile: Profile, loads: Array, method: Method, solution: Any) -> dict[str, Array]:

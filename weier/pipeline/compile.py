@@ -18,7 +18,7 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.fields import events, fields
 from weier.methods.method import Method, Settings
 from weier.methods.registry import find_method
-from weier.methods.solve import solve
+from weier.pipeline.solve import solve
 from weier.scene.cases import Case
 from weier.theory.profile import Profile
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import yaml
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.files import write_text
+from weier.data.table import as_table
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
@@ -30,16 +32,15 @@ PROFILE = tuple(
     for name, entry in VARIABLES.items()
     if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.optional
 )
-WHY = {
-    Status.not_applicable: "does not apply, as said above: choose another one",
-    Status.not_converged: "missed its tolerance, as said above: move the loads or the tolerance",
-}
+WHY = {Status.not_applicable: "does not apply", Status.not_converged: "missed its tolerance"}
 
 
 def solve_one(
     parameters: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
 ) -> xr.Dataset:
     """The curves of one profile, as a dataset of one case with the seconds of each method.
+
+    A method that has no curve is named on standard error, and raises if no other one has any.
 
     Parameters
     ----------
@@ -61,12 +62,16 @@ def solve_one(
         )
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
-    case.check()
+    case.check_ranges()
     title = f"Weierstrass profile, {case.profile.describe()}"
     text = _text(title, case, loads)
     scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch_size=1, text=text)
-    data, cost = solve_batch(scene, [case])
-    _check_solved(data)
+    failures: list[str] = []
+    data, cost = solve_batch(scene, [case], failed=failures.append)
+    if not (data["status"] == Status.solved).any():
+        missed = (data["status"] == Status.not_converged).any()
+        raise (ConvergenceError if missed else ValueError)("; ".join(failures))
+    print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
     return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
 
 
@@ -94,11 +99,16 @@ def plan_one(
 
 
 def write(data: xr.Dataset, path: Path) -> None:
-    """Write the curves as netCDF or, where the name ends in .json, as JSON."""
-    if path.suffix == ".json":
-        write_text(path, as_json(data) + "\n")
+    """Write the curves as netCDF or, where the name ends in .json or .csv, as such a text."""
+    if path.suffix in TEXTS:
+        write_text(path, TEXTS[path.suffix](data) + "\n")
     else:
         dataset.write(data, path, data.attrs["title"], "solved", data.attrs["scene"])
+
+
+def as_csv(data: xr.Dataset) -> str:
+    """The curves as comma-separated values, one row for each method and load; what is missing is empty."""
+    return str(as_table(data).to_csv(index=False)).rstrip("\n")
 
 
 def as_json(data: xr.Dataset) -> str:
@@ -137,13 +147,18 @@ def _plain(values: Array) -> Any:
     return [_plain(value) for value in values]
 
 
-def _check_solved(data: xr.Dataset) -> None:
-    for method, number in zip(
-        data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True
-    ):
-        if number != Status.solved:
-            kind = ConvergenceError if number == Status.not_converged else ValueError
-            raise kind(f"method {method!r} {WHY[Status(number)]}")
+def applicable(parameters: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
+    """Those of some methods that apply to a profile; all of them where none does, so that they say why."""
+    profile = Case(parameters, (), {}).profile
+    return [method for method in methods if find_method(method).takes(profile)] or list(methods)
+
+
+def check_solved(data: xr.Dataset) -> None:
+    """Refuse curves that lack one which was asked for."""
+    numbers = zip(data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True)
+    missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
+    if missing:
+        raise ValueError(f"{', '.join(missing)}, as said above; the curves of the others are there")
 
 
 def _text(title: str, case: Case, loads: Array) -> str:
@@ -153,3 +168,6 @@ def _text(title: str, case: Case, loads: Array) -> str:
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
     return yaml.safe_dump(scene | {"studies": {"one": {"product": product}}}, sort_keys=False)
+
+
+TEXTS = {".json": as_json, ".csv": as_csv}  # by the end of a file's name

@@ -39,6 +39,18 @@ class Case:
     methods: tuple[str, ...]
     settings: Mapping[str, Mapping[str, Any]]
 
+    @classmethod
+    def of(cls, profile: Profile, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
+        """The case of a profile."""
+        gamma = profile.gamma
+        parameters: dict[str, Any] = {"D": profile.D, "m": profile.m, "gamma": str(gamma)}
+        if isinstance(profile.phases, RandomPhases):
+            parameters["seed"] = profile.phases.seed
+        else:
+            name = "phase" if isinstance(profile.phases, float) else "phases"
+            parameters[name] = profile.phases
+        return cls(parameters, methods, settings)
+
     @property
     def definition(self) -> str:
         """All that the numbers depend on but the loads, as text."""
@@ -57,6 +69,13 @@ class Case:
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
 
     def check(self) -> None:
+        """Refuse a series that no computer holds, or whose waves a method cannot resolve."""
+        self.check_ranges()
+        numerical = any(find_method(method).numerical for method in self.methods)
+        if numerical and math.isfinite(self.profile.m):
+            check_resolvable(self.profile)
+
+    def check_ranges(self) -> None:
         """Refuse a series that no computer holds."""
         profile = self.profile
         if profile.gamma > MAX_GAMMA:
@@ -68,8 +87,6 @@ class Case:
         drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
         if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
-        if any(find_method(method).numerical for method in self.methods):
-            check_resolvable(profile)
 
 
 class Layout(NamedTuple):

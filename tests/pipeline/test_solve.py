@@ -1,0 +1,152 @@
+"""What `weier.solve` returns: a curve that describes itself, or those of many as the pipeline has them."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import weier
+from weier import scene
+from weier.data.table import as_table
+from weier.methods.registry import find_method, infinite_names, names
+from weier.methods.settings import defaults
+from weier.pipeline.batch import solve_batch
+
+LOADS = [0.01, 0.1, 1.0]
+SMOOTH = weier.Profile(1.25, 5, 2, (0.0, 1.0))
+ROUGH = weier.Profile(1.5, "5/2", 3, weier.random_phases(7))
+INFINITE = weier.Profile(1.25, 5, math.inf, 0.5)
+
+
+def profile_of(method):
+    return weier.Profile(1.25, 5, 1) if method == "westergaard" else INFINITE if method == "hybrid" else SMOOTH
+
+
+@pytest.mark.parametrize("method", names())
+def test_a_curve_knows_its_profile_and_all_settings(method):
+    profile = profile_of(method)
+    curve = weier.solve(profile, LOADS, method)
+    assert (curve.D, curve.gamma, curve.m, curve.solution_method) == (1.25, 5, profile.m, method)
+    assert np.isnan(curve.seed)
+    again = weier.Profile(float(curve.D), float(curve.gamma), float(curve.m), json.loads(str(curve.phases.values)))
+    assert again == profile
+    assert json.loads(curve.attrs["settings"]) == defaults(find_method(method))
+    assert {"product_version", "python_version", "numpy_version", "numba_version"} <= curve.attrs.keys()
+
+
+@pytest.mark.parametrize("method", names())
+def test_a_curve_comes_back_from_a_file_as_it_was(method, tmp_path):
+    profile, path = profile_of(method), tmp_path / "curve.nc"
+    curve = weier.solve(profile, LOADS, method)
+    curve.to_netcdf(path)
+    with xr.open_dataset(path) as found:
+        assert found.identical(curve)
+    with weier.open(path) as contact:
+        one = contact.sel(D=1.25, gamma=5, m=profile.m, solution_method=method, mean_pressure=0.1)
+        assert one["compliance"].item() == curve.compliance.values[1]
+        if profile is SMOOTH:
+            assert contact.sel(phase=1.0)["compliance"].shape == (1, 1, 3)
+
+
+@pytest.mark.parametrize("method", names())
+def test_a_curve_is_a_table_of_one_row_a_load(method):
+    frame = weier.solve(profile_of(method), LOADS, method).to_dataframe()
+    assert frame.index.tolist() == LOADS
+    assert (frame["D"] == 1.25).all()
+    assert (frame["solution_method"] == method).all()
+
+
+def test_edges_of_contact_are_there_if_asked_for():
+    assert "edge" not in weier.solve(SMOOTH, LOADS, "patches").dims
+    edges = weier.solve(SMOOTH, LOADS, "patches", contact_edges=True).contact_edge
+    field = weier.fields(SMOOTH, 0.1)
+    assert edges.sel(mean_pressure=0.1).dropna("edge").values[0::2] == pytest.approx(field.left.values)
+
+
+def test_random_phases_have_their_seed_and_their_values():
+    curve = weier.solve(ROUGH, LOADS, "demelio")
+    assert curve.seed == 7
+    assert json.loads(str(curve.phases.values)) == ROUGH.phase.tolist()
+    longer = weier.solve(weier.Profile(1.5, 2, 5000, weier.random_phases(7)), LOADS, "demelio")
+    assert (longer.seed, str(longer.phases.values)) == (7, "null")
+
+
+def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
+    found = weier.solve([SMOOTH, ROUGH], LOADS, ["demelio", "bem"], bem={"tolerance": 1e-9})
+    (tmp_path / "same.yaml").write_text(
+        """
+title: the same
+loads: [0.01, 0.1, 1.0]
+methods: [demelio, bem]
+settings: {bem: {tolerance: 1.0e-9}}
+studies:
+  both:
+    cases: [{D: 1.25, gamma: 5, m: 2, phases: [[0.0, 1.0]]}, {D: 1.5, gamma: 5/2, m: 3, seed: 7}]
+"""
+    )
+    loaded = scene.load(tmp_path / "same.yaml")
+    written, _ = solve_batch(loaded, loaded.studies["both"])
+    xr.testing.assert_identical(
+        found.drop_vars(["key", "seconds"]).drop_attrs(), written.drop_vars("key").drop_attrs()
+    )
+    for case, profile in enumerate((SMOOTH, ROUGH)):
+        for method, settings in (("demelio", {}), ("bem", {"tolerance": 1e-9})):
+            one = weier.solve(profile, LOADS, method, **settings)
+            both = found.isel(case=case).sel(solution_method=method)
+            assert both.compliance.values == pytest.approx(one.compliance.values, rel=1e-14)
+            assert json.loads(str(both.settings.values)) == json.loads(one.attrs["settings"])
+    found.to_netcdf(tmp_path / "both.nc")
+    with weier.open(tmp_path / "both.nc") as contact:
+        assert contact.sel(D=1.5, solution_method="bem")["compliance"].shape == (1, 3)
+
+
+def test_what_cannot_be_solved_is_named_and_the_others_are_there():
+    irrational = weier.Profile(1.25, math.sqrt(2), 3)
+    with pytest.warns(UserWarning, match='bem: the finest wave .*: take gamma = "140/99"') as told:
+        found = weier.solve([SMOOTH, irrational], LOADS, ["demelio", "bem"])
+    assert [warning.filename for warning in told] == [__file__]
+    assert found.status.values.tolist() == [[0, 0], [0, 2]]
+    assert np.isfinite(found.compliance.values[found.status.values == 0]).all()
+    assert np.isnan(found.compliance.values[1, 1]).all()
+
+
+@pytest.mark.parametrize("method", [name for name in infinite_names() if name not in ("hybrid", "planned")])
+def test_a_ratio_that_is_no_fraction_lies_between_those_that_are(method):
+    """Closed forms and the layer need no period: nothing special happens at sqrt(2)."""
+    for m in (3, math.inf):
+        below, at, above = (
+            weier.solve(weier.Profile(1.25, gamma, m), LOADS, method).compliance.values
+            for gamma in ("7/5", math.sqrt(2), "10/7")
+        )
+        assert np.all((below - at) * (above - at) < 0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: weier.solve([], LOADS), "profile must have at least one element"),
+        (lambda: weier.solve(SMOOTH, LOADS, []), "method must have at least one element"),
+        (lambda: weier.solve([SMOOTH, 1.0], LOADS), "profile must be a weier.Profile, got 1.0"),
+        (lambda: weier.solve(SMOOTH, LOADS, ["bem", "fem"]), "method must be one of .*, got 'fem'"),
+        (lambda: weier.solve(SMOOTH, LOADS, ["bem"], points=64), "must be given by the method, .* got points=64"),
+        (lambda: weier.solve(SMOOTH, LOADS, ["demelio"], bem={}), "must be given by the method, .* for demelio"),
+        (lambda: weier.solve(SMOOTH, LOADS, ["bem"], bem={"n": 3}), "has no setting 'n'"),
+    ],
+)
+def test_a_list_that_cannot_be_solved_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_a_table_has_one_row_for_each_case_method_and_load():
+    with pytest.warns(UserWarning, match="westergaard"):
+        found = weier.solve([SMOOTH, weier.Profile(1.5, 3, 1)], LOADS, ["westergaard", "patches"])
+    table = as_table(found)
+    assert len(table) == 9  # Westergaard's is of the second profile alone
+    row = table[(table["D"] == 1.25) & (table["mean_pressure"] == 0.1)]
+    exact = weier.solve(SMOOTH, [0.1], "patches")
+    assert row["compliance"].tolist() == pytest.approx(exact.compliance.values)
+    assert row["phases"].tolist() == ["[0.0, 1.0]"]
+    assert set(as_table(exact)["solution_method"]) == {"patches"}

@@ -1,0 +1,127 @@
+"""`weier.solve`: one curve, or those of several profiles and methods in one dataset."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from weier.data import provenance
+from weier.kernels.arrays import Array
+from weier.methods.registry import DEFAULT, METHODS, find_method
+from weier.methods.settings import checked_settings
+from weier.methods.solve import solve_curve
+from weier.theory.arguments import checked_flag, shown
+from weier.theory.loads import checked_loads
+from weier.theory.profile import Profile, checked_profile
+
+
+def solve(
+    profile: Profile | Sequence[Profile],
+    mean_pressure: ArrayLike,
+    method: str | Sequence[str] = DEFAULT,
+    *,
+    contact_edges: bool = False,
+    **settings: Any,
+) -> xr.Dataset:
+    """Compliance and contact resistance of profiles pressed against a plane.
+
+    Parameters
+    ----------
+    profile : Profile or sequence of Profile
+        The Weierstrass series.
+    mean_pressure : array_like, shape (loads,)
+        Positive and increasing, in p_0*.
+    method : str or sequence of str
+        {methods}
+    contact_edges : bool
+        Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
+    **settings
+        Settings of the method, such as `points` of "bem". With a list of methods, those of each under its name, such
+        as `bem={"points": 640}`.
+
+    Returns
+    -------
+    Dataset
+        Of one profile and one method: over the dimension mean_pressure, compliance, in g_0, resistance, in
+        g_0/p_0*, and whatever else the method returns: see the table of variables. The profile is in its scalar
+        coordinates; settings, defaults among them, versions, and the seconds that it took are attributes.
+
+        Where profiles or methods are a list: over case, solution_method and mean_pressure, as the pipeline writes
+        it. What cannot be solved is NaN, `status` says so, and a warning says why.
+
+    Raises
+    ------
+    ValueError
+        If the loads, the method or a setting is unknown or out of range; NotApplicableError where the method
+        does not apply to the profile.
+    ConvergenceError
+        If a solver misses its tolerance.
+
+    Examples
+    --------
+    >>> import weier
+    >>> profile = weier.Profile(D=1.25, gamma=5, m=3, phases=(0.0, 1.0, 2.0))
+    >>> curve = weier.solve(profile, [0.01, 0.1, 1.0], method="demelio")
+    >>> curve.compliance.values.round(4)
+    array([0.0706, 0.4208, 1.3527])
+    >>> rougher = weier.Profile(D=1.5, gamma=5, m=3, phases=(0.0, 1.0, 2.0))
+    >>> both = weier.solve([profile, rougher], [0.01, 0.1, 1.0], method=["archard", "demelio"])
+    >>> print(both.compliance.dims, both.D.values)
+    ('case', 'solution_method', 'mean_pressure') [1.25 1.5 ]
+
+    """
+    loads, edges = checked_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
+    profiles, methods = _list("profile", profile), _list("method", method)
+    for each in profiles:
+        checked_profile(each)
+    solvers = [find_method(each) for each in methods]
+    if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
+        return _solve_all(profiles, loads, methods, settings, edges)
+    return solve_curve(profiles[0], loads, solvers[0], settings, edges)
+
+
+def _list(name: str, given: Any) -> list[Any]:
+    listed = list(given) if isinstance(given, list | tuple) else [given]
+    if not listed:
+        raise ValueError(f"{name} must have at least one element, got an empty list")
+    return listed
+
+
+def _solve_all(
+    profiles: list[Profile], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
+) -> xr.Dataset:
+    from weier.pipeline.batch import solve_batch  # scenes and threads, which one curve does not need
+    from weier.scene.cases import Case, Scene
+
+    checked = _settings(methods, settings)
+    cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
+    title = f"Weierstrass profiles, {len(cases)} by {', '.join(methods)}"
+    scene = Scene("solve", title, loads, {"solve": cases}, len(cases), contact_edges=edges)
+    failures: list[str] = []
+    data, cost = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
+    for failure in failures:
+        warnings.warn(failure, stacklevel=3)  # at the call of `solve`
+    return data.assign(seconds=cost["seconds"]).assign_attrs(provenance.of_results(title))
+
+
+def _settings(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """The settings of each of several methods, checked."""
+    for name, own in settings.items():
+        if name not in methods or not isinstance(own, Mapping):
+            raise ValueError(
+                f'settings of several methods must be given by the method, such as bem={{"points": 640}}, got '
+                f"{name}={shown(own)} for {', '.join(methods)}"
+            )
+    return {name: checked_settings(find_method(name), own) for name, own in settings.items()}
+
+
+def _summaries(indent: str) -> str:
+    """A line for each method, for the docstring."""
+    return f"\n{indent}".join(f'"{method.name}": {method.summary}.' for method in METHODS)
+
+
+solve.__doc__ = str(solve.__doc__).replace("{methods}", _summaries(" " * 8))
