@@ -1,5 +1,6 @@
 """config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
 
+import atexit
 import os
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ from snakemake.utils import validate
 
 from weier.data.files import bring_to_present, check_writable, remove_leftovers
 from weier.kernels.jit import cache_folder
-from weier.kernels.sources import sources
+from weier.pipeline import server
 from weier.pipeline.dependencies import batch_digest, claims_digest, figure_digest
 
 
@@ -40,6 +41,7 @@ onstart:
     check_writable("results")
     remove_leftovers("results")
     bring_to_present("results", str(CONFIG))
+    atexit.register(server.start())  # whose end is waited for
 
 
 rule all:
@@ -114,7 +116,7 @@ rule claims:
     params:
         scene=lambda w: scene_file(w.scene),
         text=lambda w: scene(w.scene).text,
-        program=claims_digest(),
+        program=lambda w: claims_digest(),
     shell:
         "python -m weier claims {params.scene} {output.data} {output.table}"
         " results/{wildcards.scene}/batches 2>&1 | tee {log}"
@@ -129,7 +131,7 @@ rule compile:
     conda:
         "rules/environment.yaml"
     params:
-        kernels=cache_folder().name,  # a digest of their sources
+        kernels=lambda w: cache_folder().name,  # a digest of their sources
     shell:
         "python -m weier compile 2>&1 | tee {log}"
 

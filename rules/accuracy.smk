@@ -1,3 +1,5 @@
+from weier.pipeline.dependencies import figure_digest, program_digest
+
 # What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
 for study, figure in {
     "tradeoff": "work_precision",
@@ -9,7 +11,6 @@ for study, figure in {
         name:
             study
         input:
-            source=in_checkout(*sources(f"weier.figures.{figure}")),
             data=f"results/{study}/{study}.nc",
         output:
             pdf=f"results/{study}/{figure}.pdf",
@@ -27,6 +28,7 @@ for study, figure in {
         params:
             figure=figure,
             caption=kinds()[figure].caption,
+            program=lambda w, figure=figure: figure_digest(figure),
         shell:
             "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee {log}"
 
@@ -34,7 +36,6 @@ for study, figure in {
 # On its own, since other jobs beside it would disturb the seconds.
 rule measure_tradeoff:
     input:
-        source=in_checkout(*sources("weier.accuracy.tradeoff")),
         kernels="results/.kernels",
         scene=in_checkout("config/accuracy/tradeoff.yaml"),
     output:
@@ -45,13 +46,14 @@ rule measure_tradeoff:
     conda:
         "environment.yaml"
     threads: 999  # all there are: snakemake takes no more than --cores, and workflow.cores is unknown to --unlock
+    params:
+        program=lambda w: program_digest("weier.accuracy.tradeoff"),
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee {log}"
 
 
 rule measure_convergence:
     input:
-        source=in_checkout(*sources("weier.accuracy.convergence")),
         kernels="results/.kernels",
         scene=in_checkout("config/accuracy/infinite.yaml"),
     output:
@@ -60,13 +62,14 @@ rule measure_convergence:
         "results/logs/convergence/measure.log",
     conda:
         "environment.yaml"
+    params:
+        program=lambda w: program_digest("weier.accuracy.convergence"),
     shell:
         "python -m weier convergence {input.scene} {output} 2>&1 | tee {log}"
 
 
 rule measure_extremes:
     input:
-        source=in_checkout(*sources("weier.accuracy.extremes")),
         kernels="results/.kernels",
     output:
         data="results/extremes/extremes.nc",
@@ -75,6 +78,8 @@ rule measure_extremes:
         "results/logs/extremes/measure.log",
     conda:
         "environment.yaml"
+    params:
+        program=lambda w: program_digest("weier.accuracy.extremes"),
     shell:
         "python -m weier extremes {output} 2>&1 | tee {log}"
 
@@ -82,7 +87,6 @@ rule measure_extremes:
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
 rule plan:
     input:
-        source=in_checkout(*sources("weier.pipeline.plan")),
         scenes=[scene_file(name) for name in scene_names()],
     log:
         "results/logs/plan.log",

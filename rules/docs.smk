@@ -1,8 +1,10 @@
+from weier.pipeline.dependencies import docs_digest
+
+
 # The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
 rule docs:
     input:
         scene=scene_file("paper"),
-        source=in_checkout(*sorted(CHECKOUT.joinpath("weier").rglob("*.py"))),
         pages=in_checkout(
             *(
                 path
@@ -23,6 +25,7 @@ rule docs:
         docs=in_checkout("docs"),
         needed="sphinx, myst_parser, furo",
         install="pip install --require-hashes -r requirements/dev.txt",
+        program=lambda w: docs_digest(),
     shell:
         """
         python -c "import {params.needed}" 2>{log} || {{

@@ -25,7 +25,7 @@ rule page:
     params:
         scene=lambda w: scene_file(w.scene),
         figures=lambda w: repr(scene(w.scene).figures),
-        program=page_digest(),
+        program=lambda w: page_digest(),
     shell:
         "python -m weier page {params.scene} {output}"
         " {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"

@@ -1,6 +1,33 @@
-"""`python -m weier`."""
+"""`weier`, and `python -m weier`."""
 
-from weier.cli import main
+import os
+import sys
+
+from weier.pipeline.server import INTERRUPTED, STOPPED, delegate
+
+
+def run() -> None:
+    """Run the command line, here or by a server."""
+    code = delegate(sys.argv[1:])
+    sys.exit(_run_here() if code is None else code)
+
+
+def _run_here() -> int | str | None:
+    """What to exit with; Ctrl-C ends the process here, in the midst of what other threads compute."""
+    try:
+        from weier.cli import main  # not where a server runs the command
+
+        main()
+    except KeyboardInterrupt:
+        print(STOPPED, file=sys.stderr)
+    except SystemExit as stopped:
+        if stopped.code != INTERRUPTED:
+            return stopped.code
+    else:
+        return 0
+    sys.stderr.flush()
+    os._exit(INTERRUPTED)
+
 
 if __name__ == "__main__":
-    main()
+    run()

@@ -17,18 +17,37 @@ import click
 from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
+from weier.pipeline.server import INTERRUPTED, STOPPED
 
 # The commands of each module, in the order of the help.
 COMMANDS = {
     "profile": ("solve", "plot"),
     "plan": ("plan",),
-    "scene": ("compile", "batch", "figure", "claims", "page"),
+    "scene": ("compile", "batch", "figure", "claims", "page", "serve"),
     "measure": ("tradeoff", "convergence", "extremes", "draw"),
 }
-EXIT = "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage."
+EXIT = (
+    "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage; "
+    "130 stopped by Ctrl-C."
+)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=EXIT)
+class Commands(click.Group):
+    """The group of all commands, which ends in one sentence when it is stopped."""
+
+    def invoke(self, context: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(context)
+        except KeyboardInterrupt:
+            print(STOPPED, file=sys.stderr)
+            sys.exit(INTERRUPTED)
+
+
+HELP = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+@click.group(cls=Commands, context_settings=HELP, epilog=EXIT)
 @click.version_option(VERSION)
 def cli() -> None:
     """Contact stiffness and contact resistance of the Weierstrass profile.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from weier.cli.job import job
 from weier.cli.options import FILES, SCENE, output
 
 
@@ -23,10 +24,11 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
     from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
     from weier.data import dataset
 
-    loaded = scene.load(scene_file)
-    data = trade.measure(loaded)
-    dataset.write(data, path, loaded.title, "measured", loaded.text)
-    trade.write_table(data, loaded.title, table)
+    with job("tradeoff", scene_file.stem):
+        loaded = scene.load(scene_file)
+        data = trade.measure(loaded)
+        dataset.write(data, path, loaded.title, "measured", loaded.text)
+        trade.write_table(data, loaded.title, table)
 
 
 @click.command()
@@ -44,10 +46,11 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
     from weier.accuracy import convergence as study
     from weier.data import dataset
 
-    loaded = scene.load(scene_file)
-    profiles = [case.profile for case in loaded.cases.values()]
-    data = study.measure_convergence(profiles, loaded.loads, terms)
-    dataset.write(data, path, loaded.title, "solved", loaded.text)
+    with job("convergence", scene_file.stem):
+        loaded = scene.load(scene_file)
+        profiles = [case.profile for case in loaded.cases.values()]
+        data = study.measure_convergence(profiles, loaded.loads, terms)
+        dataset.write(data, path, loaded.title, "solved", loaded.text)
 
 
 @click.command()
@@ -59,9 +62,10 @@ def extremes(path: Path, table: Path) -> None:
     from weier.data import dataset
 
     title = "Stability at the extremes"
-    data = report.measure()
-    dataset.write(data, path, title, "examined")
-    report.write_table(data, title, table)
+    with job("extremes"):
+        data = report.measure()
+        dataset.write(data, path, title, "examined")
+        report.write_table(data, title, table)
 
 
 @click.command()
@@ -76,4 +80,5 @@ def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
     from weier.data import dataset
     from weier.figures import draw as draw_files  # matplotlib, as in weier.cli.profile
 
-    draw_files(kind, [dataset.read(file) for file in files], "", path)
+    with job("draw", kind):
+        draw_files(kind, [dataset.read(file) for file in files], "", path)

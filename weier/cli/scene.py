@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from weier.cli.job import job
 from weier.cli.options import FILE, FILES, SCENE, output
+from weier.kernels import jit
 
 if TYPE_CHECKING:
     from weier.scene import Scene
@@ -22,7 +25,8 @@ def compile() -> None:
     """Compile all kernels, once for all later runs."""
     from weier.pipeline.compile import compile_kernels  # only this command needs it
 
-    compile_kernels()
+    with job("compile"):
+        compile_kernels()
 
 
 @click.command()
@@ -37,12 +41,13 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> 
     from weier.pipeline.batch import solve_batch
     from weier.pipeline.compile import compile_for
 
-    loaded = _load(scene_file)
-    cases = loaded.batch(name)
-    compile_for(cases)
-    curves, seconds = solve_batch(loaded, cases, threads)
-    dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
-    dataset.write(curves, data, loaded.title, "solved", loaded.text)
+    with job("solve", scene_file.stem, name):
+        loaded = _load(scene_file)
+        cases = loaded.batch(name)
+        compile_for(cases)
+        curves, seconds = solve_batch(loaded, cases, threads)
+        dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
+        dataset.write(curves, data, loaded.title, "solved", loaded.text)
 
 
 @click.command()
@@ -58,10 +63,11 @@ def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
     from weier.figures import draw
     from weier.pipeline import gather
 
-    loaded = _load(scene_file)
-    wanted = loaded.figure(name)
-    studies = [gather.read_study(loaded, study, batches) for study in wanted.studies]
-    draw(wanted.draw, studies, wanted.title, path, wanted.grouping)
+    with job("figure", scene_file.stem, name):
+        loaded = _load(scene_file)
+        wanted = loaded.figure(name)
+        studies = [gather.read_study(loaded, study, batches) for study in wanted.studies]
+        draw(wanted.draw, studies, wanted.title, path, wanted.grouping)
 
 
 @click.command()
@@ -76,7 +82,8 @@ def claims(scene_file: Path, path: Path, table: Path, batches: Path) -> None:
     """
     from weier.pipeline import claims as claim
 
-    claim.write(_load(scene_file), batches, path, table)
+    with job("claims", scene_file.stem):
+        claim.write(_load(scene_file), batches, path, table)
 
 
 @click.command()
@@ -93,7 +100,22 @@ def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> 
 
     figures = [file for file in files if file.suffix == ".png"]
     costs = [file for file in files if file.suffix == ".nc"]
-    pages.write(_load(scene_file), contact, figures, costs, path)
+    with job("page", scene_file.stem):
+        pages.write(_load(scene_file), contact, figures, costs, path)
+
+
+@click.command()
+@click.argument("descriptor", type=int)
+def serve(descriptor: int) -> None:
+    """Do the work of the jobs of a run, until standard input ends.
+
+    DESCRIPTOR is the number of an open socket. The Snakefile starts this.
+    """
+    from weier.cli import main
+    from weier.pipeline import server
+
+    jit.LISTENERS.clear()  # each job has its own
+    server.serve(socket.socket(fileno=descriptor), main)
 
 
 def _load(scene_file: Path) -> Scene:

@@ -65,6 +65,7 @@ def modules_of(package: str) -> list[str]:
     return sorted(".".join(parts[:-1] if parts[-1] == "__init__" else parts) for parts in paths)
 
 
+@cache
 def _split(name: str) -> tuple[str, str]:
     """The module that a dotted name begins with, and the rest: empty where there is no such module."""
     parts = name.split(".")

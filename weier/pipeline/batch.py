@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ from weier.scene.cases import Case, Scene
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
+QUIET = 2.0  # seconds without a line of progress
+
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
 
@@ -38,7 +41,7 @@ def _tell(message: str) -> None:
 def solve_batch(
     scene: Scene, cases: Iterable[Case], threads: int = 1, done: Report = _tell, failed: Report = _tell
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Solve cases of a scene, one line of progress each.
+    """Solve cases of a scene, and say every few seconds how far it is.
 
     Parameters
     ----------
@@ -49,7 +52,7 @@ def solve_batch(
     threads : int
         Cases at a time: the kernels leave the interpreter to each other. The data do not depend on it.
     done, failed : callable
-        Take a line for each case that is done, and one that says why a method has no curve of it.
+        Take a line of how many cases are done, every few seconds, and one that says why a method has no curve.
 
     Returns
     -------
@@ -76,12 +79,15 @@ def solve_batch(
                 failed(f"{case.profile.describe()}, {method}: {why}")
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
-        seconds = np.nansum(costs["seconds"][number])
-        done(f"case {number + 1}/{len(cases)}: {case.profile.describe()}, {seconds:.2f} s")
 
-    with ThreadPoolExecutor(threads) as pool:
-        for _ in pool.map(solve_case, range(len(cases))):  # raises what a case raised
-            pass
+    pool, told = ThreadPoolExecutor(threads), perf_counter()
+    try:
+        for number, _ in enumerate(pool.map(solve_case, range(len(cases))), 1):  # raises what a case raised
+            if perf_counter() - told > QUIET and number < len(cases):
+                done(f"{number} of {len(cases)} cases")
+                told = perf_counter()
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # Ctrl-C waits for no kernel
     return data, cost
 
 

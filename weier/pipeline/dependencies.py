@@ -72,6 +72,18 @@ def page_digest() -> str:
     return _step_digest(*modules_of("weier.figures"), files=scripts)
 
 
+def program_digest(name: str) -> str:
+    """A digest of all that a module or the modules of a folder depend on, all methods among it."""
+    return _digest(definitions(name, *modules_of(name)))
+
+
+def docs_digest() -> str:
+    """A digest of the text of all modules, whose docstrings the documentation shows."""
+    return _digest(
+        {str(path.relative_to(PACKAGE)): path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    )
+
+
 def _step_digest(*names: str, files: Iterable[Path] = ()) -> str:
     """A digest of what a step without solving depends on: definitions, methods as figures show them, and files."""
     shown = {each.name: repr((each.label, each.numerical, each.style)) for each in registry.METHODS}

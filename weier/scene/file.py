@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -40,12 +41,23 @@ def load(path: str | Path) -> Scene:
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        return _load(path.read_text(encoding="utf-8"), path)
+    except (OSError, UnicodeDecodeError) as error:
+        raise _unreadable(path, error) from None
+
+
+@lru_cache(maxsize=1)  # for the jobs of one scene, which are forked from a process that has loaded it
+def _load(text: str, path: Path) -> Scene:
+    try:
         raw = parse_yaml(text)
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{path} cannot be read as a scene: {_one_line(error)}") from None
+    except ValueError as error:
+        raise _unreadable(path, error) from None
     _check_schema(raw, path)
     return _scene(raw, text, path)
+
+
+def _unreadable(path: Path, error: Exception) -> SceneError:
+    return SceneError(f"{path} cannot be read as a scene: {_one_line(error)}")
 
 
 def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -53,11 +54,9 @@ def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> N
         If the scene names a claim that is not in CLAIMS.
 
     """
-    # Only the studies of one claim are in memory at a time, and a sweep that no claim looks at never is.
-    measured = {
-        name: evaluate(name, [read_study(scene, study, batches) for study in names])
-        for name, names in scene.claims.items()
-    }
+    # Only the studies that claims look at are ever in memory, each read once.
+    study = cache(partial(read_study, scene, batches=batches))
+    measured = {name: evaluate(name, [study(each) for each in names]) for name, names in scene.claims.items()}
     files = [batch_file(batches, batch) for batch in scene.batches]
     step = "checked against the paper" if measured else "gathered"
     gather(files, list(scene.cases), path, scene.title, step=step, scene=scene.text, more=_columns(measured))

@@ -1,0 +1,138 @@
+"""The server that does the work of jobs: the same files and words as without it, and no imports in the jobs."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from weier.pipeline import server
+
+PATIENCE = 120  # seconds
+SOLVING = 8  # seconds until a job has imported what it needs, and solves for minutes
+SCENE = """
+title: test
+loads: [0.1, 1.0]
+methods: [demelio]
+studies:
+  one: {product: {D: 1.25, gamma: 5, m: 2}}
+"""
+# A command that starts a server as the Snakefile does, tells where, and stays until its standard input ends.
+HOLDER = """
+import os, sys
+from weier.pipeline import server
+stop = server.start()
+print(os.environ[server.ADDRESS], flush=True)
+sys.stdin.read()
+stop()
+"""
+
+
+@pytest.fixture
+def holder():
+    """A process that has started a server, and the server's address."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLDER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    yield process, process.stdout.readline().strip()
+    process.communicate(timeout=PATIENCE)
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "test.yaml"
+    path.write_text(SCENE)
+    return path
+
+
+def job(folder, address, *arguments, python=()):
+    """A job as a rule runs it, with these options of Python."""
+    environment = os.environ | {server.ADDRESS: address, "PYTHONPATH": os.getcwd()}
+    command = [sys.executable, *python, "-m", "weier", *arguments]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=PATIENCE)
+
+
+BATCH = ("batch", "test.yaml", "one-0", "data.nc", "cost.nc")
+
+
+def test_a_job_leaves_the_same_file_and_imports_nothing(holder, scene_file, tmp_path):
+    done = job(tmp_path, holder[1], *BATCH, python=["-X", "importtime"])
+    assert done.returncode == 0, done.stderr
+    assert "solve test one-0" in done.stderr
+    assert "numpy" not in done.stderr
+    by_server = (tmp_path / "data.nc").read_bytes()
+    done = job(tmp_path, "", *BATCH, python=["-X", "importtime"])
+    assert "numpy" in done.stderr
+    assert (tmp_path / "data.nc").read_bytes() == by_server
+
+
+def test_what_is_wrong_is_told_as_without_a_server(holder, scene_file, tmp_path):
+    wrong = ("batch", "test.yaml", "two-0", "data.nc", "cost.nc")
+    with_server, without = (job(tmp_path, address, *wrong) for address in (holder[1], ""))
+    assert (with_server.returncode, with_server.stderr) == (without.returncode, without.stderr)
+    assert with_server.returncode == 1
+
+
+def test_a_server_that_is_gone_is_done_without(holder, scene_file, tmp_path):
+    holder[0].communicate(timeout=PATIENCE)
+    assert not Path(holder[1]).exists()
+    assert job(tmp_path, holder[1], *BATCH).returncode == 0
+
+
+def test_a_server_ends_with_the_process_that_started_it(holder):
+    process, address = holder
+    process.kill()
+    end = time.monotonic() + PATIENCE
+    while Path(address).parent.exists():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_other_commands_run_by_themselves(monkeypatch):
+    monkeypatch.setenv(server.ADDRESS, "/no/such/socket")
+    assert server.delegate(["--version"]) is None
+    assert server.delegate(["batch"]) is None
+
+
+def test_a_server_of_another_copy_is_not_used(holder, monkeypatch):
+    """It answers that it is not able to, and the command runs by itself."""
+    monkeypatch.setenv(server.ADDRESS, holder[1])
+    monkeypatch.setattr(server, "_identity", lambda: {"python": sys.prefix, "package": "/elsewhere"})
+    assert server.delegate(["batch"]) is None
+
+
+@pytest.mark.parametrize("served", [True, False])
+def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, tmp_path):
+    """As a terminal sends it: to the job and to the process that works for it."""
+    (tmp_path / "test.yaml").write_text(SCENE.replace("demelio", "bem").replace("m: 2", "m: 8"))
+    environment = os.environ | {"PYTHONPATH": os.getcwd(), "NUMBA_DISABLE_JIT": "1"}
+    environment |= {server.ADDRESS: holder[1] if served else ""}
+    command = [sys.executable, "-m", "weier", *BATCH]
+    process = subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
+    workers = [_wait_for_a_worker(process, holder[0])] if served else []
+    time.sleep(SOLVING)
+    start = time.monotonic()
+    for number in (*workers, process.pid):
+        os.kill(number, signal.SIGINT)
+    _, said = process.communicate(timeout=PATIENCE)
+    assert time.monotonic() - start < PATIENCE / 2
+    assert process.returncode == 130
+    assert said.splitlines()[-1].startswith("weier: stopped by Ctrl-C")
+    assert "Traceback" not in said
+
+
+def _children(process):
+    return [int(word) for word in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+
+
+def _wait_for_a_worker(process, holder):
+    (serving,) = _children(holder.pid)
+    end = time.monotonic() + PATIENCE
+    while not (workers := _children(serving)):
+        assert time.monotonic() < end
+        assert process.poll() is None
+        time.sleep(0.02)
+    return workers[0]
