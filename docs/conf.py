@@ -7,7 +7,6 @@ from pathlib import Path
 
 from cycler import cycler
 from docutils import nodes
-from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -18,9 +17,10 @@ from weier import scene  # noqa: E402 - only now is it found
 from weier.data import markdown  # noqa: E402 - likewise
 from weier.data.provenance import VERSION  # noqa: E402 - likewise
 from weier.data.variables import VARIABLES  # noqa: E402 - likewise
-from weier.figures import style  # noqa: E402 - likewise
+from weier.figures import kinds, style  # noqa: E402 - likewise
 from weier.figures.captions import caption  # noqa: E402 - likewise
 from weier.methods.registry import PLOTTED  # noqa: E402 - likewise
+from weier.scene.file import schema  # noqa: E402 - likewise
 
 project = "weier"
 author = "The weier developers"
@@ -30,7 +30,10 @@ version = release = VERSION
 extensions = [
     "matplotlib.sphinxext.plot_directive",
     "myst_parser",
+    "sphinx-mathjax-offline",  # the script of sphinx.ext.mathjax, so that no network is needed
     "sphinx.ext.autodoc",
+    "sphinx.ext.githubpages",
+    "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
 ]
@@ -54,21 +57,8 @@ html_theme = "furo"
 html_title = "weier"
 html_static_path = ["style.css"]
 html_css_files = ["style.css"]
-html_math_renderer = "mathml"  # browsers know it: no script, no network
 
 COLON = "\ue000"  # of a private range: no text has it
-
-
-def inline_math(translator, node):
-    """A formula within a line."""
-    translator.body.append(tex2mathml(node.astext()))
-    raise nodes.SkipNode
-
-
-def display_math(translator, node):
-    """A formula on its own."""
-    translator.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
-    raise nodes.SkipNode
 
 
 class SceneFigures(SphinxDirective):
@@ -105,6 +95,63 @@ class TableOfVariables(SphinxDirective):
         name, entry = variable
         cells = entry.long_name, entry.symbol, entry.unit, ", ".join(entry.dims)
         return [f"`{name}`", *map(markdown.plain, cells)]
+
+
+class SceneKeys(SphinxDirective):
+    """Every key of a scene, a study, a profile, a figure and a range, from the schema of scenes."""
+
+    parts = ("", "study", "profile", "figure", "range")
+
+    def run(self):
+        """A table for each."""
+        known = schema()
+        made = []
+        for part in self.parts:
+            within = known["$defs"][part] if part else known
+            caption = f"Keys of a {part}" if part else "Keys of a scene"
+            needed = within.get("required", [])
+            rows = [self.row(known, name, of, name in needed) for name, of in within["properties"].items()]
+            made.append(nodes.rubric("", caption))
+            made += self.parse_text_to_nodes(markdown.table(["key", "what it says", "value"], rows))
+        return made
+
+    def row(self, known, name, of, needed):
+        """Its cells, as Markdown."""
+        says = f"{of.get('description', '')}{' Required.' if needed else ''}"
+        return [f"`{name}`", markdown.plain(says), markdown.plain(self.kind(known, of))]
+
+    def kind(self, known, of):
+        """What a value may be, in words."""
+        name = of.get("$ref", "").rpartition("/")[2]
+        if name:
+            own = {"axis": "number, text, range, or list of these", "line": "text", "name": "name", "names": "names"}
+            of = known["$defs"][name]
+            return own.get(name) or (", ".join(of["enum"]) if "enum" in of else self.kind(known, of))
+        if "enum" in of:
+            return ", ".join(of["enum"])
+        if "anyOf" in of:
+            return " or ".join(dict.fromkeys(self.kind(known, each) for each in of["anyOf"]))
+        if of.get("type") == "array":
+            return f"list of {self.kind(known, of['items'])}"
+        kind = of.get("type", "mapping")
+        words = kind if isinstance(kind, list) else [kind]
+        return " or ".join("mapping" if word == "object" else word for word in words)
+
+
+class FigureKinds(SphinxDirective):
+    """Every kind of figure, by its caption."""
+
+    def run(self):
+        """A table with a row for each."""
+        rows = [[f"`{name}`", *self.cells(kind)] for name, kind in kinds().items()]
+        head = ["draw", "what it shows", "takes parameters", "drawn from"]
+        return self.parse_text_to_nodes(markdown.table(head, rows))
+
+    def cells(self, kind):
+        """Its cells after the name, as Markdown."""
+        text = " ".join(kind.caption.replace("{methods}", "").split())
+        file = f"the file of `weier {kind.command}`" if kind.command else "studies"
+        return markdown.plain(text), "yes" if kind.grouped else "", file
 
 
 def before_napoleon(app, what, name, obj, options, lines):
@@ -144,7 +191,8 @@ def setup(app: Sphinx) -> None:
     app.add_config_value("scene_figures", str(ROOT / "results/paper/figures"), "env", str)
     app.add_directive("scene-figures", SceneFigures)
     app.add_directive("table-of-variables", TableOfVariables)
-    app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
+    app.add_directive("scene-keys", SceneKeys)
+    app.add_directive("figure-kinds", FigureKinds)
     app.connect("doctree-read", mark_numbers)
     app.connect("autodoc-process-docstring", before_napoleon, priority=100)
     app.connect("autodoc-process-docstring", after_napoleon, priority=900)

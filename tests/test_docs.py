@@ -17,9 +17,11 @@ import weier
 from weier import scene
 from weier.data import dataset, variables
 from weier.data.check import Check
+from weier.figures import kinds
 from weier.methods import registry
 from weier.pipeline import batch, curves
 from weier.pipeline.claims import claim, paper
+from weier.scene.file import schema
 
 
 def test_the_tutorial_is_true():
@@ -168,9 +170,15 @@ def page(site, name):
     return (site / f"{name}.html").read_text(encoding="utf-8")
 
 
+def interface(site):
+    """All pages of the interface, which has one for each area."""
+    return "".join(path.read_text(encoding="utf-8") for path in sorted((site / "api").glob("*.html")))
+
+
 def test_every_page_is_reached_from_the_first(site):
-    pages = {path.stem for suffix in ("rst", "md") for path in Path("docs").glob(f"*.{suffix}")}
-    linked = set(re.findall(r'href="(\w+)\.html', page(site, "index")))
+    sources = [path for suffix in ("rst", "md") for path in Path("docs").rglob(f"*.{suffix}")]
+    pages = {path.relative_to("docs").with_suffix("").as_posix() for path in sources}
+    linked = set(re.findall(r'href="([\w/]+)\.html', page(site, "index")))
     assert pages - {"index"} <= linked
 
 
@@ -193,13 +201,57 @@ def test_the_tutorial_drew_its_figures(site):
 
 
 def test_formulae_need_no_network(site):
-    for path in site.glob("*.html"):
-        assert re.findall(r'<(?:script|img)[^>]*src="(?:https?:)?//', path.read_text(encoding="utf-8")) == []
-    assert page(site, "interface").count("<math") > 20
+    """The script that draws them is a part of the site, and no page asks another server for anything."""
+    fetched = [
+        name
+        for path in site.rglob("*.html")
+        for name in re.findall(r'<(?:script|img|link)[^>]*(?:src|href)="([^"]*)"', path.read_text(encoding="utf-8"))
+    ]
+    assert [name for name in fetched if re.match(r"(https?:)?//", name)] == []
+    assert any(name.partition("?")[0].endswith("mathjax/tex-chtml.js") for name in fetched)
+    assert (site / "_static/mathjax/tex-chtml.js").stat().st_size > 10**5
+    assert interface(site).count('class="math') > 20
+    assert "\\begin{cases}" in page(site, "api/estimates")
+
+
+def test_the_site_can_be_hosted_as_it_is(site):
+    assert (site / ".nojekyll").exists()  # else some hosts hide the folders that begin with _
+    for path in site.rglob("*.html"):
+        for name in re.findall(r'(?:src|href)="([^"]+)"', path.read_text(encoding="utf-8")):
+            file, _, _ = name.partition("#")
+            if not re.match(r"\w+:", name):
+                assert (path.parent / file.partition("?")[0]).exists(), f"{path.name}: {name}"
+
+
+def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
+    text = page(site, "scenes")
+    known = schema()
+    keys = {*known["properties"], *(key for part in PARTS for key in known["$defs"][part]["properties"])}
+    cells = re.findall(r"<td><p><code[^>]*>(.*?)</code>", text)
+    listed = {re.sub("<[^>]*>", "", cell) for cell in cells}
+    assert keys | set(kinds()) <= listed
+    assert text.count("<table") == len(PARTS) + 2
+
+
+PARTS = ("study", "profile", "figure", "range")
+
+
+def test_each_figure_of_the_tutorial_is_drawn_by_the_code_above_it():
+    """In one session, as a reader runs it: nothing is drawn into the figure before."""
+    plt.switch_backend("agg")
+    plt.close("all")
+    text = Path("docs/tutorial.rst").read_text(encoding="utf-8")
+    code = "\n".join(example.source for example in doctest.DocTestParser().get_examples(text))
+    exec(compile(code, "tutorial.rst", "exec"), {})
+    drawn = [plt.figure(number).axes for number in plt.get_fignums()]
+    plt.close("all")
+    assert len(drawn) == len(re.findall(r"\.\. plot::\n   :context:(?: reset| close-figs)?\n\n", text)) == 2
+    assert [len(axes) for axes in drawn] == [1, 1]
+    assert [len(axes[0].get_lines()) for axes in drawn] == [4, 1]
 
 
 def test_all_that_is_public_is_described(site):
-    text = page(site, "interface")
+    text = interface(site)
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
     public |= {
         "weier.accuracy.convergence.measure_convergence",
@@ -225,13 +277,13 @@ def test_the_glossary_has_all_variables_and_public_names(site):
 
 
 def test_what_a_class_holds_is_a_list(site):
-    text = re.sub(r"</?(?:code|span)[^>]*>", "", page(site, "interface"))
+    text = re.sub(r"</?(?:code|span)[^>]*>", "", interface(site))
     assert "<li><p>planned_method, planned_terms, planned_points : what was taken at each load" in text
     assert re.search(r"<li><p>compliance_lower, compliance_upper : bounds on h[^<]*\sboundary elements", text)
 
 
 def test_docstrings_stay_as_they_are(site):
-    text = re.sub(r"<[^>]+>", "", page(site, "interface"))
+    text = re.sub(r"<[^>]+>", "", interface(site))
     assert "(13) prints 1/R; this is R" in text
     assert "Sum of all g_n, in g_0: the compliance at full contact (22)." in text
     assert "p_0* = 2 pi M g_0/lambda_0" in text

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from weier.figures import style
+from weier.figures import lines, style
 from weier.pipeline import curves
 
 CAPTION = (
@@ -24,6 +24,7 @@ VARIABLE = "resolved_terms"
 
 HEIGHT = 2.1  # inches, of a panel
 BANDS = (1, 2, 4)  # resolved terms whose bounds are drawn, from light to dark, beside those of the most
+EDGE: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.3}
 LEGEND_ROW = 0.17  # inches
 COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # of cases
 
@@ -57,17 +58,18 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
     """The best estimate as a line within bands, each inside of those of fewer terms: so the narrow ones are seen."""
     loads, h, terms = (case[name].values for name in ("mean_pressure", "compliance", "resolved_terms"))
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
+    last = _rows_of_estimates(case)[-1]
+    fine, best = lines.compliance_line(loads, h[last], case["resistance"].values[last])
     bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
     rows = [*(row for row in bounded[:-1] if terms[row] in BANDS), bounded[-1]]
     for row, grey in zip(rows, np.linspace(0.92, 0.45, len(rows)), strict=True):
-        axes.fill_between(
-            loads, low[row], high[row], label=f"bounds, $k={terms[row]}$", facecolor=str(grey), linewidth=0
-        )
-    last = _rows_of_estimates(case)[-1]
-    axes.plot(loads, h[last], label=f"estimate, $k={terms[last]}$", color=style.BLACK, linewidth=1)
+        lower, upper = (best + np.interp(fine, loads, side[row] - h[last]) for side in (low, high))
+        upper = np.minimum(upper, float(case["total_amplitude"]))  # of full contact, which no bound exceeds
+        axes.fill_between(fine, lower, upper, facecolor=str(grey), label=f"bounds, $k={terms[row]}$", **EDGE)
+    axes.plot(fine, best, label=f"estimate, $k={terms[last]}$", color=style.BLACK, linewidth=1)
     axes.set(xscale="log", xlabel=style.LABELS["mean_pressure"], ylabel=style.LABELS["compliance"])
     axes.set_xlim(loads[0], loads[-1])
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower right", fontsize=7)
 
 
 def _draw_convergence(axes: Axes, case: xr.Dataset, color: str) -> None:
