@@ -271,8 +271,8 @@ const state = () => {
     resistance: Array.from(model("curve bem").data.resistance),
     visible: model("compliance").renderers.map((line) => line.visible),
     named: model("legend of resistance").items.map((item) => item.visible),
-    chosen: ["D", "gamma", "m", "phase", "key"].map((name) => model(name).value),
-    keyed: model("key").visible,
+    chosen: ["D", "gamma", "m", "phase", "case"].map((name) => model(name).value),
+    keyed: model("case").visible,
   }
 }
 const pause = () => new Promise((done) => setTimeout(done, 200))
@@ -319,12 +319,12 @@ def test_choosing_a_case_changes_the_curve(folder):
     result = re.search(r'<pre id="result">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
     start, rough, finer, longer, hidden = json.loads(result.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
-    assert start["chosen"] == ["1.25", "5", "2", "1", "case0"]
+    assert start["chosen"] == ["1.25", "5", "2", "1", "case"]
     assert not start["keyed"]  # the other labels tell all cases apart
     assert rough["compliance"] == pytest.approx(2 + LOADS)
     assert finer["compliance"] == pytest.approx(3 + LOADS)
     assert finer["resistance"] == pytest.approx(6 + LOADS)
-    assert finer["chosen"] == ["1.5", "3", "2", "1", "case2"]
+    assert finer["chosen"] == ["1.5", "3", "2", "1", "case"]
     assert finer["visible"] == finer["named"] == [True, True]
     assert longer["compliance"] == pytest.approx(4 + LOADS)
     assert longer["visible"] == longer["named"] == [False, True]  # there is no such curve

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -54,8 +55,11 @@ class Contact:
         gamma: Ratio | Sequence[Ratio] | None = None,
         m: ArrayLike | None = None,
         phase: ArrayLike | None = None,
+        seed: ArrayLike | None = None,
+        study: str | None = None,
         solution_method: str | Sequence[str] | None = None,
         mean_pressure: ArrayLike | None = None,
+        **settings: Any,
     ) -> Contact:
         """Those cases, methods and loads that have the labels given.
 
@@ -65,10 +69,16 @@ class Contact:
             Of the cases; gamma also as a Fraction or "5/2", m also inf.
         phase : number or list of m numbers
             In radians: of every term but the first, which then has phase 0; or of each term.
+        seed : int or list of int
+            Of random phases.
+        study : str
+            A study of the scene.
         solution_method : str or list of str
             One name leaves no dimension `solution_method`, a list keeps it.
         mean_pressure : number or list of numbers
             Loads of the file, in p_0*. One number leaves no dimension `mean_pressure`.
+        **settings
+            Any other coordinate of the cases, such as `bem_points`: a setting that differs between them.
 
         Returns
         -------
@@ -83,11 +93,14 @@ class Contact:
         """
         data = self.data
         ratios = None if gamma is None else [float(checked_ratio(value)) for value in _list("gamma", gamma)]
-        for name, wanted in (("D", D), ("gamma", ratios), ("m", m)):
+        for name, wanted in (("D", D), ("gamma", ratios), ("m", m), ("seed", seed)):
             if wanted is not None:
                 data = _with_parameter(data, name, _numbers(name, _list(name, wanted)))
         if phase is not None:
             data = _with_phase(data, checked_numbers("phase", phase, "be finite", np.isfinite))
+        for name, wanted in {"study": study, **settings}.items():
+            if wanted is not None:
+                data = _with_label(data, name, wanted)
         for name, labels in (("solution_method", solution_method), ("mean_pressure", mean_pressure)):
             if labels is not None:
                 data = data.isel({name: _rows(data, name, labels)})
@@ -160,6 +173,19 @@ def _with_parameter(data: xr.Dataset, name: str, wanted: NDArray[np.float64]) ->
         absent = wanted[np.argmin(fits.any(axis=0))]
         raise ValueError(f"no case has {name} = {absent:g}: choose from {_some(np.unique(values))}")
     return data.isel(case=np.flatnonzero(fits.any(axis=1)))
+
+
+def _with_label(data: xr.Dataset, name: str, wanted: Any) -> xr.Dataset:
+    """The cases with a label of those that not every file has; a text may be one of several with commas between."""
+    known = [str(each) for each in data.coords if data[each].dims == ("case",)]
+    labels = data[checked_word("a label of cases", name, known)].values
+    if labels.dtype.kind == "f":
+        return _with_parameter(data, name, _numbers(name, _list(name, wanted)))
+    texts = [json.dumps(each) if isinstance(each, bool) else each for each in _list(name, wanted)]
+    fits = [any(text in str(label).split(", ") for text in texts) for label in labels.tolist()]
+    if not any(fits):
+        raise ValueError(f"no case has {name} = {shown(wanted)}: choose from {_some(np.unique(labels.astype(str)))}")
+    return data.isel(case=np.flatnonzero(fits))
 
 
 def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:

@@ -27,6 +27,7 @@ def gather(
     *,
     step: str = "gathered",
     scene: str = "",
+    labels: xr.Dataset | None = None,
     more: xr.Dataset | None = None,
 ) -> None:
     """Write the cases with these keys, in this order, from files that hold them among others.
@@ -42,16 +43,21 @@ def gather(
         The file to write, whole or not at all.
     title, step, scene : str
         As in `dataset.write`; the history goes on from that of the files.
+    labels : Dataset, optional
+        Further coordinates of the cases, in the order of the keys.
     more : Dataset, optional
         Variables of no case, to write as well.
     """
     position = {key: row for row, key in enumerate(keys)}
     like, histories = _layout(files, position)
-    whole = like.merge(more) if more is not None else like
+    labels = xr.Dataset() if labels is None else labels
+    whole = like.assign_coords(labels.isel(case=slice(1)).coords) if labels.coords else like
+    whole = whole.merge(more) if more is not None else whole
     whole = whole.assign_attrs(provenance.attributes(title, step, scene, histories))
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, whole, {"case": len(keys)}, netcdf.text_widths(whole))
+        netcdf.create(file, whole, {"case": len(keys)}, netcdf.text_widths(whole) | netcdf.text_widths(labels))
         netcdf.fill(file, whole.drop_dims("case"))
+        netcdf.fill(file, labels, slice(0, len(keys)))
         for block in _blocks(files, position):
             _write_rows(file, dataset.widen(block, *_common_layout(like, block)), position)
 

@@ -8,8 +8,8 @@ for (const select of selects) {
   if (!options.includes(select.value)) select.value = options[0]
   rows = rows.filter((row) => values[row] === select.value)
 }
-const key = selects[selects.length - 1]
-key.visible = key.options.length > 1
+const last = selects[selects.length - 1]
+last.visible = last.options.length > 1
 // A method is drawn, and named in the legends, if its box is ticked and it has a curve of this case.
 const start = rows[0] * loads
 sources.forEach((source, number) => {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from importlib.resources import files
 from typing import Any
 
@@ -16,9 +17,9 @@ from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
-LABELS = ("D", "gamma", "m", "phase", "key")  # the last distinguishes cases of different settings
+LABELS = ("D", "gamma", "m", "phase", "case")  # the last tells apart what is left: studies, seeds and settings
 TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMALL LETTER PHI}, rad"}
-MIN_WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "key": 9}  # of the drop-down lists, in rem
+MIN_WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "case": 18}  # of the drop-down lists, in rem
 QUANTITIES = {name: entry.plot for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE}
 LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
 MAX_POINTS = 30  # of a curve that is drawn as points
@@ -84,11 +85,33 @@ def _select(name: str, value: str) -> Select:
 
 def _labels(data: xr.Dataset, name: str) -> list[str]:
     """One label of each case, as text."""
-    if name == "key":
-        return data["key"].values.tolist()
+    if name == "case":
+        return _case_labels(data)
     if name != "phase":
         return [f"{value:.6g}" for value in data[name].values.tolist()]
     return [_phase_label(phase[np.isfinite(phase)]) for phase in data["phase"].values]
+
+
+def _case_labels(data: xr.Dataset) -> list[str]:
+    """Study, seed and settings of each case, unless they are the same for all; numbered where nothing differs."""
+    names = [name for name in data.coords if data[name].dims == ("case",) and name not in ("key", *LABELS)]
+    columns = {str(name): [_text(value) for value in data[name].values.tolist()] for name in names}
+    differing = {name.replace("_", " "): texts for name, texts in columns.items() if len(set(texts)) > 1}
+    found = [", ".join(f"{name} {texts[case]}" for name, texts in differing.items() if texts[case])
+             for case in range(data.sizes["case"])]  # fmt: skip
+    profiles = zip(*(_labels(data, name) for name in LABELS[:-1]), strict=True)
+    seen: Counter[tuple[str, ...]] = Counter()
+    labels = []
+    for profile, label in zip(profiles, found, strict=True):
+        seen[*profile, label] += 1
+        again = seen[*profile, label]
+        labels.append(f"{label or 'case'} ({again})" if again > 1 else label or "case")
+    return labels
+
+
+def _text(value: Any) -> str:
+    """A label as text: none where it is missing."""
+    return value if isinstance(value, str) else f"{value:.6g}" if np.isfinite(value) else ""
 
 
 def _phase_label(phase: Any) -> str:

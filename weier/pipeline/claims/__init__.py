@@ -18,6 +18,7 @@ from weier.pipeline.claims.claim import CLAIMS, Claim, Measured
 from weier.pipeline.claims.paper import CRITERIA
 from weier.pipeline.claims.readings import MissingError
 from weier.pipeline.gather import batch_file, gather, read_study
+from weier.pipeline.labels import case_labels
 from weier.scene import Scene, SceneError
 
 __all__ = ["CLAIMS", "Claim", "Measured", "check_names", "evaluate", "write"]
@@ -59,7 +60,8 @@ def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> N
     measured = {name: evaluate(name, [study(each) for each in names]) for name, names in scene.claims.items()}
     files = [batch_file(batches, batch) for batch in scene.batches]
     step = "checked against the paper" if measured else "gathered"
-    gather(files, list(scene.cases), path, scene.title, step=step, scene=scene.text, more=_columns(measured))
+    labels, columns = case_labels(scene), _columns(measured)
+    gather(files, list(scene.cases), path, scene.title, step=step, scene=scene.text, labels=labels, more=columns)
     write_text(table, _markdown(scene.title, measured))
 
 

@@ -1,0 +1,94 @@
+"""Cases of one profile are told apart by study, seed and settings: in the file, by `sel`, and on the page."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import weier
+from weier import scene
+from weier.data import dataset
+from weier.figures.page import explorer
+from weier.pipeline import claims
+from weier.pipeline.batch import solve_batch
+from weier.pipeline.labels import case_labels
+
+SCENE = """
+title: Grids
+loads: [0.1, 1.0]
+methods: [bem]
+studies:
+  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 40}}}
+  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80}}}
+  between: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: subgrid}}}
+  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80}}}
+  drawn: {product: {D: 1.25, gamma: 5, m: 2, seed: [7, 8]}, methods: [demelio]}
+"""
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("grids")
+    (folder / "grids.yaml").write_text(SCENE)
+    loaded = scene.load(folder / "grids.yaml")
+    for name in loaded.batches:
+        data, _ = solve_batch(loaded, loaded.batch(name))
+        dataset.write(data, folder / f"{name}.nc", loaded.title, "solved", loaded.text)
+    claims.write(loaded, folder, folder / "contact.nc", folder / "claims.md")
+    return folder / "contact.nc"
+
+
+def test_a_file_labels_its_cases(path):
+    with xr.open_dataset(path) as data:
+        assert data.study.values.tolist() == ["coarse", "fine, alike", "between", "drawn", "drawn"]
+        np.testing.assert_array_equal(data.bem_points, [40, 80, 80, np.nan, np.nan])
+        assert data.bem_edges.values.tolist() == ["nodes", "nodes", "subgrid", "", ""]
+        np.testing.assert_array_equal(data.seed, [np.nan, np.nan, np.nan, 7, 8])
+        assert "bem_tolerance" not in data.coords  # is left out only by a method that is not run
+        assert data.bem_points.attrs["long_name"] == "setting points of method bem"
+        assert {"study", "bem_points", "seed"} <= set(data["compliance"].coords)
+
+
+@pytest.mark.parametrize(
+    ("labels", "study"),
+    [
+        ({"study": "alike"}, ["fine, alike"]),
+        ({"bem_points": 40}, ["coarse"]),
+        ({"bem_points": 80, "bem_edges": "subgrid"}, ["between"]),
+        ({"bem_points": [40, 80], "bem_edges": "nodes"}, ["coarse", "fine, alike"]),
+        ({"seed": 8}, ["drawn"]),
+    ],
+)
+def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
+    with weier.open(path) as contact:
+        assert contact.sel(**labels).data.study.values.tolist() == study
+
+
+@pytest.mark.parametrize(
+    ("labels", "message"),
+    [
+        ({"study": "rough"}, "no case has study = 'rough': choose from .*coarse"),
+        ({"bem_points": 50}, "no case has bem_points = 50: choose from 40, 80"),
+        ({"bem_nodes": 50}, "a label of cases must be one of .*bem_points.*, got 'bem_nodes'"),
+        ({"seed": 9}, "no case has seed = 9: choose from 7, 8"),
+    ],
+)
+def test_a_label_that_no_case_has_is_refused_with_the_choice(path, labels, message):
+    with weier.open(path) as contact, pytest.raises(ValueError, match=message):
+        contact.sel(**labels)
+
+
+def test_the_page_offers_cases_by_their_labels(path):
+    found = explorer._labels(dataset.read(path), "case")
+    assert found[:2] == [
+        "study coarse, bem points 40, bem edges nodes",
+        "study fine, alike, bem points 80, bem edges nodes",
+    ]
+    assert found[3:] == ["seed 7, study drawn", "seed 8, study drawn"]
+    plain = dataset.read(path).drop_vars(["study", "bem_points", "bem_edges", "seed"])
+    assert explorer._labels(plain, "case") == ["case", "case (2)", "case (3)", "case", "case"]
+
+
+def test_labels_come_from_the_scene_alone(path):
+    """So a file of ten thousand cases gets them in no time, and no batch is solved again for a new name."""
+    labels = case_labels(scene.load(path.parent / "grids.yaml"))
+    assert list(labels.coords) == ["study", "bem_points", "bem_edges"]
