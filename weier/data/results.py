@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -18,6 +19,7 @@ from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_number, checked_numbers, checked_word, shown
 from weier.theory.profile import checked_ratio
+from weier.theory.tables import html_table
 
 CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
 MAX_VALUES_IN_MESSAGE = 10  # values that a message lists
@@ -108,6 +110,16 @@ class Contact:
 
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.data[name]
+
+    def _repr_html_(self) -> str:
+        """What the file holds, for notebooks: its cases in a table, then the dataset."""
+        if "case" not in self.data.sizes:
+            return str(self.data._repr_html_())
+        columns = [self.data[name].values.tolist() for name in ("D", "gamma", "m")]
+        series = Counter(zip(*columns, strict=True))
+        rows = [[*(f"{value:.6g}" for value in values), str(count)] for values, count in series.items()]
+        header = ["D", "gamma", "m", "cases"]
+        return html_table(str(self.data.attrs.get("title", "")), header, rows) + self.data._repr_html_()
 
     def close(self) -> None:
         """Close the file."""

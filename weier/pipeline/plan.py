@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import escape
 from typing import Any, overload
 
 from numpy.typing import ArrayLike
@@ -41,12 +42,24 @@ class ScenePlan:
 
     def __str__(self) -> str:
         """The plan of every case, and what all of them take."""
+        others = [f"  {each}" for each in self._others]
+        blocks = [f"{each}\n" for each in self.plans]  # a case a block
+        return "\n".join([*blocks, self._sum_up, *(["not the others:", *others] if others else [])])
+
+    def _repr_html_(self) -> str:
+        """The same, for notebooks."""
+        others = "".join(f"<li>{escape(str(each))}</li>" for each in self._others)
+        below = f"<p>not the others:</p><ul>{others}</ul>" if others else ""
+        return f"{''.join(each._repr_html_() for each in self.plans)}<p>{self._sum_up}</p>{below}"
+
+    @property
+    def _others(self) -> list[OutOfReachError]:
+        return [each for each in self.cases.values() if isinstance(each, OutOfReachError)]
+
+    @property
+    def _sum_up(self) -> str:
         found, total = len(self.plans), len(self.cases)
-        sum_up = (
-            f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
-        )
-        others = [f"  {each}" for each in self.cases.values() if isinstance(each, OutOfReachError)]
-        return "\n".join([*map(str, self.plans), sum_up, *(["not the others:", *others] if others else [])])
+        return f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
 
 
 @overload

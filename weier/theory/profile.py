@@ -22,9 +22,11 @@ from weier.theory import series
 from weier.theory.arguments import checked_count, checked_number, checked_numbers, shown
 from weier.theory.crests import find_crests, sample
 from weier.theory.phases import Phases, RandomPhases, checked_phases
+from weier.theory.tables import html_table
 
 MAX_POINTS = 10**7  # of a sampled period, and so of a grid
 MAX_PHASES_DESCRIBED = 8  # phases in a line
+MAX_TERMS_SHOWN = 12  # rows of a notebook's table
 MAX_X = 1e15  # lambda_0: from here on a float does not tell the crest of a wave from its trough
 MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, and pi is no ratio
 
@@ -158,6 +160,18 @@ class Profile:
             return f"{self.describe()}, phase {self.phases:g}"
         first = ", ".join(f"{phase:g}" for phase in self.phases[:MAX_PHASES_DESCRIBED])
         return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MAX_PHASES_DESCRIBED else ''}"
+
+    def _repr_html_(self) -> str:
+        """A table of the terms, for notebooks."""
+        total = f"sum of the amplitudes: {self.total_amplitude:.6g} g_0"
+        if math.isinf(self.m):
+            return html_table(self.describe_with_phases(), ["term"], [["every n = 0, 1, 2, ..."]], total)
+        columns = self.amplitude, self.full_contact_pressure, self.phase
+        numbers = list(zip(*(column.tolist() for column in columns), strict=True))
+        rows = [[str(n), *(f"{value:.6g}" for value in row)] for n, row in enumerate(numbers)]
+        more = f"; {len(rows) - MAX_TERMS_SHOWN} more terms" if len(rows) > MAX_TERMS_SHOWN else ""
+        header = ["n", "amplitude, g_0", "full-contact pressure, p_0*", "phase, rad"]
+        return html_table(self.describe_with_phases(), header, rows[:MAX_TERMS_SHOWN], total + more)
 
     def height(self, x: ArrayLike) -> Array:
         """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""

@@ -22,6 +22,7 @@ from weier.methods.segment import COMPLIANCE, QUANTITIES, Segment
 from weier.theory.arguments import checked_number, checked_word
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
+from weier.theory.tables import html_table, text_table
 
 TOLERANCE = 1e-3
 MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
@@ -53,21 +54,37 @@ class Plan:
         return max(segment.memory for segment in self.segments)
 
     def __str__(self) -> str:
-        """The plan to read: a line a segment."""
-        head = f"{self.profile.describe_with_phases()}: {self.quantity} within {self.tolerance:g}"
-        total = f"  in all: error {self.error:.1e}, {self.seconds:.2g} s, {self.memory / 1e6:.2g} MB"
-        return "\n".join([head, *map(_line, self.segments), total])
+        """The plan to read: a table with a line for each segment."""
+        return "\n".join([self._head, text_table(HEADER, list(map(_row, self.segments))), f"  {self._total}"])
+
+    def _repr_html_(self) -> str:
+        """The same table, for notebooks."""
+        return html_table(self._head, HEADER, list(map(_row, self.segments)), self._total)
+
+    @property
+    def _head(self) -> str:
+        return f"{self.profile.describe_with_phases()}: {self.quantity} within {self.tolerance:g}"
+
+    @property
+    def _total(self) -> str:
+        return f"in all: error {self.error:.1e}, {self.seconds:.2g} s, {self.memory / 1e6:.2g} MB"
 
 
-def _line(segment: Segment) -> str:
+HEADER = (
+    *("loads", "from", "to", "method", "terms", "settings"),
+    *("error", "truncation", "discretisation", "estimate", "seconds", "MB", "why"),
+)
+
+
+def _row(segment: Segment) -> list[str]:
     p = segment.mean_pressure
-    settings = "".join(f", {name} {value:g}" for name, value in segment.settings.items())
-    return (
-        f"  {p.size} loads from {p[0]:.3g} to {p[-1]:.3g}: {segment.method} with {segment.terms:g} terms{settings}; "
-        f"error {segment.error.max():.1e} (truncation {segment.truncation.max():.1e}, discretisation "
-        f"{segment.discretisation.max():.1e}, estimate {segment.estimate.max():.1e}), {segment.seconds:.2g} s, "
-        f"{segment.memory / 1e6:.2g} MB: {segment.why}"
-    )
+    parts = (segment.error, segment.truncation, segment.discretisation, segment.estimate)
+    return [
+        *(f"{p.size}", f"{p[0]:.3g}", f"{p[-1]:.3g}", segment.method, f"{segment.terms:g}"),
+        ", ".join(f"{name} {value:g}" for name, value in segment.settings.items()),
+        *(f"{part.max():.1e}" if part.max() else "0" for part in parts),
+        *(f"{segment.seconds:.2g}", f"{segment.memory / 1e6:.2g}", segment.why),
+    ]
 
 
 def plan(

@@ -1,0 +1,60 @@
+"""Tables of text and HTML, and how a profile and a file look in a notebook."""
+
+import numpy as np
+import pytest
+
+import weier
+from weier.data import dataset
+from weier.theory.profile import MAX_TERMS_SHOWN
+from weier.theory.tables import html_table, text_table
+
+HEADER, ROWS = ("a", "long name", "why"), [["1234", "b", "as it is"], ["5", "c", ""]]
+
+
+def test_columns_stand_below_their_names():
+    assert text_table(HEADER, ROWS, "").splitlines() == [
+        "a     long name  why",
+        "1234  b          as it is",
+        "5     c",
+    ]  # fmt: skip
+
+
+def test_html_keeps_text_as_text():
+    text = html_table("<b>", ["<i>"], [["a & b"]], "end")
+    assert text.startswith("<p>&lt;b&gt;</p><table>")
+    assert "a &amp; b" in text
+    assert text.endswith("</table><p>end</p>")
+
+
+def test_a_profile_shows_its_terms_in_a_notebook():
+    text = weier.Profile(1.25, 5, 2, (0.0, 1.5))._repr_html_()
+    assert "D = 1.25, gamma = 5, m = 2, phases 0, 1.5" in text
+    assert text.count("<tr>") == 3
+    assert f"{5**-0.75:.6g}" in text  # g_1 (20)
+    assert f"{5**0.25:.6g}" in text  # p_1* (16)
+    long = weier.Profile(1.5, 2, 30)._repr_html_()
+    assert long.count("<tr>") == 1 + MAX_TERMS_SHOWN
+    assert "18 more terms" in long
+    assert f"{1 / (1 - 5**-0.75):.6g}" in weier.Profile(1.25, 5, np.inf)._repr_html_()  # G (22)
+
+
+@pytest.fixture
+def path(tmp_path):
+    data = dataset.blank(3, ["layer"], np.array([0.1, 1.0]), 2)
+    data["key"].values[:] = "a", "b", "c"
+    data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.25, 5, (2, 2, np.inf)
+    dataset.write(data, tmp_path / "contact.nc", "Some <waves>")
+    return tmp_path / "contact.nc"
+
+
+def test_a_file_shows_its_cases_in_a_notebook(path):
+    with weier.open(path) as contact:
+        text = contact._repr_html_()
+        assert "Some &lt;waves&gt;" in text
+        cells = [row.split("</td>")[:-1] for row in text.partition("<table>")[2].split("<tr>")[2:4]]
+        assert [[cell.rpartition(">")[2] for cell in row] for row in cells] == [
+            ["1.25", "5", "2", "2"], ["1.25", "5", "inf", "1"],
+        ]  # fmt: skip
+        assert "mean_pressure" in text  # the dataset itself follows
+        one = contact.sel(m=2, solution_method="layer", mean_pressure=0.1)
+        assert "<table>" in one._repr_html_()

@@ -1,0 +1,22 @@
+"""Tables of numbers for people: as lines of text, and as HTML for notebooks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+
+def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
+    """Lines with columns of equal width; the last column is as wide as its text."""
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)][:-1]
+    lines = ([cell.ljust(width) for cell, width in zip(row, [*widths, 0], strict=True)] for row in (header, *rows))
+    return "\n".join(indent + "  ".join(line).rstrip() for line in lines)
+
+
+def html_table(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]], footer: str = "") -> str:
+    """A table as notebooks show it."""
+    head = "".join(f'<th style="text-align: left">{escape(cell)}</th>' for cell in header)
+    lines = ("".join(f'<td style="text-align: left">{escape(cell)}</td>' for cell in row) for row in rows)
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    below = f"<p>{escape(footer)}</p>" if footer else ""
+    return f"<p>{escape(caption)}</p><table><tr>{head}</tr>{body}</table>{below}"
