@@ -25,7 +25,7 @@ CONDITIONS = {
     "condition_full": "dense, full contact",
     "condition_half": "dense, half in contact",
 }
-POWERS = (-300, -30, -5, -2, 0, 2, 5, 30, 300)  # of ten, of the loads that the axis names
+POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # of ten, of the loads that the axis names
 NEAR, SHARE_OF_NEAR = 2, 1.6  # powers of ten that are spread evenly, and their space in decades of larger powers
 OTHER_ALGORITHM = style.PURPLE  # than the default of a method
 

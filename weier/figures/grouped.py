@@ -21,7 +21,7 @@ from weier.methods.registry import names
 from weier.pipeline import curves
 from weier.scene import Grouping
 
-LEGEND_ROW = 0.17  # inches
+LEGEND_ROW, LOW = 0.17, 1.9  # inches: a row of the legend, and a panel among more than two
 MAX_NAMED = 8  # values of a parameter in a legend
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 
@@ -51,7 +51,7 @@ def compare(
     """
     drawn = _curves(studies, quantity)
     title, panels = style.limit_panels(title, _values(drawn, grouping.facet), grouping.facet or "curves")
-    figure, axes = style.column(len(panels))
+    figure, axes = style.column(len(panels), style.HEIGHT if len(panels) <= 2 else LOW)
     result = []
     for number, (panel, value) in enumerate(zip(axes, panels, strict=True)):
         members = [each for each in drawn if _value(each, grouping.facet) == value]
