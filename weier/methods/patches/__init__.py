@@ -15,8 +15,12 @@ fields
     pressure and gap anywhere, from a solution of the equations
 initial_guess, inequalities, active_set
     one load: where Newton's method starts, which segments are missing or wrong, and the iteration over both
+log_sums, punch_forces, punches
+    any number of contacts with given edges, by fast sums and conjugate gradients
+punch_edges, edge_iteration, wave_by_wave, punch_inequalities, many_contacts
+    one load on any number of contacts: Newton's method on their edges, where it starts, and which are missing
 continuation
-    from one load to the next
+    from one load to the next; it takes the matrix-free solver where there are many contacts
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
 error_model, candidates, method

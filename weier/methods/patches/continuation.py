@@ -19,6 +19,7 @@ from weier.methods.patches.initial_guess import (
     sample_density,
     state_of_guess,
 )
+from weier.methods.patches.many_contacts import solve_if_many
 from weier.methods.patches.segments import (
     TARGET_TAIL,
     Segments,
@@ -53,6 +54,10 @@ def states_over_loads(
     for load in mean_pressure:
         if load >= surface.full_contact_load:
             yield None, 0
+            continue
+        if (solved := solve_if_many(profile, surface, float(load), tolerance)) is not None:
+            yield solved
+            state = None
             continue
         if state is None:
             state, steps = first_state(profile, surface, float(load), tolerance)

@@ -1,0 +1,204 @@
+"""Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches.punch_edges import (
+    EdgeMoves,
+    distances,
+    edge_moves,
+    moved_expansion,
+    sample_forces,
+    singular_parts,
+    transfer_forces,
+)
+from weier.methods.patches.punches import (
+    MAX_NODES,
+    Bounds,
+    Forces,
+    Punches,
+    expansion,
+    make_punches,
+    regular_part,
+    solve_forces_on_contacts,
+)
+from weier.theory.profile import Profile
+
+MIN_GAP_LEFT = 0.1  # of a gap, in one step: one that would lose more in two steps running is merged
+MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
+MIN_GROWTH = -0.85  # of a half-width in one step: with less of it left, the contact vanishes
+SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their error
+NODES_PER_RADIAN = 0.8  # of the finest wave on a half-width
+MIN_DISTANCE, MAX_DISTANCE = 1e-4, 1e6  # of a neighbour over the half-width, for the estimate of the nodes
+NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
+
+
+class Stage(NamedTuple):
+    """How accurately the iteration solves.
+
+    base_nodes, nodes_per_neighbour : of a contact, besides those for the waves; the latter over ln(rho), where rho
+        belongs to the Bernstein ellipse through its nearest neighbour
+    bounds : of the residual on contacts with given edges
+    """
+
+    base_nodes: float
+    nodes_per_neighbour: float
+    bounds: Bounds
+
+
+class Guess(NamedTuple):
+    """Contacts and forces to start a step from.
+
+    centre, half_width, node_count : of the contacts in order, the first of which begins in [0, L)
+    force : at the nodes
+    tight : whether the gap on the right of each contact has nearly closed in the last step
+    """
+
+    centre: Array
+    half_width: Array
+    node_count: Indices
+    force: Array
+    tight: Flags
+
+
+class Step(NamedTuple):
+    """What is known of a guess.
+
+    b, a : coefficients of psi in T_k, of its regular part in U_k
+    moves : of the edges
+    vanishing : contacts that carry no force or have no width left
+    merging : contacts whose gap on the right vanishes
+    tight : contacts whose gap on the right would nearly close
+    singular : height that the singular part of the pressure accounts for, in g_0, shape (contacts,)
+    """
+
+    punches: Punches
+    forces: Forces
+    b: Array
+    a: Array
+    moves: EdgeMoves
+    vanishing: Flags
+    merging: Flags
+    tight: Flags
+    singular: Array
+
+    @property
+    def settled(self) -> bool:
+        """Whether the contacts are as many as before and Newton's method has begun to converge."""
+        return self.moves.largest < SETTLED_MOVE and not np.any(self.vanishing | self.merging | self.tight)
+
+
+def make_guess(profile: Profile, left: Array, right: Array, stage: Stage) -> Guess:
+    """A guess from edges alone."""
+    period = float(profile.period)
+    turn = period * np.floor(left / period)
+    order = np.argsort(left - turn)
+    left, right = (left - turn)[order], (right - turn)[order]
+    count = estimate_nodes(profile, left, right, stage)
+    return Guess(0.5 * (left + right), 0.5 * (right - left), count, np.zeros(count.sum()), np.zeros(left.size, bool))
+
+
+def estimate_nodes(profile: Profile, left: Array, right: Array, stage: Stage) -> Indices:
+    """Nodes for the waves within each contact and for the singularities at the edges of its neighbours."""
+    half_width, gap = 0.5 * (right - left), distances(left, right, float(profile.period))
+    nearest = np.clip(np.minimum(gap, np.roll(gap, 1)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
+    ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
+    wavenumber = 2 * np.pi * profile.waves_per_period[-1] / float(profile.period)
+    return round_up_nodes(
+        stage.base_nodes + NODES_PER_RADIAN * wavenumber * half_width + stage.nodes_per_neighbour / ln_rho
+    )
+
+
+def round_up_nodes(count: NDArray[np.float64]) -> Indices:
+    """The next even number of nodes that is a multiple of a share of its power of 2."""
+    step = 2.0 ** np.maximum(1, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
+    return np.minimum(np.ceil(count / step) * step, MAX_NODES).astype(np.int64)
+
+
+def take_step(profile: Profile, load: float, guess: Guess, stage: Stage) -> Step:
+    """Solve for the pressure on the contacts of a guess, and see how their edges must move."""
+    period = float(profile.period)
+    punches = make_punches(guess.centre, guess.half_width, guess.node_count, period)
+    height = profile.height(punches.position)
+    forces = solve_forces_on_contacts(punches, height, load * period, guess.force, stage.bounds)
+    b = expansion(punches, forces.force)
+    a = regular_part(punches, b)
+    moves = edge_moves(punches, b, a)
+    r, gap = guess.half_width, distances(guess.centre - guess.half_width, guess.centre + guess.half_width, period)
+    carried = np.add.reduceat(forces.force, punches.first_node[:-1])
+    vanishing = (carried <= 0) | (moves.outward.mean(axis=1) < MIN_GROWTH * r)
+    vanishing[np.argmax(carried)] = False
+    next_outward = np.roll(moves.outward[:, 0], -1)
+    tight = gap - moves.outward[:, 1] - next_outward < MIN_GAP_LEFT * gap
+    merging = (moves.closing | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)
+    singular = 2 * np.pi * r * np.abs(singular_parts(punches, b)).max(axis=1)
+    return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
+
+
+def next_guess(profile: Profile, step: Step, stage: Stage, more_nodes: Array | None = None) -> Guess:
+    """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
+    left, right = _moved_edges(step)
+    moved = moved_expansion(step.punches, step.b, 0.5 * (left + right), 0.5 * (right - left))
+    keep = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
+    merged = np.array(_merged_intervals(left, right, step)).reshape(-1, 2)
+    return rearrange(profile, step, moved, (left, right), keep, merged, stage, more_nodes)
+
+
+def _moved_edges(step: Step) -> tuple[Array, Array]:
+    """The edges after their moves, but no gap loses more than a share of itself."""
+    r, centre, outward = step.punches.half_width, step.punches.centre, step.moves.outward.copy()
+    gap = distances(centre - r, centre + r, step.punches.period)
+    j = np.flatnonzero(step.tight)
+    after = (j + 1) % r.size
+    loss = np.maximum(outward[j, 1], 0) + np.maximum(outward[after, 0], 0)
+    share = np.minimum(MAX_GAP_LOSS * gap[j] / loss, 1)
+    outward[j, 1] = np.where(outward[j, 1] > 0, share * outward[j, 1], outward[j, 1])
+    outward[after, 0] = np.where(outward[after, 0] > 0, share * outward[after, 0], outward[after, 0])
+    return centre - r - outward[:, 0], centre + r + outward[:, 1]
+
+
+def _merged_intervals(left: Array, right: Array, step: Step) -> list[tuple[float, float]]:
+    """From the first to the last of each run of contacts that merge."""
+    merging, n, period = step.merging, left.size, step.punches.period
+    if np.all(merging):
+        raise ConvergenceError("all gaps have closed before the load of full contact")
+    intervals = []
+    for start in np.flatnonzero(merging & ~np.roll(merging, 1)):
+        end = start
+        while merging[end % n]:
+            end += 1
+        intervals.append((float(left[start]), float(right[end % n] + period * (end // n))))
+    return intervals
+
+
+def rearrange(
+    profile: Profile, step: Step, b: Array, edges: tuple[Array, Array], keep: Flags, added: NDArray[np.float64],
+    stage: Stage, more_nodes: Array | None = None,
+) -> Guess:  # fmt: skip
+    """A guess of the contacts that are kept, with the expansions b, and of added intervals, shape (added, 2)."""
+    period, none = step.punches.period, np.full(len(added), -1)
+    left, right = np.concatenate([edges[0][keep], added[:, 0]]), np.concatenate([edges[1][keep], added[:, 1]])
+    origin = np.concatenate([np.flatnonzero(keep), none])
+    tight = np.concatenate([step.tight[keep], np.zeros(len(added), bool)])
+    if left.size == 0:
+        raise ConvergenceError("no contact is left")
+    turn = period * np.floor(left / period)
+    order = np.argsort(left - turn)
+    left, right, origin, tight = (left - turn)[order], (right - turn)[order], origin[order], tight[order]
+    centre, half_width = 0.5 * (left + right), 0.5 * (right - left)
+    count = estimate_nodes(profile, left, right, stage)
+    if more_nodes is not None:
+        count = np.where(origin >= 0, round_up_nodes(more_nodes[origin]), count)
+    force = transfer_forces(step.punches, b, origin, half_width, count)
+    first, old = np.concatenate([[0], np.cumsum(count)]), step.punches
+    sample_forces(
+        old.centre, old.half_width, old.first_node, step.b, period,
+        centre, half_width, first, np.flatnonzero(origin < 0), force,
+    )  # fmt: skip
+    return Guess(centre, half_width, count, force, tight)

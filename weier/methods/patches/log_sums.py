@@ -1,0 +1,332 @@
+"""Sums of f_b ln|2 sin(pi (x_a - x_b)/L)| over many points in the time O(points): a fast multipole method on a line.
+
+The points, in order, are halved again and again: a binary tree whose nodes know the interval that their points span.
+Between two nodes whose distance is at least the wider one's width, the kernel is a polynomial in either place to
+rounding, so that it is taken at the Chebyshev points of both intervals (Fong and Darve, J. Comput. Phys. 228, 2009,
+8712). All other pairs of points are summed as they are. Both parts are kept as small matrices, because the method of
+conjugate gradients multiplies by the same ones many times.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+
+Pairs = NDArray[np.int64]  # shape (pairs, 2)
+Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
+
+# A singularity as far from an interval as the interval is wide lies on the Bernstein ellipse of 3 + sqrt(8) = 5.83,
+# and 5.83^-15 = 3e-12 bounds the relative error of the smooth part of ln, of which little is that rough.
+ORDER = 15
+LEAF_POINTS = 40  # at most: more cost memory in near pairs, fewer in far ones
+MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
+MAX_SERIES_ANGLE = 0.3  # up to it ln(sin(y)/y) is summed as a power series, to 1e-17
+
+
+class Tree(NamedTuple):
+    """Points on a line in a binary tree, whose node i has the children 2 i + 1 and 2 i + 2.
+
+    position : of the points, ascending, within one period, shape (points,)
+    depth : of the leaves, all of which have the same
+    low, high : first and last point of each node, shape (nodes,)
+    to_parent : the interpolation from a parent's Chebyshev points to those of the node, shape (nodes, ORDER, ORDER)
+    at_points : the same from a leaf's Chebyshev points to its points, shape (points, ORDER)
+    """
+
+    position: Array
+    depth: int
+    low: Array
+    high: Array
+    to_parent: Blocks
+    at_points: NDArray[np.float64]
+
+
+class LogMatrix(NamedTuple):
+    """The matrix ln|2 sin(pi (x_a - x_b)/L)|, with 0 on its diagonal, in parts.
+
+    far, near : unordered pairs of nodes that are far from each other, and of leaves that are not
+    far_block : the kernel between the Chebyshev points of far nodes
+    near_block, near_start : the kernel between the points of near leaves, row by row, and where each pair begins
+    """
+
+    tree: Tree
+    far: Pairs
+    near: Pairs
+    far_block: Blocks
+    near_block: Array
+    near_start: Indices
+
+
+@kernel
+def log_sine(d: float, period: float) -> float:
+    """ln|2 sin(pi d/L)|."""
+    y = np.pi / period * d
+    if abs(y) > MAX_SERIES_ANGLE:
+        return np.log(abs(2 * np.sin(y)))
+    q = y * y
+    series = 1 / 467775 + q * (691 / 3831077250 + q * (2 / 127702575))
+    series = 1 / 6 + q * (1 / 180 + q * (1 / 2835 + q * (1 / 37800 + q * series)))
+    return np.log(abs(2 * y)) - q * series
+
+
+@kernel
+def chebyshev_points() -> Array:
+    """The zeros of T_ORDER."""
+    point = np.empty(ORDER)
+    for q in range(ORDER):
+        point[q] = np.cos((q + 0.5) * np.pi / ORDER)
+    return point
+
+
+@kernel
+def _interpolation_basis() -> Blocks:
+    """2/ORDER T_k at the Chebyshev points, one k a row."""
+    basis = np.empty((ORDER, ORDER))
+    for k in range(ORDER):
+        for q in range(ORDER):
+            basis[k, q] = 2 / ORDER * np.cos(k * (q + 0.5) * np.pi / ORDER)
+    return basis
+
+
+@kernel
+def _interpolate(basis: Blocks, t: float, weight: Array) -> None:
+    """The weights of the values at the Chebyshev points in the polynomial at t."""
+    t = min(max(t, -1.0), 1.0)
+    weight[:] = 1 / ORDER
+    T_before, T = 1.0, t
+    for k in range(1, ORDER):
+        for q in range(ORDER):
+            weight[q] += T * basis[k, q]
+        T_before, T = T, 2 * t * T - T_before
+
+
+@kernel
+def points_of_leaf(tree: Tree, node: int) -> tuple[int, int]:
+    """The first point of a leaf, and the one after its last."""
+    leaf = node - _first_leaf(tree)
+    return (tree.position.size * leaf) >> tree.depth, (tree.position.size * (leaf + 1)) >> tree.depth
+
+
+@kernel
+def _first_leaf(tree: Tree) -> int:
+    return (1 << tree.depth) - 1
+
+
+@kernel
+def interval(tree: Tree, node: int) -> tuple[float, float]:
+    """Middle and half-width of a node."""
+    return 0.5 * (tree.low[node] + tree.high[node]), max(0.5 * (tree.high[node] - tree.low[node]), 1e-300)
+
+
+@kernel
+def make_tree(position: Array) -> Tree:
+    """The tree of ascending points."""
+    depth = 0
+    while (position.size >> depth) > LEAF_POINTS:
+        depth += 1
+    nodes = (2 << depth) - 1
+    low, high = np.empty(nodes), np.empty(nodes)
+    for level in range(depth + 1):
+        for k in range(1 << level):
+            node = (1 << level) - 1 + k
+            low[node] = position[(position.size * k) >> level]
+            high[node] = position[((position.size * (k + 1)) >> level) - 1]
+    tree = Tree(position, depth, low, high, np.empty((nodes, ORDER, ORDER)), np.empty((position.size, ORDER)))
+    _fill_interpolations(tree)
+    return tree
+
+
+@kernel
+def _fill_interpolations(tree: Tree) -> None:
+    point, basis = chebyshev_points(), _interpolation_basis()
+    for node in range(tree.low.size):
+        middle, half = interval(tree, node)
+        if node > 0:
+            parent_middle, parent_half = interval(tree, (node - 1) >> 1)
+            for q in range(ORDER):
+                t = ((middle - parent_middle) + half * point[q]) / parent_half
+                _interpolate(basis, t, tree.to_parent[node, q])
+        if node >= _first_leaf(tree):
+            start, end = points_of_leaf(tree, node)
+            for a in range(start, end):
+                _interpolate(basis, (tree.position[a] - middle) / half, tree.at_points[a])
+
+
+@kernel
+def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
+    """Whether two nodes are as far from each other, round the period too, as the wider one is wide."""
+    between = max(other.low[b] - one.high[a], one.low[a] - other.high[b])
+    around = min(one.low[a] + period - other.high[b], other.low[b] + period - one.high[a])
+    distance, width = min(between, around), max(one.high[a] - one.low[a], other.high[b] - other.low[b])
+    return distance > 0 and distance >= MIN_DISTANCE * width
+
+
+@kernel
+def _append(pairs: Pairs, count: int, a: int, b: int) -> Pairs:
+    if count == pairs.shape[0]:
+        longer = np.empty((2 * count, 2), np.int64)
+        longer[:count] = pairs
+        pairs = longer
+    pairs[count, 0], pairs[count, 1] = a, b
+    return pairs
+
+
+@kernel
+def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
+    """Far and near pairs that together hold each pair of points once; of one and the same tree, unordered ones."""
+    far, near = np.empty((64, 2), np.int64), np.empty((64, 2), np.int64)
+    far_count = near_count = 0
+    stack = [(0, 0)]
+    while len(stack) > 0:
+        a, b = stack.pop()
+        a_ends, b_ends = a >= _first_leaf(one), b >= _first_leaf(other)
+        if same and a == b and not a_ends:
+            stack.append((2 * a + 1, 2 * a + 1))
+            stack.append((2 * a + 1, 2 * a + 2))
+            stack.append((2 * a + 2, 2 * a + 2))
+        elif not (same and a == b) and _far_apart(one, a, other, b, period):
+            far = _append(far, far_count, a, b)
+            far_count += 1
+        elif a_ends and b_ends:
+            near = _append(near, near_count, a, b)
+            near_count += 1
+        elif b_ends or (not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]):
+            stack.append((2 * a + 1, b))
+            stack.append((2 * a + 2, b))
+        else:
+            stack.append((a, 2 * b + 1))
+            stack.append((a, 2 * b + 2))
+    return far[:far_count], near[:near_count]
+
+
+@kernel
+def make_log_matrix(position: Array, period: float) -> LogMatrix:
+    """The matrix for ascending points within one period."""
+    tree = make_tree(position)
+    far, near = pair_nodes(tree, tree, period, True)
+    far_block = np.empty((far.shape[0], ORDER, ORDER))
+    point = chebyshev_points()
+    for pair in range(far.shape[0]):
+        middle, half = interval(tree, far[pair, 0])
+        other_middle, other_half = interval(tree, far[pair, 1])
+        for i in range(ORDER):
+            for j in range(ORDER):
+                d = (middle - other_middle) + (half * point[i] - other_half * point[j])
+                far_block[pair, i, j] = log_sine(d, period)
+    near_start = np.zeros(near.shape[0] + 1, np.int64)
+    for pair in range(near.shape[0]):
+        start, end = points_of_leaf(tree, near[pair, 0])
+        other_start, other_end = points_of_leaf(tree, near[pair, 1])
+        near_start[pair + 1] = near_start[pair] + (end - start) * (other_end - other_start)
+    matrix = LogMatrix(tree, far, near, far_block, np.empty(near_start[-1]), near_start)
+    _fill_near_blocks(matrix, period)
+    return matrix
+
+
+@kernel
+def _fill_near_blocks(matrix: LogMatrix, period: float) -> None:
+    x = matrix.tree.position
+    for pair in range(matrix.near.shape[0]):
+        start, end = points_of_leaf(matrix.tree, matrix.near[pair, 0])
+        other_start, other_end = points_of_leaf(matrix.tree, matrix.near[pair, 1])
+        at = matrix.near_start[pair]
+        for a in range(start, end):
+            for b in range(other_start, other_end):
+                matrix.near_block[at] = log_sine(x[a] - x[b], period) if a != b else 0.0
+                at += 1
+
+
+@kernel
+def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
+    """What f at the points amounts to at the Chebyshev points of each node, shape (nodes, ORDER)."""
+    moment = np.zeros((tree.low.size, ORDER))
+    for node in range(tree.low.size - 1, -1, -1):
+        here = moment[node]
+        if node >= _first_leaf(tree):
+            start, end = points_of_leaf(tree, node)
+            for a in range(start, end):
+                for q in range(ORDER):
+                    here[q] += tree.at_points[a, q] * f[a]
+        if node > 0:
+            parent = moment[(node - 1) >> 1]
+            for q in range(ORDER):
+                for s in range(ORDER):
+                    parent[s] += tree.to_parent[node, q, s] * here[q]
+    return moment
+
+
+@kernel
+def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> None:
+    """Carry the far field from the Chebyshev points of all nodes to the points."""
+    for node in range(tree.low.size):
+        here = field[node]
+        if node > 0:
+            parent = field[(node - 1) >> 1]
+            for q in range(ORDER):
+                for s in range(ORDER):
+                    here[q] += tree.to_parent[node, q, s] * parent[s]
+        if node >= _first_leaf(tree):
+            start, end = points_of_leaf(tree, node)
+            for a in range(start, end):
+                for q in range(ORDER):
+                    total[a] += tree.at_points[a, q] * here[q]
+
+
+@kernel
+def _add_block(row: Array, f: Array, total: Array, f_of_row: float) -> float:
+    """One row of a block times f, and that row times the row's own f added to the total of the columns."""
+    result = 0.0
+    for j in range(row.size):
+        result += row[j] * f[j]
+        total[j] += row[j] * f_of_row
+    return result
+
+
+@kernel
+def log_sums(matrix: LogMatrix, f: Array) -> Array:
+    """The sum over all other points b of f_b ln|2 sin(pi (x_a - x_b)/L)|, shape (points,)."""
+    tree, total = matrix.tree, np.zeros(f.size)
+    moment = _moments(tree, f)
+    field = np.zeros_like(moment)
+    for pair in range(matrix.far.shape[0]):
+        a, b = matrix.far[pair, 0], matrix.far[pair, 1]
+        for i in range(ORDER):
+            field[a, i] += _add_block(matrix.far_block[pair, i], moment[b], field[b], moment[a, i])
+    for pair in range(matrix.near.shape[0]):
+        start, end = points_of_leaf(tree, matrix.near[pair, 0])
+        other_start, other_end = points_of_leaf(tree, matrix.near[pair, 1])
+        f_b, total_b, width = f[other_start:other_end], total[other_start:other_end], other_end - other_start
+        for a in range(start, end):
+            at = matrix.near_start[pair] + (a - start) * width
+            of_row = f[a] if start != other_start else 0.0  # a leaf with itself holds both orders of each pair
+            total[a] += _add_block(matrix.near_block[at : at + width], f_b, total_b, of_row)
+    _add_local_fields(tree, field, total)
+    return total
+
+
+@kernel
+def log_potential(source: Tree, f: Array, x: Array, period: float) -> Array:
+    """The sum over the points s of f_s ln|2 sin(pi (x - x_s)/L)| at other ascending points x within one period."""
+    target, point = make_tree(x), chebyshev_points()
+    far, near = pair_nodes(target, source, period, False)
+    moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(x.size)
+    for pair in range(far.shape[0]):
+        middle, half = interval(target, far[pair, 0])
+        other_middle, other_half = interval(source, far[pair, 1])
+        for i in range(ORDER):
+            for j in range(ORDER):
+                d = (middle - other_middle) + (half * point[i] - other_half * point[j])
+                field[far[pair, 0], i] += log_sine(d, period) * moment[far[pair, 1], j]
+    for pair in range(near.shape[0]):
+        start, end = points_of_leaf(target, near[pair, 0])
+        other_start, other_end = points_of_leaf(source, near[pair, 1])
+        for a in range(start, end):
+            for s in range(other_start, other_end):
+                total[a] += log_sine(x[a] - source.position[s], period) * f[s]
+    _add_local_fields(target, field, total)
+    return total

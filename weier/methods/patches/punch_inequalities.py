@@ -1,0 +1,88 @@
+"""Contacts that are missing between those of a solution, by the gap at many points at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Indices
+from weier.methods.patches.edge_iteration import Step
+from weier.methods.patches.log_sums import log_potential
+from weier.methods.patches.punch_edges import distances
+from weier.theory.profile import Profile
+
+PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each gap
+MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
+FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
+NEW_CONTACT_WIDTH = 0.5  # of the overlap that it replaces
+MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
+
+
+def gap_at(profile: Profile, step: Step, x: Array) -> Array:
+    """The gap at ascending points, in g_0; negative where the surfaces overlap."""
+    punches, forces = step.punches, step.forces
+    potential = log_potential(punches.matrix.tree, forces.force, x, punches.period)
+    return np.asarray(forces.plane - 2 * potential - profile.height(x))
+
+
+def find_missing_contacts(profile: Profile, step: Step, tolerance: float) -> NDArray[np.float64]:
+    """Left and right edges for contacts where the gap has a minimum below -tolerance, shape (missing, 2)."""
+    x, gap_before = _probes(profile, step)
+    value = gap_at(profile, step, x)
+    lowest = 1 + np.flatnonzero(
+        (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (gap_before[:-2] == gap_before[2:])
+    )
+    low, middle, high = x[lowest - 1], x[lowest], x[lowest + 1]
+    rise = (value[lowest + 1] - value[lowest]) / (high - middle) - (value[lowest] - value[lowest - 1]) / (
+        middle - low
+    )
+    some = value[lowest] < 2 * MAX_RISE * np.maximum(rise, 0) * (high - low) + tolerance
+    if not np.any(some):
+        return np.empty((0, 2))
+    low, middle, high, interval = low[some], middle[some], high[some], gap_before[lowest[some]]
+    centre, depth, curvature = _minima(profile, step, low, middle, high)
+    missing = depth < -tolerance
+    centre, depth, curvature, interval = centre[missing], depth[missing], curvature[missing], interval[missing]
+    half_width = np.minimum(
+        NEW_CONTACT_WIDTH * np.sqrt(-2 * depth / curvature), MAX_NEW_WIDTH * _room(step, centre, interval)
+    )
+    return np.stack([centre - half_width, centre + half_width], axis=1)
+
+
+def _probes(profile: Profile, step: Step) -> tuple[Array, Indices]:
+    """Points in each gap, closer at its ends, and the index of the contact on the left of each."""
+    punches = step.punches
+    right = punches.centre + punches.half_width
+    gap = distances(punches.centre - punches.half_width, right, punches.period)
+    per_length = PROBES_PER_WAVE * profile.waves_per_period[-1] / punches.period
+    count = MIN_PROBES + np.ceil(per_length * gap).astype(np.int64)
+    before = np.repeat(np.arange(gap.size), count)
+    number = np.arange(before.size) - np.repeat(np.cumsum(count) - count, count)
+    angle = (number + 0.5) * (np.pi / count[before])
+    return right[before] + gap[before] * 0.5 * (1 - np.cos(angle)), before
+
+
+def _minima(profile: Profile, step: Step, low: Array, middle: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Position, value and curvature of the minimum between low and high, by Newton's method on differences."""
+    stencil = FIRST_STENCIL * (high - low)
+    for _ in range(REFINEMENTS):
+        points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
+        order, value = np.argsort(points, axis=None), np.empty(points.size)
+        value[order] = gap_at(profile, step, points.ravel()[order])
+        below, here, above = value.reshape(-1, 3).T
+        curvature = np.maximum((below - 2 * here + above) / stencil**2, np.finfo(float).tiny)
+        slope = (above - below) / (2 * stencil)
+        depth = here - 0.5 * np.minimum(slope**2 / curvature, np.abs(slope) * (high - low))
+        middle = np.clip(middle - slope / curvature, low + 1.01 * stencil, high - 1.01 * stencil)
+        stencil = STENCIL_RATIO * stencil
+    return middle, depth, curvature
+
+
+def _room(step: Step, centre: Array, interval: Indices) -> Array:
+    """From each new contact to the ends of its gap, or halfway to another new one."""
+    right = step.punches.centre + step.punches.half_width
+    gap = distances(step.punches.centre - step.punches.half_width, right, step.punches.period)
+    halfway = 0.5 * np.diff(centre)
+    to_left = np.minimum(centre - right[interval], np.append(np.inf, halfway))
+    to_right = np.minimum(right[interval] + gap[interval] - centre, np.append(halfway, np.inf))
+    return np.minimum(to_left, to_right)
