@@ -36,7 +36,7 @@ def _seconds(profile: Profile, loads: Array) -> float:
 METHOD = Method(
     name="patches",
     label="contact patches",
-    summary="the edges of contact as unknowns, ten digits; finite m, up to some 300 contacts",
+    summary="the edges of contact as unknowns, ten digits; finite m, any number of contacts",
     solve=curve,
     applies=applies_to_resolvable,
     numerical=True,

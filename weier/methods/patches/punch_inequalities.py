@@ -43,9 +43,9 @@ def find_missing_contacts(profile: Profile, step: Step, tolerance: float) -> NDA
     centre, depth, curvature = _minima(profile, step, low, middle, high)
     missing = depth < -tolerance
     centre, depth, curvature, interval = centre[missing], depth[missing], curvature[missing], interval[missing]
-    half_width = np.minimum(
-        NEW_CONTACT_WIDTH * np.sqrt(-2 * depth / curvature), MAX_NEW_WIDTH * _room(step, centre, interval)
-    )
+    room = _room(step, centre, interval)
+    half_width = NEW_CONTACT_WIDTH * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
+    half_width = np.minimum(half_width, MAX_NEW_WIDTH * room)
     return np.stack([centre - half_width, centre + half_width], axis=1)
 
 
@@ -70,10 +70,10 @@ def _minima(profile: Profile, step: Step, low: Array, middle: Array, high: Array
         order, value = np.argsort(points, axis=None), np.empty(points.size)
         value[order] = gap_at(profile, step, points.ravel()[order])
         below, here, above = value.reshape(-1, 3).T
-        curvature = np.maximum((below - 2 * here + above) / stencil**2, np.finfo(float).tiny)
-        slope = (above - below) / (2 * stencil)
-        depth = here - 0.5 * np.minimum(slope**2 / curvature, np.abs(slope) * (high - low))
-        middle = np.clip(middle - slope / curvature, low + 1.01 * stencil, high - 1.01 * stencil)
+        slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
+        shift = -slope / np.where(curvature > 0, curvature, np.inf)
+        shift = np.clip(middle + shift, low + 1.01 * stencil, high - 1.01 * stencil) - middle
+        depth, middle = here + 0.5 * np.minimum(shift * slope, 0), middle + shift
         stencil = STENCIL_RATIO * stencil
     return middle, depth, curvature
 

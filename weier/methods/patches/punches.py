@@ -121,7 +121,8 @@ def make_punches(centre: Array, half_width: Array, node_count: Indices, period: 
         node = first[contact][:, None] + np.arange(count)
         position[node] = centre[contact][:, None] + half_width[contact][:, None] * rule.node
         groups.append(Group(rule, contact, node))
-    if not np.all(np.diff(position) > 0):
+    left, right = centre - half_width, centre + half_width
+    if not (np.all(np.diff(position) > 0) and np.all(np.append(left[1:], left[0] + period) > right)):
         raise ConvergenceError("two contacts overlap, or lie closer to each other than a number tells")
     return Punches(centre, half_width, node_count, first, groups, position, period, make_log_matrix(position, period))
 
