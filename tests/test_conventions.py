@@ -2,9 +2,12 @@
 
 import json
 import math
+import platform
 import re
 import shutil
 import subprocess
+from datetime import UTC, datetime, timedelta
+from importlib.metadata import version
 
 import netCDF4
 import numpy as np
@@ -81,30 +84,51 @@ def test_cf_strict_finds_nothing(files, tmp_path):
 
 
 def test_acdd_misses_only_what_mechanics_cannot_have(files, tmp_path):
-    for name, answer in check(files, "acdd:1.3", tmp_path).items():
+    for answer in check(files, "acdd:1.3", tmp_path).values():
         said = complaints(answer)
         assert [word for word in IMPOSSIBLE if not any(word in text for text in said)] == []  # no excuse without need
         lacking = [text for text in said if not any(word in text for word in IMPOSSIBLE)]
-        if not dataset_is_of_a_checkout(name):
-            lacking = [text for text in lacking if "date_" not in text]
         assert lacking == []
 
 
-def test_a_file_says_whose_its_dates_are(monkeypatch):
-    def comment(name, date):
-        monkeypatch.setattr(provenance, "commit", lambda: provenance.Commit(name, date))
-        return provenance.attributes("title", "solved")["comment"]
+def test_the_dates_of_a_file_are_those_of_the_run(files, monkeypatch):
+    now = datetime.now(UTC)
+    for path in files:
+        with netCDF4.Dataset(path) as file:
+            assert timedelta(0) <= now - datetime.fromisoformat(file.date_created) < timedelta(hours=1)
+            assert file.date_modified == file.date_created
+            assert "Its dates are those of the run." in file.comment
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    found = provenance.attributes("title", "solved")
+    assert found["date_created"] == "2001-09-09T01:46:40+00:00"
+    assert "Its dates are SOURCE_DATE_EPOCH, as the run has set it" in found["comment"]
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "soon")
+    with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH must be the seconds since 1970, got 'soon'"):
+        provenance.attributes("title", "solved")
 
-    clean = comment("0" * 40, "2026-01-01")
-    assert "not those of the run but of the git commit of the program" in clean
-    assert "changed after it" not in clean
-    assert "the program was changed after it" in comment("0" * 40 + provenance.CHANGED, "2026-01-01")
-    assert "It has no date" in comment("", "")
+
+def test_a_file_has_the_versions_and_the_commit_that_made_it(files):
+    for path in files:
+        with netCDF4.Dataset(path) as file:
+            assert file.python_version == platform.python_version()
+            assert (file.numpy_version, file.numba_version) == (np.__version__, version("numba"))
+            assert file.product_version == provenance.VERSION
+            assert re.fullmatch(r"[0-9a-f]{40}( with changes)?|unknown: not run from a checkout", file.git_commit)
 
 
-def dataset_is_of_a_checkout(name):
-    with netCDF4.Dataset(name) as file:
-        return len(file.git_commit.split()[0]) == 40
+def test_quantities_name_what_says_how_good_they_are(files):
+    found = 0
+    for path in files:
+        with netCDF4.Dataset(path) as file:
+            for variable in file.variables.values():
+                related = getattr(variable, "ancillary_variables", "").split()
+                assert set(related) <= set(file.variables)
+                found += len(related)
+    assert found > 8
+    with netCDF4.Dataset(next(path for path in files if path.stem == "contact")) as file:
+        assert file["resistance"].ancillary_variables.split() == [
+            "resistance_error", "resistance_lower", "resistance_upper", "residual", "status"
+        ]  # fmt: skip
 
 
 def test_the_checker_would_complain(folder, tmp_path):

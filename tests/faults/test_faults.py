@@ -53,7 +53,8 @@ def checkout(undisturbed, tmp_path):
 
 
 def environment(checkout, **more):
-    return os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(checkout)} | more
+    fixed = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(checkout), "SOURCE_DATE_EPOCH": "1000000000"}
+    return os.environ | fixed | more
 
 
 def run(checkout, *arguments):

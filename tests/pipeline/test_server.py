@@ -31,8 +31,13 @@ stop()
 """
 
 
+@pytest.fixture(autouse=True)
+def _dated(monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")  # or the bytes of two files would differ by their dates
+
+
 @pytest.fixture
-def holder():
+def holder(_dated):
     """A process that has started a server, and the server's address."""
     process = subprocess.Popen(
         [sys.executable, "-c", HOLDER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True

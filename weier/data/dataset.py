@@ -40,6 +40,9 @@ def curve(
     data = xr.Dataset(
         {name: (_over_loads(name), value, variables.attributes(name)) for name, value in arrays.items()}
     )
+    for name in data.data_vars:
+        if related := variables.ancillary(str(name), set(arrays)):
+            data[name].attrs["ancillary_variables"] = related
     coordinates: dict[str, Any] = {name: ((), value, variables.attributes(name)) for name, value in labels.items()}
     coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
     plain = {name: _attribute(value) for name, value in {**settings, **scalars}.items() if value is not None}

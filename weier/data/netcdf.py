@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier.data.variables import VARIABLES
+from weier.data.variables import VARIABLES, ancillary
 
 CHUNK_CASES = 256
 CHUNK_BYTES = 2**19  # a case of many contact edges is large by itself
@@ -46,6 +46,9 @@ def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], wi
     for name, values in like.variables.items():
         _create_variable(file, str(name), values, str(name) in like.coords, widths)
     _relate_coordinates(file, like)
+    for name in like.data_vars:
+        if related := ancillary(str(name), set(map(str, like.data_vars))):
+            file[str(name)].ancillary_variables = related
     file.setncatts(like.attrs)
 
 

@@ -1,14 +1,17 @@
 """Where a file comes from: the attributes of the Attribute Convention for Data Discovery (ACDD 1.3).
 
-No clock: the same scene and the same commit make the same bytes, so the dates are those of the commit, and say so.
+The dates are those of the run. Where the environment sets SOURCE_DATE_EPOCH, they are that second, and the same scene
+and program make the same bytes.
 """
 
 from __future__ import annotations
 
+import os
 import platform
 import re
 import subprocess
 from collections.abc import Iterable
+from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
 from typing import NamedTuple
@@ -61,22 +64,11 @@ FIXED = {
 }
 
 
-class Commit(NamedTuple):
-    """The commit of the checkout that this package is run from, and its date in ISO 8601; empty outside of one."""
+class Dating(NamedTuple):
+    """The date of a run in ISO 8601, and what it is, in a sentence."""
 
-    name: str
     date: str
-
-    @property
-    def dating(self) -> str:
-        """What the dates of a file mean."""
-        if not self.date:
-            return "It has no date, so that the same scene and program make the same bytes: no git commit is known."
-        later = "; the program was changed after it" * self.name.endswith(CHANGED)
-        return (
-            "Its dates are not those of the run but of the git commit of the program, so that the same scene and "
-            f"program make the same bytes{later}."
-        )
+    meaning: str
 
 
 def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = ()) -> dict[str, str]:
@@ -93,8 +85,8 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
     before : iterable of str
         Histories of the files that it is made from; lines that they share stand once.
     """
-    made = commit()
-    software = f"weier {VERSION}" + (f", commit {made.name}" if made.name else "")
+    made, dating = commit(), run_date()
+    software = f"weier {VERSION}" + (f", commit {made}" if made else "")
     lines = dict.fromkeys(line for history in before for line in history.splitlines())
     changing = {
         "title": title,
@@ -102,11 +94,26 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         "source": f"numerical model: {software}",
         "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
         "processing_level": step,
-        "comment": f"{NORMALISED} {made.dating}",
-        "git_commit": made.name or "unknown: not run from a checkout",
+        "comment": f"{NORMALISED} {dating.meaning}",
+        "git_commit": made or "unknown: not run from a checkout",
     }
-    dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), made.date)
-    return FIXED | changing | (dates if made.date else {}) | ({"scene": scene} if scene else {})
+    dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), dating.date)
+    return FIXED | versions() | changing | dates | ({"scene": scene} if scene else {})
+
+
+def run_date() -> Dating:
+    """The date of this run, or the one that SOURCE_DATE_EPOCH gives it, to the second."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if not epoch:
+        return Dating(datetime.now(UTC).isoformat(timespec="seconds"), "Its dates are those of the run.")
+    try:
+        date = datetime.fromtimestamp(int(epoch), UTC)
+    except (ValueError, OverflowError, OSError):
+        raise ValueError(f"SOURCE_DATE_EPOCH must be the seconds since 1970, got {epoch!r:.80}") from None
+    meaning = (
+        "Its dates are SOURCE_DATE_EPOCH, as the run has set it: the same scene and program make the same bytes."
+    )
+    return Dating(date.isoformat(timespec="seconds"), meaning)
 
 
 def of_results(title: str = "") -> dict[str, str]:
@@ -126,13 +133,12 @@ def versions() -> dict[str, str]:
 
 
 @cache
-def commit() -> Commit:
-    """The commit of the checkout; its name says so where files of the package were changed since."""
+def commit() -> str:
+    """The commit of the checkout, empty outside of one; it says so where files of the package were changed since."""
     if not (PACKAGE.parent / ".git").exists():  # not the repository of whoever installed weier into theirs
-        return Commit("", "")
-    name, date = _git("rev-parse", "HEAD"), _git("show", "--no-patch", "--format=%cI", "HEAD")
-    changed = _git("status", "--porcelain", "--", PACKAGE.name)
-    return Commit(f"{name}{CHANGED}" if name and changed else name, date)
+        return ""
+    name, changed = _git("rev-parse", "HEAD"), _git("status", "--porcelain", "--", PACKAGE.name)
+    return f"{name}{CHANGED}" if name and changed else name
 
 
 def _git(*arguments: str) -> str:

@@ -170,6 +170,7 @@ VARIABLES = {
     ),
 }  # fmt: skip
 
+QUANTITIES = ("compliance", "resistance")
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 
 
@@ -212,6 +213,12 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
         if limit is not None:
             known[attribute] = float(limit)
     return known | (flags(entry.flags) if entry.flags else {})
+
+
+def ancillary(name: str, present: Collection[str]) -> str:
+    """What among the variables of a file says how good a quantity is, with blanks between, as CF has it."""
+    related = (*(f"{name}_{part}" for part in ("error", "lower", "upper")), "residual", "status")
+    return " ".join(other for other in related if name in QUANTITIES and other in present)
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:
