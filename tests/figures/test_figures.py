@@ -294,6 +294,19 @@ def test_boundary_elements_are_points_beside_each_exact_curve(studies: dict[str,
         assert [line.get_marker() for line in without] == ["None"]
 
 
+def test_the_legend_of_the_phases_says_what_a_dashed_line_is(studies: dict[str, xr.Dataset]) -> None:
+    legend = sketch("phases", [studies["one"]]).axes[0].get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()][:2] == ["average of 1 phase", "one phase"]
+
+
+def test_many_cases_say_which_lines_are_medians() -> None:
+    legend = sketch("compliance", [many_cases()]).axes[0].get_legend()
+    assert legend is not None
+    named = {text.get_text() for text in legend.get_texts()}
+    assert {"thick: median of a method", "thin: a single profile"} <= named
+
+
 def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict[str, xr.Dataset]) -> None:
     for case in curves.cases([studies["terms"]]):
         h = curves.numerical(case, "compliance")

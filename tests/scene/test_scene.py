@@ -60,6 +60,12 @@ def test_the_sweep_has_some_hundreds_of_cases():
     assert 200 <= sum(map(len, loaded.batches.values())) <= 1000
 
 
+def test_the_loads_of_the_paper_are_dense_where_contacts_are_born_and_merge():
+    loads = scene.load("config/scenes/paper.yaml").loads
+    shown = loads[(loads > 0.01) & (loads < 8)]  # on the axes of Figs 5, 6 and 8
+    assert (shown[1:] / shown[:-1]).max() < 1.03  # less than half a millimetre of a column
+
+
 def test_a_product_is_every_combination(tmp_path):
     study = {"product": {"D": [1.25, 1.5], "gamma": [2, "5/2"], "m": 3, "seed": {"from": 0, "to": 2, "count": 3}}}
     cases = scene.load(write(tmp_path, studies={"one": study})).studies["one"]

@@ -40,12 +40,12 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     drawn = [each for case in cases if (each := lines.line(case, "compliance", curves.numerical_method(case)))]
     fine, h = lines.on_common_loads(drawn)
+    average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
     for row, color in zip(h, colors, strict=True):
         axes.plot(fine, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
-    axes.plot(
-        fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=f"average of {len(cases)} phases", zorder=3
-    )
+    axes.plot(fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=average, zorder=3)
+    axes.plot([], [], color=style.GREY, linewidth=0.7, linestyle=style.DASHES[1], label="one phase")
     checks = [curves.less_accurate(case, "compliance") for case in cases]
     style.draw_sparse_points(axes, cases[0]["mean_pressure"].values, zip(checks, colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
