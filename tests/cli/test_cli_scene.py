@@ -31,7 +31,9 @@ def scene_file(tmp_path):
 def test_a_batch_becomes_two_files(scene_file, tmp_path):
     done = weier("batch", scene_file, "one-0", tmp_path / "data.nc", tmp_path / "cost.nc")
     assert done.returncode == 0
-    assert re.fullmatch(r"solve test one-0: \d+\.\d s\n", done.stderr)
+    said = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
+    assert len(said) == 1
+    assert re.fullmatch(r"solve test one-0: \d+\.\d s", said[0])
     assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "data.nc", "cost.nc"}
 
 

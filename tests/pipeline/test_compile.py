@@ -15,13 +15,15 @@ from weier.scene import Case
 
 # As plain Python, which shows what is called.
 PROGRAM = """
-import sys
+import sys, threading
 from weier.kernels import jit
 from weier.pipeline import compile
 
 jit.disabled = lambda: False
 called = set()
-sys.setprofile(lambda frame, *_: called.add((frame.f_code.co_filename, frame.f_code.co_name)))
+note = lambda frame, *_: called.add((frame.f_code.co_filename, frame.f_code.co_name))
+threading.setprofile(note)  # of the threads that solve
+sys.setprofile(note)
 compile.compile_kernels()
 sys.setprofile(None)
 print(*(f"{file}:{name}" for file, name in called), sep="\\n")

@@ -12,7 +12,16 @@ import pytest
 from weier.pipeline import server
 
 PATIENCE = 120  # seconds
-SOLVING = 8  # seconds until a job has imported what it needs, and solves for minutes
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c():
+    """What a terminal would have: programs in the background of a script are told to ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 SCENE = """
 title: test
 loads: [0.1, 1.0]
@@ -113,12 +122,12 @@ def test_a_server_of_another_copy_is_not_used(holder, monkeypatch):
 def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, tmp_path):
     """As a terminal sends it: to the job and to the process that works for it."""
     (tmp_path / "test.yaml").write_text(SCENE.replace("demelio", "bem").replace("m: 2", "m: 8"))
-    environment = os.environ | {"PYTHONPATH": os.getcwd(), "NUMBA_DISABLE_JIT": "1"}
+    environment = os.environ | {"PYTHONPATH": os.getcwd(), "NUMBA_DISABLE_JIT": "1"} | server.ONE_THREAD
     environment |= {server.ADDRESS: holder[1] if served else ""}
     command = [sys.executable, "-m", "weier", *BATCH]
     process = subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
     workers = [_wait_for_a_worker(process, holder[0])] if served else []
-    time.sleep(SOLVING)
+    _wait_for_a_thread(process, [*workers, process.pid][0])
     start = time.monotonic()
     for number in (*workers, process.pid):
         os.kill(number, signal.SIGINT)
@@ -135,9 +144,18 @@ def _children(process):
 
 def _wait_for_a_worker(process, holder):
     (serving,) = _children(holder.pid)
+    _wait(process, lambda: _children(serving))
+    return _children(serving)[0]
+
+
+def _wait_for_a_thread(process, worker):
+    """Which solves, since nothing else has one."""
+    _wait(process, lambda: len(list(Path(f"/proc/{worker}/task").iterdir())) > 1)
+
+
+def _wait(process, until):
     end = time.monotonic() + PATIENCE
-    while not (workers := _children(serving)):
+    while not until():
         assert time.monotonic() < end
         assert process.poll() is None
         time.sleep(0.02)
-    return workers[0]

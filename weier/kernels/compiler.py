@@ -12,14 +12,16 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
+import llvmlite.binding
 import numba
 import numpy as np
+from llvmlite import ir
 from numba.core import event, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, UserProvidedCacheLocator
-from numba.extending import overload
+from numba.extending import intrinsic, overload
 from rocket_fft import c2r, r2c
 
-from weier.kernels import jit
+from weier.kernels import interruption, jit
 from weier.kernels.transform import backward, forward
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
@@ -118,6 +120,30 @@ class _Announcer(event.Listener):
 
 event.register("numba:compiler_lock", _Watch())
 event.register("numba:compile", _Announcer())
+
+
+llvmlite.binding.add_symbol("weier_asked_to_stop", interruption.ASKED.ctypes.data)
+
+
+@intrinsic
+def _asked_to_stop(context: Any) -> Any:
+    """Read the flag: by the name of its address, which is another one in each process, since kernels are cached."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        name, word = "weier_asked_to_stop", ir.IntType(64)
+        place = builder.module.globals.get(name) or ir.GlobalVariable(builder.module, word, name)
+        return builder.load_atomic(place, ordering="monotonic", align=8)
+
+    return types.int64(), generate
+
+
+@overload(interruption.stop_if_asked, strict=False)
+def _compiled_stop_if_asked() -> Any:
+    def stop_if_asked() -> None:
+        if _asked_to_stop() != 0:  # type: ignore[call-arg]  # numba adds its context
+            raise InterruptedError
+
+    return stop_if_asked
 
 
 @overload(forward, strict=False)

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from weier.data.dataset import NORMALISED
+from weier.kernels.interruption import interruptible
 from weier.methods import bem, patches
 from weier.theory.arguments import checked_word
 from weier.theory.limits import check_resolvable
@@ -89,6 +90,7 @@ def fields(
     return data.merge(_dataset(("patch",), ends))
 
 
+@interruptible
 def events(profile: Profile, low: float, high: float) -> xr.Dataset:
     """Mean pressures at which contacts are born or merge.
 

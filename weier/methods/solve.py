@@ -13,6 +13,7 @@ import xarray as xr
 
 from weier.data import dataset
 from weier.kernels.arrays import Array
+from weier.kernels.interruption import interruptible
 from weier.kernels.jit import compiling_seconds
 from weier.methods.method import Method
 from weier.methods.settings import all_settings, checked_settings
@@ -47,6 +48,7 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
     }
 
 
+@interruptible
 def solve_checked(profile: Profile, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
     """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds without compiling.
 

@@ -18,6 +18,7 @@ from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
+from weier.kernels.interruption import ask_to_stop
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.registry import find_method, returned_by
@@ -86,8 +87,11 @@ def solve_batch(
             if perf_counter() - told > QUIET and number < len(cases):
                 done(f"{number} of {len(cases)} cases")
                 told = perf_counter()
+    except KeyboardInterrupt:
+        ask_to_stop()
+        raise
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)  # Ctrl-C waits for no kernel
+        pool.shutdown(wait=False, cancel_futures=True)
     return data, cost
 
 

@@ -23,7 +23,9 @@ from weier.methods.planned.plan import Plan
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.settings import checked_settings
 from weier.pipeline.batch import solve_batch
+from weier.pipeline.forecast import expected_seconds, forecast
 from weier.pipeline.plan import plan
+from weier.pipeline.progress import waiting
 from weier.scene import Case, Scene
 from weier.theory.loads import check_range
 
@@ -63,11 +65,14 @@ def solve_one(
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
     case.check_ranges()
+    lines = forecast(case, loads)
+    print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = f"Weierstrass profile, {case.profile.describe()}"
     text = _text(title, case, loads)
     scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch_size=1, text=text)
     failures: list[str] = []
-    data, cost = solve_batch(scene, [case], failed=failures.append)
+    with waiting(f"solving by {', '.join(methods)}", expected_seconds(case, loads)):
+        data, cost = solve_batch(scene, [case], failed=failures.append)
     if not (data["status"] == Status.solved).any():
         missed = (data["status"] == Status.not_converged).any()
         raise (ConvergenceError if missed else ValueError)("; ".join(failures))

@@ -1,0 +1,72 @@
+"""What a solve will cost, said before it: long ones with what is cheaper, and those out of reach not begun."""
+
+from __future__ import annotations
+
+from weier.kernels.arrays import Array
+from weier.methods import registry
+from weier.methods.errors import OutOfReachError
+from weier.methods.method import Method
+from weier.methods.planned.candidates import candidates
+from weier.methods.planned.plan import TOLERANCE
+from weier.methods.registry import PLANNED, find_method
+from weier.methods.segment import COMPLIANCE
+from weier.pipeline.plan import plan
+from weier.scene.cases import Case
+from weier.theory.profile import Profile
+
+LONG = 30.0  # seconds, above which a solve is announced
+MAX_SECONDS = 1e5  # a day: who means it chooses settings of the method, whose cost is not known
+
+
+def forecast(case: Case, loads: Array) -> list[str]:
+    """A sentence for each method of a case that its cost model puts above `LONG` at its default settings.
+
+    Raises
+    ------
+    ValueError
+        If one would take longer than `MAX_SECONDS`, with what is cheaper.
+    """
+    lines = []
+    for name in case.methods:
+        method = find_method(name)
+        if name in case.settings or not method.takes(case.profile):
+            continue
+        seconds = method.seconds(case.profile, loads)
+        if seconds > MAX_SECONDS:
+            raise ValueError(
+                f"method must be one that takes less than {MAX_SECONDS:g} s, got {name!r}, which may take "
+                f"{seconds:.0e} s for {case.profile.describe()}: {_cheaper(case.profile, loads)}"
+            )
+        if seconds > LONG:
+            cost = f"up to {seconds:.2g} s{_memory(method, case.profile, loads)}"
+            lines.append(f"{name} may take {cost}: {_cheaper(case.profile, loads)}")
+    return lines
+
+
+def expected_seconds(case: Case, loads: Array) -> float:
+    """The seconds of all methods of a case at their default settings, at most."""
+    methods = [find_method(name) for name in case.methods]
+    return sum(method.seconds(case.profile, loads) for method in methods if method.takes(case.profile))
+
+
+def _memory(method: Method, profile: Profile, loads: Array) -> str:
+    """What a plan expects of the method, where it offers itself to plans."""
+    offers = [
+        offer.memory
+        for offer in candidates(profile, loads, TOLERANCE, COMPLIANCE, [method])
+        if offer.method == method.name and offer.terms == profile.m
+    ]
+    return f" and {min(offers) / 1e6:.2g} MB" if offers else ""
+
+
+def _cheaper(profile: Profile, loads: Array) -> str:
+    try:
+        found = plan(profile, loads)
+    except OutOfReachError:
+        others = [method for method in registry.METHODS if method.name != PLANNED and method.takes(profile)]
+        fast = [method.name for method in others if method.seconds(profile, loads) < LONG]
+        return f"choose {', '.join(fast)}, fewer terms or fewer loads"
+    cost = f"{found.seconds:.2g} s and {found.memory / 1e6:.2g} MB"
+    return (
+        f"method {PLANNED!r} takes about {cost} for a compliance within {TOLERANCE:g} g_0, as `weier plan` explains"
+    )
