@@ -3,8 +3,9 @@
 import mpmath as mp
 import numpy as np
 import pytest
+import xarray as xr
 
-from weier.accuracy.metrics import deviation, digits, pareto, typical
+from weier.accuracy.metrics import deviation, digits, pareto, typical, worst_over_loads
 
 
 def test_digits():
@@ -37,3 +38,15 @@ def test_the_front_is_what_nothing_beats(cost, error, front):
 
 def test_what_was_not_run_on_all_cases_is_not_typical():
     np.testing.assert_array_equal(typical(np.array([[1, 1], [2, 1], [9, np.nan]])), [2, np.nan])
+
+
+def test_a_variant_without_resistances_has_no_error_of_them():
+    """In full contact alone its resistance is known, 0 as it should be: that makes it no exact variant."""
+    rows = ("case", "variant", "mean_pressure")
+    data = xr.Dataset(
+        {
+            "resistance_error": (rows, [[[0.2, 0.1, 0.0], [np.nan, np.nan, 0.0], [np.nan, 0.3, 0.0]]]),
+            "reference_resistance": (("case", "mean_pressure"), [[4.0, 0.5, 0.0]]),
+        }
+    )
+    assert worst_over_loads(data, "resistance")[0] == pytest.approx([0.1, np.nan, 0.3], nan_ok=True)
