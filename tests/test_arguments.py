@@ -52,7 +52,8 @@ OWN = {
     "solve": {"method": "demelio"},
     "fields": {"mean_pressure": 0.1, "method": "patches"},
     "Profile.sampled_height": {"terms": 2},
-    "Contact.sel": {"mean_pressure": 0.1},
+    "Contact.sel": {"mean_pressure": 0.1, "seed": None, "study": None},
+    "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio")},
 }
 
 
@@ -108,11 +109,21 @@ numbers = (
 )  # fmt: skip
 anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
 
-NOT_NUMBERS = {"profile", "subject", "method", "quantity", "solution_method", "path", "data", "contact_edges"}
+NOT_NUMBERS = {
+    "profile",
+    "subject",
+    "method",
+    "quantity",
+    "solution_method",
+    "path",
+    "data",
+    "contact_edges",
+    "study",
+}
 TEXT_TOO = {"gamma"}
 NONE_TOO = {
     "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
-    "Contact.sel": {"D", "gamma", "m", "phase", "mean_pressure", "solution_method"},
+    "Contact.sel": {"D", "gamma", "m", "phase", "seed", "study", "mean_pressure", "solution_method"},
 }  # fmt: skip
 
 

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from weier.methods import westergaard
+from weier.methods.fields import fields
+from weier.pipeline.solve import solve
 from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
+from weier.theory.profile import Profile
 
 STEEL = {"mu_1": 80e9, "nu_1": 0.3, "rho_1": 1.4e-7}
 COPPER = {"mu_2": 45e9, "nu_2": 0.34, "rho_2": 1.7e-8}
@@ -93,6 +96,54 @@ def test_perfect_conductor_leaves_the_other():
 def test_interface_refuses_what_cannot_be(changed, message):
     with pytest.raises(ValueError, match=message):
         interface(**changed)
+
+
+CURVE = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
+
+
+def test_a_curve_in_si_units_keeps_its_coordinates():
+    bodies = interface()
+    found = bodies.in_si(CURVE)
+    assert set(found.variables) == set(CURVE.variables)
+    assert found.mean_pressure.values == pytest.approx(bodies.pressure([0.1, 0.5, 3.0]), rel=1e-15)
+    assert found.indexes["mean_pressure"].tolist() == found.mean_pressure.values.tolist()
+    assert found.resistance.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
+    assert (found.D, found.m, found.solution_method) == (1.25, 2, "bem")
+    units = {
+        name: found[name].attrs["units"] for name in ("mean_pressure", "compliance", "resistance", "patch_count")
+    }
+    assert units == {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2", "patch_count": "1"}
+    assert not any("normalised_by" in values.attrs for values in found.variables.values())
+    assert (found.attrs["lambda_0"], found.attrs["g_0"]) == (1e-4, 1e-7)
+    assert found.contact_fraction.equals(CURVE.contact_fraction.assign_coords(found.coords))
+    assert CURVE.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
+
+
+def test_a_data_array_stays_one():
+    bodies = interface()
+    found = bodies.resistance(CURVE.resistance)
+    assert (found.name, found.dims, found.units) == ("resistance", ("mean_pressure",), "ohm m^2")
+    assert found.mean_pressure.units == "Pa"
+    assert found.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
+    assert found.identical(bodies.in_si(CURVE.resistance))
+    missing = CURVE.resistance.where(CURVE.mean_pressure > 0.2)
+    assert np.isnan(bodies.resistance(missing).values).tolist() == [True, False, False]
+
+
+def test_fields_have_si_units():
+    bodies, field = interface(), fields(Profile(1.25, 5, 2, 1.0), 0.1)
+    found = bodies.in_si(field)
+    assert (found.x.units, found.pressure.units, found.gap.units) == ("m", "Pa", "m")
+    # The contacts carry the load, and the gap is that of the mean plane.
+    assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
+    assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
+
+
+def test_a_quantity_of_another_unit_is_refused():
+    with pytest.raises(ValueError, match=r"normalised must be in p_0\*, got resistance in g_0/p_0\*"):
+        interface().pressure(CURVE.resistance)
+    with pytest.raises(ValueError, match=r"data must be a Dataset or a DataArray of weier, got \[1.0\]"):
+        interface().in_si([1.0])
 
 
 def test_scalars_of_numpy_neither_overflow_nor_round():

@@ -88,6 +88,9 @@ RANGES = {
 }  # fmt: skip
 
 
+SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
+
+
 def _checked(name: str, values: ArrayLike) -> Array:
     return checked_numbers(name, values, *RANGES[name])
 
@@ -151,18 +154,88 @@ class Interface:
         """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
         return 2 * math.pi * self.composite_modulus * self.g_0 / self.lambda_0
 
-    def pressure(self, normalised: ArrayLike) -> Array:
-        """Pressures in Pa, from pressures in p_0*."""
-        return _scaled(normalised, self.full_contact_pressure)
+    def pressure(self, normalised: ArrayLike) -> Any:
+        """Pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
+        return self._of_unit("p_0*", normalised)
 
-    def compliance(self, normalised: ArrayLike) -> Array:
-        """Compliances, heights and gaps in m, from those in g_0."""
-        return _scaled(normalised, self.g_0)
+    def compliance(self, normalised: ArrayLike) -> Any:
+        """Compliances, heights and gaps in m, from those in g_0, likewise."""
+        return self._of_unit("g_0", normalised)
 
-    def resistance(self, normalised: ArrayLike) -> Array:
-        """Specific contact resistances in ohm m^2, from those in g_0/p_0* (2)."""
-        slope = _scaled(normalised, self.g_0 / self.full_contact_pressure)
-        return specific_resistance(slope, self.composite_modulus, self.rho_1, self.rho_2)
+    def resistance(self, normalised: ArrayLike) -> Any:
+        """Specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
+        return self._of_unit("g_0/p_0*", normalised)
+
+    def in_si(self, data: Any) -> Any:
+        """All of a Dataset or DataArray in SI units, coordinates too.
+
+        Parameters
+        ----------
+        data : Dataset or DataArray
+            Of weier, such as a curve of `weier.solve`: the attribute `normalised_by` says what a variable is in.
+
+        Returns
+        -------
+        Dataset or DataArray
+            The same with `units` such as "Pa", and with this interface among the attributes of a Dataset. What has no
+            unit stays as it is, and so does NaN, where a value is missing.
+
+        Examples
+        --------
+        >>> import weier
+        >>> bodies = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
+        >>> contact = weier.Interface(**bodies, lambda_0=1e-3, g_0=1e-6)
+        >>> curve = contact.in_si(weier.solve(weier.Profile(D=1.5, gamma=3, m=2), [0.1, 1.0], "demelio"))
+        >>> print(f"{curve.mean_pressure.values[0]:.3e}", curve.mean_pressure.units, curve.resistance.units)
+        2.142e+07 Pa ohm m^2
+        """
+        if hasattr(data, "data_vars"):
+            # A dataset is asked to rebuild itself, so that nothing of xarray has to be imported here.
+            coordinates = {name: self._converted(data.variables[name]) for name in data.coords}
+            values = {name: self._converted(data.variables[name]) for name in data.data_vars}
+            found = data.assign_coords(coordinates).assign(values).assign_attrs(vars(self))
+            for name in SCALARS.keys() & found.attrs.keys():
+                found.attrs[name] = found.attrs[name] * self._units[SCALARS[name]][0]
+            found.attrs.pop("normalisation", None)
+            return found
+        if hasattr(data, "to_dataset"):
+            return self.in_si(data.to_dataset(name="_"))["_"].rename(data.name)
+        raise ValueError(f"data must be a Dataset or a DataArray of weier, got {shown(data)}")
+
+    @property
+    def _units(self) -> dict[str, tuple[float, str]]:
+        """What each unit of normalised values is in SI units."""
+        p = self.full_contact_pressure
+        slope = specific_resistance(self.g_0 / p, self.composite_modulus, self.rho_1, self.rho_2)
+        return {
+            "lambda_0": (self.lambda_0, "m"),
+            "g_0": (self.g_0, "m"),
+            "p_0*": (p, "Pa"),
+            "g_0/p_0*": (float(slope), "ohm m^2"),
+            "p_0*/lambda_0^(1/2)": (p / math.sqrt(self.lambda_0), "Pa m^-0.5"),
+        }
+
+    def _of_unit(self, unit: str, normalised: Any) -> Any:
+        """Values of one unit; a DataArray that says it is of another one is refused."""
+        if not hasattr(normalised, "to_dataset"):
+            return _scaled(normalised, self._units[unit][0])
+        own = normalised.attrs.get("normalised_by", unit)
+        if own != unit:
+            raise ValueError(
+                f"normalised must be in {unit}, got {normalised.name} in {own}: take in_si, or another one"
+            )
+        checked_numbers("normalised", normalised)
+        return self.in_si(normalised.assign_attrs(normalised_by=unit))
+
+    def _converted(self, variable: Any) -> tuple[Any, Any, dict[str, Any]]:
+        """Dimensions, values and attributes of a variable, in SI units where it has a unit."""
+        attributes = dict(variable.attrs)
+        unit = attributes.pop("normalised_by", None)
+        if unit not in self._units:
+            return variable.dims, variable.values, dict(variable.attrs)
+        factor, attributes["units"] = self._units[unit]
+        limits = {name: attributes[name] * factor for name in ("valid_min", "valid_max") if name in attributes}
+        return variable.dims, _scaled(variable.values, factor), attributes | limits
 
 
 def _scaled(normalised: ArrayLike, unit: float) -> Array:
