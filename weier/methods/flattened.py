@@ -80,8 +80,11 @@ def over_series(
     series, loads = math.prod(grid), math.prod(shape[axis] for axis in order[len(across) :])
     own = any(p.shape[axis] != 1 for axis in across)  # each series has loads of its own
     p = np.broadcast_to(p, shape).transpose(order).reshape(series, loads) if own else p.reshape(1, loads)
-    every = np.broadcast_to(p, (series, loads))
+    rising = None if own or np.all(p[0, :-1] <= p[0, 1:]) else p[0].argsort()  # a run is of neighbouring loads
+    every = np.broadcast_to(p if rising is None else p[:, rising], (series, loads))
     values = _in_blocks(sums, fixed, every, *(each.ravel() for each in parameters))
+    if rising is not None:
+        values = values[:, rising.argsort()]
     return values.reshape([shape[axis] for axis in order]).transpose(np.argsort(order))
 
 
