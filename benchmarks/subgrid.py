@@ -17,7 +17,7 @@ from weier.methods import bem, patches
 
 Array = NDArray[np.float64]
 
-PER_WAVE = (32, 64, 256)
+PER_WAVE = (16, 32, 64, 256)
 LOADS = 40
 MAX_WAVES = 64  # of the finest term: contact patches are dense
 RATIOS = (Fraction(3, 2), Fraction(5, 2), Fraction(7, 3), Fraction(5, 3), Fraction(4, 3))

@@ -52,7 +52,7 @@ def _grid(task: Task, points: int) -> Segment:
 
 
 def _solve(profile: Profile, points: int, with_neighbours: bool, loads: Array) -> SegmentSolution:
-    grid = curve(profile, loads, points=points, tolerance=error_model.PLANNED_RESIDUAL)
+    grid = curve(profile, loads, points=points, tolerance=error_model.PLANNED_RESIDUAL, edges="nodes")
     relative = error_model.resistance_error(profile, points, loads)
     light = error_model.light_resistance_error(profile, points, loads, grid.resistance)
     # Without neighbouring loads nothing tells whether a contact is about to be born, or was just now.

@@ -1,7 +1,9 @@
 """How far off a corrected solution may be, told by what was corrected and by what stands near a birth.
 
-A step of an edge from one node to the next changes the compliance by D (a + b) and the resistance by D
-(docs/subgrid.md). What the correction misses is measured in these.
+Of a contact that has a polynomial the next two terms of it are known well, and with them what they change: that is
+all, as long as nothing else is near. Whatever contacts and gaps do to each other, and edges that stand alone, is
+measured in steps: one of an edge from a node to the next changes the compliance by D (a + b) and the resistance by
+D (docs/subgrid.md).
 """
 
 from __future__ import annotations
@@ -11,58 +13,106 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.grid_solution import GridSolution, rate_tolerance
-from weier.methods.bem.interaction import BIRTH, WIDE, Contacts
+from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.interaction import BIRTH, NARROW, WIDE, Contacts
 from weier.methods.bem.narrow_contacts import punch_compliance
-from weier.methods.bem.polynomials import derivative, value
+from weier.methods.bem.polynomials import NODES, derivative, value
 
+REST = 1.2  # times the next two terms of a polynomial, for all further ones
+PLACE = 1.4  # times what the known shift of a contact changes
+CANCELLED = 0.25  # of terms of opposite signs
+ROUNDING = 1e-13  # of the heights
+RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
 # Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md):
-NEAR = np.array([0.3, 1.0])  # times (narrower run/both)^2, for contacts and gaps that bear on each other
-POLYNOMIAL = np.array([0.006, 0.03])  # times (2 pi/points a wave)^4, for polynomials in the place of waves
+NEAR = np.array([0.05, 1.0])  # times (narrower run/both)^2, for contacts and gaps that bear on each other
+NEAR_ALONE = 0.25  # times its fourth power, of the resistance, for one contact and its images
+GAP = np.array([0.01, 0.05])  # times (2 pi/points a wave)^2, for gaps, whose polynomials stand for waves
 ALONE = np.array([0.2, 0.3])  # over the nodes of the narrower run, for edges without a polynomial
-SHARE = 2.0  # times the tolerance of the rate, for contacts among others: it is that of their shares of the load
-LONE = 0.04  # (narrower run/both)^2 of a contact far from its images
-RESIDUALS = 3.0  # what the solver leaves of the compliance, in its tolerance
-RATE_SHARE = 1e-4  # of the resistance, what the tolerance of the rate may cost: its square
+SHARE = 1.0  # times how far A q is from flat, for contacts among others: it is that of their shares of the load
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
+BIRTH_RATE = 0.02  # and off the resistance
+LET_GO = 0.4  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not
+PRESSED = 0.1  # of what others press a contact down by more than on the grid
 HEIGHT_SHARE = 6.0  # errors of the compliance by which a crest may stand higher or lower
 
 
 @kernel
 def expected_errors(
-    solution: GridSolution, edge: Edges, polynomial: Flags, contacts: Contacts, used: int, angle: float,
-    tolerance: float, period: float,
-) -> tuple[float, float, bool]:  # fmt: skip
+    solution: GridSolution, edge: Edges, polynomial: Flags, contacts: Contacts, used: int, angle: float, period: float
+) -> tuple[float, float, bool]:
     """Errors of compliance, in g_0, and resistance, in g_0/p_0*; whether a contact may be one too many or too few.
 
     `angle` is 2 pi/(points a wave).
     """
-    errors = np.array([RESIDUALS * tolerance, RATE_SHARE * solution.rate])
+    errors, flatness = _errors_of_the_solver(solution)
+    errors[1] += RATE_ROUNDING / angle**2 * solution.rate
     for run in range(edge.size - 2):
-        here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
-        narrower = min(here, before)
-        near = (narrower / (here + before)) ** 2
-        alone = 0.0 if polynomial[run] or polynomial[run - 1] else 1 / narrower
-        step = _step(edge[run + 1] % solution.pressure.size, solution)
-        share = (
-            SHARE * rate_tolerance(tolerance) if edge.size > 4 or near > LONE else 0.0
-        )  # one small contact carries all, whatever the rate
-        errors += step * (NEAR * near + POLYNOMIAL * angle**4 + ALONE * alone + share)
+        errors += _errors_of_an_edge(run, solution, edge, polynomial, angle, flatness)
     for at in range(used):
-        if contacts.kind[at] == BIRTH and contacts.penetration[at] > 0:
-            errors[0] += BIRTH_SHARE * contacts.penetration[at] * contacts.closing[at] / period
+        if contacts.kind[at] == NARROW and not contacts.touching[at]:
+            errors[0] += LET_GO * contacts.force[at] * contacts.share[at] / period
+        if contacts.touching[at] and contacts.kind[at] != WIDE:
+            errors += REST * _errors_of_the_polynomial(contacts, at, period)
+            errors[1] += PLACE * _errors_of_the_place(contacts, at, period)
+            errors[0] += abs(contacts.share_change[at]) / period * PRESSED * contacts.pressed[at]
+            if contacts.kind[at] == BIRTH:
+                errors += _errors_of_a_birth(contacts, at, period)
     births = 0.0
     uncertain = False
     for at in range(used):
         if contacts.kind[at] != WIDE:
-            uncertain |= abs(contacts.penetration[at]) <= HEIGHT_SHARE * errors[0]
-            births += _uncertain_birth(contacts, at, HEIGHT_SHARE * errors[0], period)
+            off = (
+                HEIGHT_SHARE * errors[0]
+                + PRESSED * contacts.pressed[at]
+                + 2 * _rest(contacts.height_rest[at], contacts.centre[at])
+            )
+            if contacts.touching[at]:  # the more of the load it takes, the less another can take from it
+                off *= max(1 - (contacts.share[at] + contacts.share_change[at]) / period, 0.0)
+            uncertain |= abs(contacts.penetration[at]) <= off
+            births += _uncertain_birth(contacts, at, off, period)
     return errors[0], errors[1] + births, uncertain
 
 
 @kernel
+def _errors_of_the_solver(solution: GridSolution) -> tuple[Array, float]:
+    """What residuals leave, all of that of the heights and the square of that of the rate; the latter as a share."""
+    residual = flatness = 0.0
+    for i in range(solution.contact.size):
+        if solution.contact[i]:
+            residual = max(residual, abs(solution.plane - solution.deformed[i]))
+            flatness = max(flatness, abs(solution.rate - solution.displacement[i]))
+        else:
+            residual = max(residual, solution.deformed[i] - solution.plane)
+    share = min(flatness / solution.rate, 1.0) if solution.rate > 0 else 0.0  # in full contact both are rounding
+    return np.array([residual + ROUNDING * abs(solution.plane), share * flatness]), share
+
+
+@kernel
+def _errors_of_an_edge(
+    run: int, solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float
+) -> Array:
+    """What the step of the edge at which a run begins may be misjudged by."""
+    here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
+    narrower = min(here, before)
+    near = (narrower / (here + before)) ** 2
+    contact = solution.contact[edge[run + 1] % solution.pressure.size]
+    of_gap = polynomial[run - 1] if contact else polynomial[run]
+    of_contact = polynomial[run] if contact else polynomial[run - 1]
+    share = NEAR * near + SHARE * flatness
+    step = _step(edge[run + 1] % solution.pressure.size, solution)
+    if edge.size == 4 and of_contact:  # it has the whole load, whatever the rate, and has had it from first touch on
+        off = NEAR_ALONE * near**2 * step[1]
+        return np.array([off * np.mean(solution.pressure), off])
+    if of_gap:
+        share = share + GAP * angle**2
+    elif not of_contact:
+        share = share + ALONE / narrower
+    return share * step
+
+
+@kernel
 def _step(start: int, solution: GridSolution) -> Array:
-    """What the step of an edge from one node to the next changes of compliance and resistance."""
+    """What the step of an edge from one node to the next changes of compliance, so far at most, and resistance."""
     inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
     closing = solution.displacement[inside] - solution.displacement[outside]
     if not (solution.per_load[inside] > 0 and closing > 0):
@@ -70,7 +120,70 @@ def _step(start: int, solution: GridSolution) -> Array:
     drop = solution.per_load[inside] * closing / solution.pressure.size
     since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
     until = max(solution.plane - solution.deformed[outside], 0.0) / closing
-    return np.array([drop * (since + until), drop])
+    load = min(since + until, np.mean(solution.pressure))  # a contact is no older than the load
+    return np.array([drop * load, drop])
+
+
+@kernel
+def _size(terms: Array) -> float:
+    """Of a sum of two terms, with a share of each in case that their signs are others."""
+    return abs(terms.sum()) + CANCELLED * np.abs(terms).sum()
+
+
+@kernel
+def _rest(polynomials: Array, s: float) -> float:
+    """What the next two terms are there."""
+    return _size(np.array([value(polynomials[0], s), value(polynomials[1], s)]))
+
+
+@kernel
+def _errors_of_the_polynomial(contacts: Contacts, at: int, period: float) -> Array:
+    """What the next two terms of its polynomials change of compliance and resistance.
+
+    A height delta z in contact raises the plane by its mean over the Chebyshev nodes; that mean changes with the half
+    width a, and a with the force, which is -(a/2) times the mean of t z'.
+    """
+    force, share = (contacts.force[at] + contacts.change[at], contacts.share[at] + contacts.share_change[at])
+    half_width = contacts.half_width[at]
+    height, height_change, rate = np.zeros(2), np.zeros(2), np.zeros(2)
+    slope = derivative(contacts.height[at])
+    bend = derivative(slope)
+    wider = 0.0  # force per half width
+    for t in NODES:
+        s = contacts.centre[at] + half_width * t
+        wider -= t / 2 * (value(slope, s) + half_width * t * value(bend, s)) / NODES.size
+        for j in range(2):
+            height[j] += value(contacts.height_rest[at, j], s) / NODES.size
+            height_change[j] += t * value(derivative(contacts.height_rest[at, j]), s) / NODES.size
+            rate[j] += value(contacts.rate_rest[at, j], s) / NODES.size
+    off = abs(share) * _size(height) + abs(force) * _size(rate)
+    rate_off = 2 * abs(share) * _size(rate)
+    if wider > 0:
+        rate_off += share**2 * _size(height_change) / wider
+    return np.array([off, rate_off]) / period
+
+
+@kernel
+def _errors_of_the_place(contacts: Contacts, at: int, period: float) -> float:
+    """What it changes of the resistance that a contact stands elsewhere, where its curvature is another.
+
+    It moves by slope/z'' if the moments of others, its images or the next two terms tilt the surface.
+    """
+    bend = derivative(derivative(contacts.height[at]))
+    twist = value(derivative(bend), contacts.centre[at])
+    slope = abs(contacts.tilt[at]) * contacts.scale[at]
+    for j in range(2):
+        slope += abs(value(derivative(contacts.height_rest[at, j]), contacts.centre[at]))
+    share = contacts.share[at] + contacts.share_change[at]
+    return float(share**2 / period * abs(twist) * slope / value(bend, contacts.centre[at]) ** 2)
+
+
+@kernel
+def _errors_of_a_birth(contacts: Contacts, at: int, period: float) -> Array:
+    """What a contact between two nodes changes may be misjudged by."""
+    bend = -value(derivative(derivative(contacts.height[at])), contacts.centre[at])
+    height = BIRTH_SHARE * contacts.penetration[at] * contacts.closing[at] / period
+    return np.array([height, BIRTH_RATE * _drop(contacts, at, contacts.penetration[at], bend, period)])
 
 
 @kernel

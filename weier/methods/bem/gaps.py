@@ -18,8 +18,9 @@ from weier.methods.bem.windows import (
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
+    added_by_triangles,
+    average_under_triangle,
     margin_of,
-    second_at_nodes,
     side_margin,
     window,
 )
@@ -67,32 +68,32 @@ def correct_gap(
     seen = np.empty((3, offset.size))  # pressure that closes this gap, its rate, and z
     for i in range(offset.size):
         node = (start - margin + offset[i]) % points
-        seen[0, i], seen[1, i], seen[2, i] = solution.pressure[node], solution.per_load[node], grid.height[node]
+        seen[0, i], seen[1, i], seen[2, i] = (solution.pressure[node], solution.per_load[node], grid.height[node])
         for j in range(nodes):
             stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
             seen[0, i] -= stiffness * gap[j]
             seen[1, i] -= stiffness * opening[j]
     nodal_pressure, nodal_rate, profile = fit_polynomials(s, seen, min(DEGREE, offset.size - 1))
-    pressure = _continuous(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
-    rate = _continuous(nodal_rate, scale)
+    pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
+    rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
         return 0.0, 0.0, np.nan, np.nan
     grid_mixed = grid_energy = mixed = energy = 0.0
-    rate_bend = second_at_nodes(rate, nodes, scale)
+    smoothing = added_by_triangles(rate, nodes, scale)
     for i in range(nodes):
         own = solution.per_load[(start + i) % points]
         for j in range(nodes):
             own -= continuum.stiffness[abs(i - j)] * opening[j]
-        grid_mixed += spacing * gap[i] * (own + rate_bend[i] / 12)
-        grid_energy += spacing * opening[i] * (own + rate_bend[i] / 12)
+        grid_mixed += spacing * gap[i] * (own + smoothing[i])
+        grid_energy += spacing * opening[i] * (own + smoothing[i])
     half_length = half_width * scale * spacing
     if half_width > 0:
         mixed, energy = gap_energy(
             expansion(pressure, centre, half_width), expansion(rate, centre, half_width), half_length
         )
     middle = (start + (nodes - 1) / 2 + centre * scale) * spacing
-    compliance, resistance = (grid_mixed - mixed) / continuum.period, (grid_energy - energy) / continuum.period
+    compliance, resistance = ((grid_mixed - mixed) / continuum.period, (grid_energy - energy) / continuum.period)
     return compliance, resistance, middle - half_length, middle + half_length
 
 
@@ -106,15 +107,7 @@ def _edges_of_gap(pressure: Array, nodes: int, scale: float) -> tuple[float, flo
             return least, 0.0, bend > 0
         if bend > 0:
             centre, half_width, found = gap_edges(pressure, least, np.sqrt(4 * depth / bend))
-    return centre, half_width, found and abs(centre) + half_width <= ((nodes - 1) / 2 + MAX_BEYOND) / scale
-
-
-@kernel
-def _continuous(nodal: Array, scale: float) -> Array:
-    """The pressure that triangles of these nodal values stand for: its moving average under a triangle."""
-    second = derivative(derivative(nodal))
-    fourth = derivative(derivative(second))
-    return nodal + second / (12 * scale**2) + fourth / (360 * scale**4)
+    return (centre, half_width, found and abs(centre) + half_width <= ((nodes - 1) / 2 + MAX_BEYOND) / scale)
 
 
 @kernel
@@ -127,7 +120,7 @@ def _fourth(polynomial: Array, scale: float) -> Array:
 def deepest(pressure: Array, reach: float) -> tuple[float, float, float]:
     """Where the pressure is least, at most `reach` from the middle; how far below 0, and its second derivative."""
     least = crest(-pressure, 0.0, reach)
-    return least, -value(pressure, least), value(derivative(derivative(pressure)), least)
+    return (least, -value(pressure, least), value(derivative(derivative(pressure)), least))
 
 
 @kernel
@@ -153,7 +146,7 @@ def _is_dip(node: int, solution: GridSolution) -> bool:
     after = (node + 1) % solution.pressure.size
     if not (solution.contact[node - 1] and solution.contact[node] and solution.contact[after]):
         return False
-    left, here, right = solution.pressure[node - 1], solution.pressure[node], solution.pressure[after]
+    left, here, right = (solution.pressure[node - 1], solution.pressure[node], solution.pressure[after])
     return here <= left and here < right and here < left + right - 2 * here
 
 
@@ -195,10 +188,10 @@ def _open_gap(dip: int, node: int, dips: Dips, solution: GridSolution, grid: Gri
     seen = np.empty((3, offset.size))
     for j in range(offset.size):
         near = (node - margin + offset[j]) % points
-        seen[0, j], seen[1, j], seen[2, j] = solution.pressure[near], solution.per_load[near], grid.height[near]
+        seen[0, j], seen[1, j], seen[2, j] = (solution.pressure[near], solution.per_load[near], grid.height[near])
     nodal_pressure, nodal_rate, profile = fit_polynomials(s, seen, offset.size - 1)
-    pressure = _continuous(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
-    rate = _continuous(nodal_rate, scale)
+    pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
+    rate = average_under_triangle(nodal_rate, scale)
     least, depth, bend = deepest(pressure, 1 / scale)
     per_load = value(rate, least)
     if bend <= 0 or per_load <= 0:
@@ -219,7 +212,7 @@ def _open_gap(dip: int, node: int, dips: Dips, solution: GridSolution, grid: Gri
         expansion(pressure, centre, half_width), expansion(rate, centre, half_width), half_width * length
     )
     middle = (node + centre * scale) * spacing
-    dips.left[dip], dips.right[dip] = middle - half_width * length, middle + half_width * length
+    dips.left[dip], dips.right[dip] = (middle - half_width * length, middle + half_width * length)
     total[0], total[1] = -mixed / continuum.period, -energy / continuum.period
     total[2] += OPEN_SHARE * abs(mixed) / continuum.period
     total[3] += OPEN_SHARE * abs(energy) / continuum.period

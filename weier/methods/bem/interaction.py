@@ -8,14 +8,15 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.narrow_contacts import contact_energy, plane_height, punch_compliance
+from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
 from weier.methods.bem.polynomials import derivative, expansion, value
 
 WIDE, NARROW, BIRTH = 0, 1, 2
 MAX_TOGETHER = 40  # contacts whose forces are found together: farther ones hardly feel a shift of force
-MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
+MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
+ROUNDING = 1e-14  # of the heights, below which no step says anything
 MAX_LOST = 0.99  # of the shares: reciprocity with the grid tells nothing when all its contacts let go
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 
@@ -36,6 +37,11 @@ class Contacts(NamedTuple):
     centre, half_width : in s; where the search for the edges begins
     height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
     grid_mixed, grid_energy : energies of `contact_energy` on the grid
+    grid_cross : of the rates of others alone, with this contact's share
+    grid_force_moment, grid_share_moment : of force and share on the grid, about `position`, in lambda_0
+    height_rest, rate_rest : what the polynomials leave of two terms beyond them, shape (contacts, 2, terms + 2)
+    pressed : displacement of it by what others carry more than on the grid, or elsewhere; found by `redistribute`
+    share_change, tilt : of each share, and of the surface by `Dipoles`; found by `redistribute`
     penetration, closing : of each crest that is narrow or new, by how much it stands above the plane that it does not
         touch, in g_0, and the rate of that per mean pressure; found by `redistribute`
     """
@@ -61,19 +67,45 @@ class Contacts(NamedTuple):
     rate: Array
     grid_mixed: Array
     grid_energy: Array
+    grid_cross: Array
+    grid_force_moment: Array
+    grid_share_moment: Array
+    height_rest: Array
+    rate_rest: Array
+    share_change: Array
+    tilt: Array
+    pressed: Array
     penetration: Array
     closing: Array
+
+
+class Dipoles(NamedTuple):
+    """Effects of first moments of force and share that the grid has not.
+
+    lift, lift_rate : displacement of each contact by the moments of others, and its rate, shape (contacts,)
+    tilt : of the surface under each contact, by them and by its own images, shape (contacts,)
+    mixed, energy : energies of moments of force with those of share, and of share with share
+    """
+
+    lift: Array
+    lift_rate: Array
+    tilt: Array
+    mixed: float
+    energy: float
 
 
 @kernel
 def make_contacts(contacts: int, terms: int) -> Contacts:
     """Room for so many."""
     return Contacts(
-        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts, np.bool_), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts, np.bool_), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts), np.zeros((contacts, terms)), np.zeros((contacts, terms)),
+        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
         np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts, np.bool_), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts, np.bool_),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros((contacts, 2, terms + 2)),
+        np.zeros((contacts, 2, terms + 2)), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts),
     )  # fmt: skip
 
 
@@ -184,7 +216,7 @@ def _together(
         if not going:
             break
         common = weight = 0.0
-        pressed = mutual @ change
+        pressed = mutual @ change + _dipoles(contacts, first, touching, change, np.zeros(n), period).lift
         for i in range(n):
             if touching[i]:
                 own = contacts.self_compliance[first + i] * change[i]
@@ -261,11 +293,12 @@ def _equalise_heights(
     """Newton's method for the change of each force that brings all touching contacts to one height."""
     n = change.size
     right = np.zeros(n)
+    lift = _dipoles(contacts, first, touching, change, np.zeros(n), period).lift
     for _ in range(MAX_STEPS):
         if not _heights(contacts, first, plane, lifted, period, touching, change, excess, slope):
             return False
         matrix = mutual.copy()
-        pressed = mutual @ change
+        pressed = mutual @ change + lift
         for i in range(n):
             own = contacts.self_compliance[first + i] * change[i]
             right[i] = excess[i] - own - pressed[i]
@@ -273,18 +306,26 @@ def _equalise_heights(
         step, _, found = _with_sum(matrix, right, touching, -change.sum())
         if not found:
             return False
-        largest = 0.0
+        largest, done, gone = 0.0, True, False
         for i in range(n):
             if touching[i]:
                 if contacts.kind[first + i] != WIDE:
                     step[i] = max(step[i], -MAX_LOSS * (contacts.force[first + i] + change[i]))
                 change[i] += step[i]
+                gone |= _has_let_go(contacts, first + i, change[i], total)
                 largest = max(largest, abs(step[i]))
-        if largest <= CLOSE * total:
+                done &= (abs(step[i]) - CLOSE * total) * slope[i] <= ROUNDING * abs(excess[i])
+        if done or gone:  # a contact without force is let go before the others are solved for
             return True
         if not largest < np.inf:
             return False
     return False
+
+
+@kernel
+def _has_let_go(contacts: Contacts, at: int, change: float, total: float) -> bool:
+    """Whether a contact with a polynomial carries nothing any more."""
+    return contacts.kind[at] != WIDE and contacts.force[at] + change <= CLOSE * total
 
 
 @kernel
@@ -299,7 +340,7 @@ def _touch_and_let_go(
         if contacts.kind[at] == WIDE:
             continue
         if touching[i]:
-            if contacts.force[at] + change[i] <= CLOSE * total:
+            if _has_let_go(contacts, at, change[i], total):
                 touching[i] = False
                 change[i] = -contacts.force[at]
                 changed = True
@@ -322,7 +363,9 @@ def _sums(
 ) -> tuple[float, float]:  # fmt: skip
     """Compliance and resistance of these contacts by reciprocity, with the shares of the grid as weights."""
     n = change.size
+    dipoles = _dipoles(contacts, first, touching, change, np.zeros(n), period)
     softer = np.zeros(n)  # compliance that each has more than on the grid
+    nearer = np.zeros(n)  # displacement by the rates of others that each has more, since it is elsewhere
     right = np.zeros(n)
     matrix = mutual.copy()
     closing = np.zeros(n)  # rate of the plane towards a crest that the grid has not in contact
@@ -345,13 +388,15 @@ def _sums(
             if contacts.kind[at] == NARROW:
                 height = expansion(contacts.height[at], centre, half_width)
                 mixed, energy = contact_energy(height, others, contacts.force[at], share, compliance)
+                nearer[i] = (cross_energy(others, share) - contacts.grid_cross[at]) / share
                 softer[i] = (energy - contacts.grid_energy[at] + contacts.edge_resistance[at] * period) / share**2
+                softer[i] -= 2 * nearer[i] / share
                 shape += mixed - contacts.grid_mixed[at] + contacts.edge_compliance[at] * period
             else:
                 matrix[i, i] = compliance
                 closing[i] = contacts.closing[at] = rate - others[0]
         matrix[i, i] += softer[i]
-        right[i] = closing[i] - softer[i] * share
+        right[i] = closing[i] - softer[i] * share - nearer[i] - dipoles.lift_rate[i]
     for j in range(n):
         if not touching[j]:  # what it carried on the grid is carried by the others
             right += mutual[:, j] * contacts.share[first + j]
@@ -361,26 +406,85 @@ def _sums(
     for i in range(n):
         if not touching[i]:
             faster[i] = -contacts.share[first + i]
-    compliance, resistance = shape / period, 0.0
-    pressed, pressed_rate = mutual @ change, mutual @ faster
+    moved = _dipoles(contacts, first, touching, change, faster, period)
+    pressed, pressed_rate = mutual @ change + dipoles.lift, mutual @ faster + moved.lift_rate
+    for i in range(n):
+        contacts.share_change[first + i], contacts.tilt[first + i] = faster[i], dipoles.tilt[i]
+        contacts.pressed[first + i] = abs(pressed[i])
+    compliance, resistance = (shape + dipoles.mixed) / period, dipoles.energy / period
     if lost > MAX_LOST * period:
         carried = change[touching].sum()
         common = np.sum(change[touching] * (excess[touching] - pressed[touching])) / carried
+        for i in range(n):
+            at = first + i
+            if contacts.kind[at] != WIDE and not touching[i]:
+                top = value(contacts.height[at], contacts.centre[at])
+                contacts.penetration[at] = top - pressed[i] - common
+                contacts.closing[at] = -slower - value(contacts.rate[at], contacts.centre[at]) - pressed_rate[i]
         return plane - common, -slower
     for i in range(n):
         at = first + i
         share = contacts.share[at]
         if touching[i]:
-            compliance -= (share * (excess[i] - plane) + closing[i] * change[i]) / (period - lost)
-            resistance += (softer[i] * share * (share + faster[i]) - closing[i] * faster[i]) / (period - lost)
+            tilted = dipoles.lift_rate[i] - closing[i]
+            compliance -= (share * (excess[i] - plane) - (nearer[i] + tilted) * change[i]) / (period - lost)
+            own = softer[i] * share + nearer[i]
+            resistance += (own * (share + faster[i]) + nearer[i] * share + tilted * faster[i]) / (period - lost)
         else:
             own = contacts.self_compliance[at]
-            compliance -= share * (pressed[i] + own * change[i]) / (period - lost)
-            resistance -= share * (pressed_rate[i] - own * share) / (period - lost)
+            tilted = dipoles.lift_rate[i]
+            compliance -= (share * (pressed[i] + own * change[i]) - tilted * change[i]) / (period - lost)
+            resistance -= share * (pressed_rate[i] + tilted - own * share) / (period - lost)
     for i in range(n):
         at = first + i
-        if contacts.kind[at] == BIRTH and not touching[i]:
+        if contacts.kind[at] != WIDE and not touching[i]:
             top = value(contacts.height[at], contacts.centre[at])
             contacts.penetration[at] = top - pressed[i] - (plane - compliance - lifted)
-            contacts.closing[at] = rate - value(contacts.rate[at], contacts.centre[at])
+            contacts.closing[at] = rate + resistance - value(contacts.rate[at], contacts.centre[at]) - pressed_rate[i]
     return compliance, resistance
+
+
+@kernel
+def _moments(contacts: Contacts, at: int, change: float, faster: float) -> tuple[float, float]:
+    """First moments of force and share that the continuum has more than the grid, about the middle of the nodes."""
+    share, force = contacts.share[at] + faster, contacts.force[at] + change
+    if contacts.kind[at] != NARROW:
+        return 0.0, 0.0
+    scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
+    height = expansion(contacts.height[at], centre, half_width)
+    others = expansion(contacts.rate[at], centre, half_width)
+    return (
+        scale * (force * centre + half_width * height[1] / 4) - contacts.grid_force_moment[at],
+        scale * (share * centre - half_width * others[1] / 4) - contacts.grid_share_moment[at],
+    )
+
+
+@kernel
+def _dipoles(contacts: Contacts, first: int, touching: Flags, change: Array, faster: Array, period: float) -> Dipoles:
+    """What it changes that nodes carry the load of narrow contacts off its place, after changes of force and share.
+
+    Two points act on each other by K = -2 ln|2 sin(pi x/L)|, so that a first moment M displaces another contact by
+    -M K', and acts on its first moment by -M M' K''; on that of its own images K'' is 2 (pi/L)^2/3.
+    """
+    n = touching.size
+    force, share = np.zeros(n), np.zeros(n)
+    lift, lift_rate, tilt = np.zeros(n), np.zeros(n), np.zeros(n)
+    mixed = energy = 0.0
+    for i in range(n):
+        if touching[i]:
+            force[i], share[i] = _moments(contacts, first + i, change[i], faster[i])
+        tilt[i] -= force[i] * 2 * (np.pi / period) ** 2 / 3
+        mixed -= force[i] * share[i] * 2 * (np.pi / period) ** 2 / 3
+        energy -= share[i] ** 2 * 2 * (np.pi / period) ** 2 / 3
+        for j in range(i):
+            apart = np.pi * (contacts.position[first + i] - contacts.position[first + j]) / period
+            slope, bend = -2 * np.pi / period / np.tan(apart), 2 * (np.pi / (period * np.sin(apart))) ** 2
+            mixed -= (force[i] * share[j] + share[i] * force[j]) * bend
+            energy -= 2 * share[i] * share[j] * bend
+            tilt[i] -= force[j] * bend
+            tilt[j] -= force[i] * bend
+            lift[i] -= force[j] * slope
+            lift[j] += force[i] * slope
+            lift_rate[i] -= share[j] * slope
+            lift_rate[j] += share[i] * slope
+    return Dipoles(lift, lift_rate, tilt, mixed, energy)

@@ -13,6 +13,7 @@ from weier.methods.bem.polynomials import NODES, derivative, expansion, second_k
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
 CLOSE = 1e-13  # relative size of the last of them
+HERTZ = 1e-6  # half width of a contact below which a parabola is exact, and Newton's last step too long
 MAX_STRIDE = 0.5  # of the half width that one step may take
 
 
@@ -40,8 +41,16 @@ def contact_edges(height: Array, force: float, centre: float, half_width: float)
         down, across = -half_width / 2 * bend_t, -(tilt_t + half_width * bend_tt) / 2
         centre, half_width, step = _step(tilt, missing, bend, bend_t, down, across, centre, half_width)
         if step <= CLOSE * (1 + half_width):
+            if half_width < HERTZ:
+                half_width = _hertz(-value(curvature, centre), force)
             return centre, half_width, half_width > 0
     return centre, half_width, False
+
+
+@kernel
+def _hertz(curvature: float, force: float) -> float:
+    """Half width on a parabola; 0 without force."""
+    return 2 * np.sqrt(force / curvature) if force > 0 and curvature > 0 else 0.0
 
 
 @kernel
@@ -98,6 +107,15 @@ def contact_energy(height: Array, rate: Array, force: float, share: float, compl
         mixed += k * height[k] * rate[k] / 4
         alone -= k * rate[k] * rate[k] / 4
     return mixed, alone
+
+
+@kernel
+def cross_energy(rate: Array, share: float) -> float:
+    """Of those rates alone, with the pressures per load of this contact."""
+    energy = share * rate[0]
+    for k in range(1, rate.size):
+        energy -= k * rate[k] * rate[k] / 4
+    return energy
 
 
 @kernel

@@ -17,6 +17,14 @@ NODES = np.cos(_ANGLES)  # of Chebyshev: mean values over them are exact for all
 _EXPANSION = np.cos(np.arange(TERMS)[:, None] * _ANGLES) * np.where(np.arange(TERMS) > 0, 2, 1)[:, None] / NODES.size
 
 
+_CHEBYSHEV = np.array(
+    [
+        np.pad(np.polynomial.chebyshev.cheb2poly(row[: k + 1]), (0, TERMS + 1 - k))
+        for k, row in enumerate(np.eye(TERMS + 2))
+    ]
+)  # T_0, T_1, ... in powers of s
+
+
 @kernel
 def fit_polynomials(s: Array, values: Array, degree: int) -> Array:
     """Least-squares polynomials of this degree, shape (k, TERMS), for values at s, shapes (k, nodes) and (nodes,)."""
@@ -38,6 +46,39 @@ def fit_polynomials(s: Array, values: Array, degree: int) -> Array:
                 rest -= triangle[j, i] * fitted[k, i]
             fitted[k, j] = rest / triangle[j, j]
     return fitted
+
+
+@kernel
+def with_next_terms(s: Array, values: Array, degree: int) -> Array:
+    """The same values, and below them those of the two Chebyshev polynomials after `degree`, shape (k + 2, nodes)."""
+    longer = np.empty((values.shape[0] + 2, s.size))
+    longer[:-2] = values
+    for j in range(2):
+        for i in range(s.size):
+            longer[values.shape[0] + j, i] = value(_CHEBYSHEV[degree + 1 + j], s[i])
+    return longer
+
+
+@kernel
+def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) -> Array:
+    """What a fit of this degree leaves of an odd and an even term beyond it, as polynomials, shape (2, TERMS + 2).
+
+    The terms are of T_(degree + 1) and T_(degree + 2), less what the fit makes of them, `fitted_next`. Their
+    coefficients are those of a wave: they alternate, and fall by `ratio`^2/(4 k (k + 1)) from one of a parity to the
+    next; where they fell more slowly so far, they go on like that.
+    """
+    coefficients = expansion(polynomial, 0.0, 1.0)
+    rest = np.empty((2, TERMS + 2))
+    for j in range(2):
+        last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
+        fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
+        slower = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
+        if slower * last > fall * before:
+            fall = min(slower * last / before, 1.0)
+        rest[j] = _CHEBYSHEV[degree + 1 + j]
+        rest[j, :TERMS] -= fitted_next[j]
+        rest[j] *= -fall * coefficients[max(degree - 1 + j, 0)]
+    return rest
 
 
 @kernel

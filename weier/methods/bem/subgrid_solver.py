@@ -83,8 +83,8 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
         displacement = -state.deformed
         solution = GridSolution(plane, rate, carried, deformed, state.pressure, displacement, state.contact)
         added = correct(solution, finest, find_edges(state.contact, state.edge), continuum)
-        corrected.plane[load] = plane - added.compliance
-        corrected.resistance[load] = rate + added.resistance
+        corrected.plane[load] = _positive(plane - added.compliance)
+        corrected.resistance[load] = _positive(rate + added.resistance)
         table, end = append_contacts(table, end, load, added.contacts)
         corrected.compliance_error[load] = added.compliance_error
         corrected.resistance_error[load] = added.resistance_error
@@ -92,3 +92,9 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
         corrected.plane, corrected.resistance, table, corrected.residual, corrected.work, corrected.compliance_error,
         corrected.resistance_error,
     )  # fmt: skip
+
+
+@kernel
+def _positive(value: float) -> float:
+    """A mean gap or resistance: not below 0, where both are smaller than their errors; NaN stays."""
+    return 0.0 if value < 0 else value

@@ -39,12 +39,20 @@ def margin_of(edge: Edges, run: int) -> int:
 
 
 @kernel
-def second_at_nodes(polynomial: Array, nodes: int, scale: float) -> Array:
-    """Second differences of a polynomial at the nodes of a run."""
+def average_under_triangle(polynomial: Array, scale: float) -> Array:
+    """The moving average of a polynomial under a triangle of the nodes' spacing."""
+    second = derivative(derivative(polynomial))
+    fourth = derivative(derivative(second))
+    return polynomial + second / (12 * scale**2) + fourth / (360 * scale**4)
+
+
+@kernel
+def added_by_triangles(polynomial: Array, nodes: int, scale: float) -> Array:
+    """What that average adds at the nodes of a run, to second differences."""
     second = derivative(derivative(polynomial))
     values = np.empty(nodes)
     for i in range(nodes):
-        values[i] = value(second, (i - (nodes - 1) / 2) / scale) / scale**2
+        values[i] = value(second, (i - (nodes - 1) / 2) / scale) / (12 * scale**2)
     return values
 
 
