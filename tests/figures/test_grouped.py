@@ -81,6 +81,14 @@ def test_every_parameter_can_be_colour_and_facet(name: str, sweep: xr.Dataset) -
     assert sketch(small, median_over=(name,)).axes
 
 
+def test_a_seed_is_named_where_the_data_have_it(sweep: xr.Dataset) -> None:
+    seeds = np.tile(np.arange(SEEDS, dtype=float), len(GAMMAS))
+    named = words(sketch(sweep.assign_coords(seed=("case", seeds)), colour="seed"))
+    assert named[:SEEDS] == [f"seed {number}" for number in range(SEEDS)]
+    unknown = sweep.assign_coords(seed=("case", np.full(seeds.size, np.nan)))
+    assert words(sketch(unknown, colour="seed"))[0] == "1. phases"
+
+
 def test_resistance_is_grouped_as_well(sweep: xr.Dataset) -> None:
     figure = resistance.draw([sweep], "", Grouping("gamma", "method", ("seed",)))
     assert [axes.get_yscale() for axes in figure.axes] == ["log", "log"]

@@ -172,7 +172,7 @@ def test_figures_have_captions(folder):
 def test_the_page_says_what_its_date_is(folder):
     with dataset.reading(folder / "contact.nc") as data:
         comment = data.attrs["comment"]
-    assert provenance.commit().dating in comment
+    assert provenance.run_date().meaning in comment
     assert f"<td>{typeset(comment)}</td>" in (folder / "page.html").read_text(encoding="utf-8")
 
 

@@ -89,6 +89,8 @@ def _value(curve: Curve, name: str) -> Hashable:
         return curve.method
     if name == "phase":
         return round(curves.phase_angle(curve.case), 9)
+    if name == "seed" and np.isfinite(seed := float(curve.case.get("seed", np.nan))):
+        return seed
     if name in ("phases", "seed"):
         return tuple(curve.case["phase"].values[np.isfinite(curve.case["phase"].values)].round(9).tolist())
     return float(curve.case[name])
@@ -105,6 +107,8 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     first = next(curve for curve in drawn if _value(curve, name) == value)
     if name == "method":
         return str(style.line(first.method)["label"])
+    if isinstance(value, float) and name == "seed":
+        return f"seed {value:g}"
     if name in ("phases", "seed"):
         return f"{_values(drawn, name).index(value) + 1}. phases"
     return style.describe(first.case, name) or rf"$\phi={value:.3g}$"

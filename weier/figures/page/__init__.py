@@ -35,7 +35,8 @@ from weier.scene import Scene
 
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
 EXPLORER_ID = ID("curves-explorer")
-PROVENANCE = ("source", "git_commit", "date_created", "comment", "history", "references", "license")
+VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
+PROVENANCE = ("source", "git_commit", *VERSIONS, "date_created", "comment", "history", "references", "license")
 
 
 class Table(NamedTuple):
