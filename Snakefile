@@ -49,6 +49,7 @@ rule all:
         [path for name in scene_names() for path in products(name)],
 
 
+# Ctrl-C reaches all programs of a job, and `tee -i` stays to write what the others say of it.
 # A job runs again when what it depends on has changed, in the program or in the scene: digests tell. A batch
 # finds compiled kernels or compiles them itself: as an input, they would make all batches depend on all methods.
 rule solve:
@@ -66,7 +67,7 @@ rule solve:
         program=lambda w: batch_digest(scene(w.scene).methods_of(w.batch)),
     shell:
         "python -m weier batch --threads {threads}"
-        " {params.scene} {wildcards.batch} {output} 2>&1 | tee {log}"
+        " {params.scene} {wildcards.batch} {output} 2>&1 | tee -i {log}"
 
 
 rule figure:
@@ -95,7 +96,7 @@ rule figure:
         program=lambda w: figure_digest(scene(w.scene).figures[w.figure].draw),
     shell:
         "python -m weier figure {params.scene}"
-        " {wildcards.figure} {output.png} results/{wildcards.scene}/batches 2>&1 | tee {log}"
+        " {wildcards.figure} {output.png} results/{wildcards.scene}/batches 2>&1 | tee -i {log}"
 
 
 rule claims:
@@ -119,7 +120,7 @@ rule claims:
         program=lambda w: claims_digest(),
     shell:
         "python -m weier claims {params.scene} {output.data} {output.table}"
-        " results/{wildcards.scene}/batches 2>&1 | tee {log}"
+        " results/{wildcards.scene}/batches 2>&1 | tee -i {log}"
 
 
 # For the rules that measure seconds, so that none of them are spent on compiling.
@@ -133,7 +134,7 @@ rule compile:
     params:
         kernels=lambda w: cache_folder().name,  # a digest of their sources
     shell:
-        "python -m weier compile 2>&1 | tee {log}"
+        "python -m weier compile 2>&1 | tee -i {log}"
 
 
 include: "rules/accuracy.smk"

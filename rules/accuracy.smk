@@ -30,7 +30,7 @@ for study, figure in {
             caption=kinds()[figure].caption,
             program=lambda w, figure=figure: figure_digest(figure),
         shell:
-            "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee {log}"
+            "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee -i {log}"
 
 
 # On its own, since other jobs beside it would disturb the seconds.
@@ -49,7 +49,7 @@ rule measure_tradeoff:
     params:
         program=lambda w: program_digest("weier.accuracy.tradeoff"),
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee {log}"
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee -i {log}"
 
 
 rule measure_convergence:
@@ -65,7 +65,7 @@ rule measure_convergence:
     params:
         program=lambda w: program_digest("weier.accuracy.convergence"),
     shell:
-        "python -m weier convergence {input.scene} {output} 2>&1 | tee {log}"
+        "python -m weier convergence {input.scene} {output} 2>&1 | tee -i {log}"
 
 
 rule measure_extremes:
@@ -81,7 +81,7 @@ rule measure_extremes:
     params:
         program=lambda w: program_digest("weier.accuracy.extremes"),
     shell:
-        "python -m weier extremes {output} 2>&1 | tee {log}"
+        "python -m weier extremes {output} 2>&1 | tee -i {log}"
 
 
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
@@ -93,4 +93,4 @@ rule plan:
     conda:
         "environment.yaml"
     shell:
-        "for scene in {input.scenes}; do python -m weier plan $scene; done 2>&1 | tee {log}"
+        "for scene in {input.scenes}; do python -m weier plan $scene; done 2>&1 | tee -i {log}"

@@ -33,5 +33,5 @@ rule docs:
                             exit 1
                         }}
         sphinx-build --fail-on-warning --keep-going --quiet --fresh-env \
-            -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee {log}
+            -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee -i {log}
         """

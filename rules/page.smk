@@ -28,4 +28,4 @@ rule page:
         program=lambda w: page_digest(),
     shell:
         "python -m weier page {params.scene} {output}"
-        " {input.contact} {input.figures} {input.costs} 2>&1 | tee {log}"
+        " {input.contact} {input.figures} {input.costs} 2>&1 | tee -i {log}"
