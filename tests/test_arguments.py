@@ -49,6 +49,7 @@ SOUND = {
     "contact_edges": True, "data": contact().data, "phase": 1.0, "solution_method": "bem", **vars(INTERFACE),
 }  # fmt: skip
 OWN = {
+    "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
     "fields": {"mean_pressure": 0.1, "method": "patches"},
     "Profile.sampled_height": {"terms": 2},
@@ -122,7 +123,7 @@ NOT_NUMBERS = {
 }
 TEXT_TOO = {"gamma"}
 NONE_TOO = {
-    "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
+    "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
     "Contact.sel": {"D", "gamma", "m", "phase", "seed", "study", "mean_pressure", "solution_method"},
 }  # fmt: skip
 

@@ -13,9 +13,8 @@ PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phase", "1"]
 
 
 def test_json_is_what_solve_gives(run):
-    code, out, err = run("solve", *PROFILE, "--loads", "0.1,1", "--method", "demelio", "--method", "bem")
+    code, out, _ = run("solve", *PROFILE, "--loads", "0.1,1", "--method", "demelio", "--method", "bem")
     assert code == 0
-    assert "D = 1.25, gamma = 5, m = 2" in err
     found = json.loads(out)
     assert found["mean_pressure"] == [0.1, 1.0]
     profile = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
@@ -42,7 +41,7 @@ def test_json_has_no_nan_and_no_infinity(run):
     assert json.loads(out, parse_constant=lambda name: pytest.fail(name))["m"] == "inf"
 
 
-@pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--seed", "3"], []])
+@pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--phases", "1"], ["--phase", "1"], ["--seed", "3"], []])
 def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
     path = tmp_path / "a folder" / "curves.nc"
     series = ["-D", "1.5", "--gamma", "5/2", "-m", "2"]

@@ -149,6 +149,22 @@ def test_a_key_of_an_older_scene_is_told_by_its_new_name(tmp_path):
         scene.load(write(tmp_path, most_cases=3))
 
 
+@pytest.mark.parametrize(
+    ("phases", "expected"),
+    [
+        (1.0, [1.0]),
+        ([0.5, 1.0], [0.5, 1.0]),
+        ({"from": 0, "to": 1, "count": 3}, [0.0, 0.5, 1.0]),
+        ([[0.0, 2.0]], [(0.0, 2.0)]),
+        ([0.5, [0.0, 2.0]], [0.5, (0.0, 2.0)]),
+    ],
+)
+def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_path):
+    """A number is the phase of every term but the first, a list is of all terms: as in weier.Profile."""
+    loaded = scene.load(write(tmp_path, **product(m=2, phases=phases)))
+    assert [case.profile.phases for case in loaded.cases.values()] == expected
+
+
 @pytest.mark.parametrize("keys", [("phase", "phases"), ("phase", "seed"), ("phases", "seed")])
 def test_phases_are_given_in_one_way(keys, tmp_path):
     values = {"phase": 1.0, "phases": [[0.0, 1.0]], "seed": 3}
@@ -231,3 +247,9 @@ def test_the_readme_of_the_configuration_explains_every_key():
     keys |= yaml.safe_load(Path("config/config.schema.json").read_text())["properties"].keys()
     assert keys - named == set()
     assert {path.stem for path in Path("config/scenes").glob("*.yaml")} <= named
+
+
+def test_a_list_of_phases_counts_as_one_profile(tmp_path):
+    scene.load(write(tmp_path, **product(m=2, phases=[[0.0, 2.0]]), max_cases=1))
+    with pytest.raises(scene.SceneError, match="at most 1 cases, got 2"):
+        scene.load(write(tmp_path, **product(m=2, phases=[[0.0, 2.0], 1.0]), max_cases=1))

@@ -245,6 +245,14 @@ def test_every_random_crest_is_a_maximum():
         assert abs(float(profile.slope(x))) <= 1e-9 * float(abs(profile.curvature(x)))
 
 
+def test_a_seed_is_that_of_random_phases():
+    assert Profile(1.5, 3, 3, seed=7) == Profile(1.5, 3, 3, random_phases(7))
+    with pytest.raises(ValueError, match=r"phases must be left out where there is a seed, got 1.0"):
+        Profile(1.5, 3, 3, 1.0, seed=7)
+    with pytest.raises(ValueError, match="seed must be a non-negative integer, got '7'"):
+        Profile(1.5, 3, 3, seed="7")
+
+
 def test_phases_tell_profiles_apart():
     described = [Profile(1.5, 3, 3, phases).describe_with_phases() for phases in (0.0, (0, 1, 2.5), random_phases(7))]
     ends = ["phase 0", "phases 0, 1, 2.5", "seed 7"]

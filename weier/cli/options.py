@@ -39,12 +39,13 @@ def parse_loads(text: str) -> Array:
     return checked_loads(np.geomspace(*ends, number))
 
 
-def parse_phases(text: str) -> list[float]:
-    """Phases from "0,1,2"."""
+def parse_phases(text: str) -> float | list[float]:
+    """Phases from "1", which is of every wave but the first, or from "0,1,2", which are of all."""
     try:
-        return [float(part) for part in text.split(",")]
+        phases = [float(part) for part in text.split(",")]
     except ValueError:
-        raise ValueError(f'phases must read "0,1,2", got {text!r:.80}') from None
+        raise ValueError(f'phases must read "1" or "0,1,2", got {text!r:.80}') from None
+    return phases if len(phases) > 1 else phases[0]
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -119,8 +120,11 @@ def _series(required: bool) -> tuple[Option, ...]:
             "-m", "m", type=float, required=required,
             help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}.",
         ),
-        click.option("--phase", type=float, help="Phase of every wave but the first, in radians [default: 0]."),
-        click.option("--phases", callback=_read(parse_phases), help="Phases of all m waves, as 0,1,2."),
+        click.option(
+            "--phases", callback=_read(parse_phases),
+            help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
+        ),
+        click.option("--phase", type=float, hidden=True, help="The older name of one number of --phases."),
         click.option("--seed", type=int, help="Seed of random phases."),
     )  # fmt: skip
 
@@ -157,7 +161,7 @@ def _with_options(command: Command, *options: Option) -> Command:
 
 
 def parameters(
-    D: float, gamma: str, m: float, phase: float | None, phases: list[float] | None, seed: int | None
+    D: float, gamma: str, m: float, phase: float | None, phases: float | list[float] | None, seed: int | None
 ) -> dict[str, Any]:
     """The parameters of a profile, as a scene has them, from the options that name it."""
     chosen = {"phase": phase, "phases": phases, "seed": seed}

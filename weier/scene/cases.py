@@ -47,8 +47,7 @@ class Case:
         if isinstance(profile.phases, RandomPhases):
             parameters["seed"] = profile.phases.seed
         else:
-            name = "phase" if isinstance(profile.phases, float) else "phases"
-            parameters[name] = profile.phases
+            parameters["phases"] = profile.phases
         return cls(parameters, methods, settings)
 
     @property
@@ -65,7 +64,11 @@ class Case:
     def profile(self) -> Profile:
         """The profile of this case."""
         p = self.parameters
-        phases = random_phases(p["seed"]) if "seed" in p else p.get("phases", number("phase", p.get("phase", 0.0)))
+        phases = p.get("phases", p.get("phase", 0.0))
+        if "seed" in p:
+            phases = random_phases(p["seed"])
+        elif not isinstance(phases, list | tuple):
+            phases = number("phases", phases)
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
 
     def check(self) -> None:

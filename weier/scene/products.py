@@ -20,15 +20,20 @@ Product = Mapping[str, Any]
 def combinations(study: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """The parameters of each case of a study."""
     for product in _products(study):
-        axes = {name: values if name == "phases" else axis(values) for name, values in product.items()}
+        axes = {name: _values(name, values) for name, values in product.items()}
         for combination in itertools.product(*axes.values()):
             yield dict(zip(axes, combination, strict=True))
+
+
+def _values(name: str, values: Any) -> list[Any]:
+    """The values of one parameter; a list within a list of phases are those of one profile."""
+    return values if name == "phases" and isinstance(values, list) else axis(values)
 
 
 def check_count(studies: Mapping[str, Any], most: int) -> None:
     """Refuse too many cases, before any is made."""
     products = [product for study in studies.values() for product in _products(study)]
-    count = sum(math.prod(_length(values) for values in product.values()) for product in products)
+    count = sum(math.prod(_count(name, values) for name, values in product.items()) for product in products)
     if count > most:
         raise ValueError(
             f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
@@ -54,6 +59,10 @@ def axis(values: Any) -> list[Any]:
 
 def _products(study: Mapping[str, Any]) -> list[Product]:
     return study["cases"] if "cases" in study else [study["product"]]
+
+
+def _count(name: str, values: Any) -> int:
+    return len(values) if name == "phases" and isinstance(values, list) else _length(values)
 
 
 def _length(values: Any) -> int:

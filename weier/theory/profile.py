@@ -21,7 +21,7 @@ from weier.kernels.arrays import Array
 from weier.theory import series
 from weier.theory.arguments import checked_count, checked_number, checked_numbers, shown
 from weier.theory.crests import find_crests, sample
-from weier.theory.phases import Phases, RandomPhases, checked_phases
+from weier.theory.phases import Phases, RandomPhases, checked_phases, random_phases
 from weier.theory.tables import html_table
 
 MAX_POINTS = 10**7  # of a sampled period, and so of a grid
@@ -46,6 +46,8 @@ class Profile:
         Number of terms. An infinite series has no heights: it is for methods that resolve no finest wave.
     phases : float, sequence of m floats, or RandomPhases
         Radians. A number is phi_n for every n >= 1, with phi_0 = 0.
+    seed : int, optional
+        Instead of phases: that of `random_phases`.
 
     Raises
     ------
@@ -72,7 +74,13 @@ class Profile:
         gamma: int | float | str | Fraction,
         m: float,
         phases: float | Sequence[float] | Array | RandomPhases = 0.0,
+        *,
+        seed: int | None = None,
     ) -> None:
+        if seed is not None:
+            if not (isinstance(phases, float) and phases == 0):
+                raise ValueError(f"phases must be left out where there is a seed, got {shown(phases)}")
+            phases = random_phases(seed)
         for name, value in (
             ("D", series.checked_dimension(D)),
             ("gamma", checked_ratio(gamma)),
