@@ -27,11 +27,7 @@ rule docs:
         install="pip install --require-hashes -r requirements/dev.txt",
         program=lambda w: docs_digest(),
     shell:
-        """
-        python -c "import {params.needed}" 2>{log} || {{
-                            echo "weier: the documentation needs {params.needed}: {params.install}" | tee -a {log} >&2
-                            exit 1
-                        }}
-        sphinx-build --fail-on-warning --keep-going --quiet --fresh-env \
-            -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee -i {log}
-        """
+        "(python -c 'import {params.needed}' 2>{log}"
+        " || (echo 'weier: the documentation needs {params.needed}: {params.install}' | tee -a {log} >&2; exit 1))"
+        " && sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
+        " -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee -i {log}"
