@@ -38,6 +38,7 @@ MIN_CONTACTS = 64  # from here on this is faster than a dense matrix, whose unkn
 MAX_STEPS = 60  # 8 to 25 are usual
 MIN_TOLERANCE = 1e-10  # in g_0, of the residual: what comes out is mostly a hundredth, where rounding begins
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
+ROUNDING = 1e-13  # of the displacement under the whole load, as a height
 REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
 ROUGH_TOLERANCE = 1e-6  # of the finest wave's amplitude, before the set of contacts is right
 ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9  # over the pressure of a contact: before and in the end
@@ -70,7 +71,7 @@ def solve_if_many(
     if profile.waves_per_period[-1] < MIN_CONTACTS:
         return None
     try:
-        start = wave_by_wave(profile, load, _rough_stage(profile, tolerance))
+        start = wave_by_wave(profile, load, _rough_stage(profile, _target(profile, load, tolerance)))
         return (
             solve_many_contacts(profile, surface, load, tolerance, start) if start[0].size >= MIN_CONTACTS else None
         )
@@ -78,20 +79,20 @@ def solve_if_many(
         return None
 
 
-def _rough_stage(profile: Profile, tolerance: float) -> Stage:
-    return Stage(8.0, 5.0, Bounds(REDUCTION, _target(tolerance), _rough_tolerance(profile)))
+def _rough_stage(profile: Profile, target: float) -> Stage:
+    return Stage(8.0, 5.0, Bounds(REDUCTION, target, _rough_tolerance(profile)))
 
 
-def _fine_stage(profile: Profile, tolerance: float) -> Stage:
-    return Stage(12.0, 9.0, Bounds(REDUCTION, 0.1 * _target(tolerance), _rough_tolerance(profile)))
+def _fine_stage(profile: Profile, target: float) -> Stage:
+    return Stage(12.0, 9.0, Bounds(REDUCTION, 0.1 * target, _rough_tolerance(profile)))
 
 
 def _rough_tolerance(profile: Profile) -> float:
     return ROUGH_TOLERANCE * float(profile.amplitude[-1])
 
 
-def _target(tolerance: float) -> float:
-    return TARGET * max(tolerance, MIN_TOLERANCE)
+def _target(profile: Profile, load: float, tolerance: float) -> float:
+    return max(TARGET * max(tolerance, MIN_TOLERANCE), ROUNDING * load * float(profile.period))
 
 
 def solve_many_contacts(
@@ -103,8 +104,9 @@ def solve_many_contacts(
     a contact needs more nodes than a matrix of its own should hold, as near full contact, if corrections do not end,
     or if the state fails a check.
     """
-    rough, fine = _rough_stage(profile, tolerance), _fine_stage(profile, tolerance)
-    target, stage, limits = _target(tolerance), rough, _Limits(_rough_tolerance(profile), ROUGH_TENSION)
+    target = _target(profile, load, tolerance)
+    rough, fine = _rough_stage(profile, target), _fine_stage(profile, target)
+    stage, limits = rough, _Limits(_rough_tolerance(profile), ROUGH_TENSION)
     guess = make_guess(profile, *(wave_by_wave(profile, load, rough) if start is None else start), rough)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(profile, load, guess, stage)
