@@ -7,23 +7,34 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError
 from weier.methods import patches
 from weier.methods.patches import active_set
-from weier.methods.patches.active_set import solve_on_segments
-from weier.methods.patches.continuation import first_state
-from weier.methods.patches.initial_guess import InitialGuess, sort_segments, transfer_density
-from weier.methods.patches.newton import NewtonStatus
-from weier.methods.patches.surface import surface_of
+from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
+from weier.methods.patches.fields import ContactState
+from weier.methods.patches.initial_guess import InitialGuess, contacts_guess, sort_segments, transfer_density
+from weier.methods.patches.newton import NewtonResult, NewtonStatus, newton_iteration
+from weier.methods.patches.surface import Surface, surface_of
+
+
+def solved_state(load: float, tolerance: float) -> tuple[Surface, ContactState]:
+    surface, state = surface_of(THREE_WAVES), patches.solve_loads(THREE_WAVES, load, tolerance)[0].state
+    assert state is not None
+    return surface, state
+
+
+def newton_on(surface: Surface, guess: InitialGuess, load: float) -> NewtonResult:
+    """Newton's method with the matrix of all nodes."""
+    series = surface.series(guess.dual)
+    return newton_iteration(guess.segments, guess.phi, guess.approach, series, load, guess.dual, 1e-12)
 
 
 @pytest.mark.parametrize(("load", "counts"), [(0.05, range(4, 13)), (0.7, range(12, 29, 2))])
 def test_convergence_is_exponential_in_nodes(load, counts):
-    surface = surface_of(THREE_WAVES)
-    state, _ = first_state(THREE_WAVES, surface, load, 1e-12)
+    surface, state = solved_state(load, 1e-12)
     old, errors = state.segments, []
     for count in counts:
         node_count = np.full(old.centre.size, count)
-        guess, _ = transfer_density(surface, state, old.crest, old.centre, old.half_width, node_count)
-        fewer, result = solve_on_segments(surface, guess, load, 1e-12)
-        assert result.status == NewtonStatus.converged
+        guess, _ = transfer_density(surface, state, old.crest, old.centre, old.half_width, node_count=node_count)
+        fewer = newton_on(surface, guess, load)
+        assert fewer.status == NewtonStatus.converged
         errors.append(abs(fewer.approach / state.approach - 1) + 1e-16)
     rate = -np.polyfit(counts, np.log(errors), 1)[0]
     print(f"load {load}: error falls {np.exp(rate):.1f} times a node; {errors[0]:.0e} to {errors[-1]:.0e}")
@@ -31,22 +42,49 @@ def test_convergence_is_exponential_in_nodes(load, counts):
     assert errors[-1] < 1e-9
 
 
+@pytest.mark.parametrize("load", [0.05, 0.7, 2.5])
+def test_few_nodes_correct_many_as_one_large_matrix_would(load):
+    """The same equations on the same nodes, by a matrix that knows the slow modes only and by one that knows all."""
+    surface, state = solved_state(load, 1e-10)
+    guess = InitialGuess(state.dual, state.segments, state.phi, state.approach)
+    whole = newton_on(surface, guess, load)
+    assert whole.status == NewtonStatus.converged
+    assert state.approach == pytest.approx(whole.approach, rel=1e-11)
+    np.testing.assert_allclose(state.segments.half_width, whole.segments.half_width, rtol=1e-9)
+    assert state.sensitivity[-1] == pytest.approx(whole.sensitivity[-1], rel=1e-9)
+    scale = np.abs(whole.sensitivity).max()
+    np.testing.assert_allclose(state.sensitivity, whole.sensitivity, atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("load", [0.3, 3.0])
+def test_edges_alone_are_enough_to_start_from(load):
+    """Contacts a little off, with the forces that they carry: Newton's method on few nodes takes a few steps."""
+    surface, solution = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, load)
+    force = np.full(solution.centre.size, load / solution.centre.size)
+    guess = contacts_guess(surface, solution.centre, 1.01 * solution.half_width, force, load, 1e-10)
+    coarse = solve_on_few_nodes(surface, guess, load, False)
+    assert coarse.status == NewtonStatus.converged
+    assert coarse.steps <= 4
+    state, _, _ = solve_on_many_nodes(surface, coarse, guess.dual, load, 1e-10)
+    assert state is not None
+    assert state.sensitivity[-1] == pytest.approx(patches.curve(THREE_WAVES, load).resistance[0], rel=1e-9)
+
+
 def test_contacts_and_gaps_are_one_solution():
     """The two problems, for pressure in contacts and for slope in gaps, have nothing but the profile in common."""
-    surface = surface_of(THREE_WAVES)
     load = 2.5
-    dual, _ = first_state(THREE_WAVES, surface, load, 1e-10)
+    surface, dual = solved_state(load, 1e-10)
     assert dual.dual
     gaps = patches.solve_load(THREE_WAVES, load)
     heights = surface.heights
     crest = np.array([np.argmin(np.abs((heights.crest_position - x + 0.5) % 1 - 0.5)) for x in gaps.centre])
     centre = (gaps.centre - heights.crest_position[crest] + 0.5) % 1 - 0.5
-    segments, order = sort_segments(heights, crest, centre, gaps.half_width * 0.999, np.full(crest.size, 80))
+    counts = np.full(crest.size, 80)
+    segments, order = sort_segments(heights, crest, centre, gaps.half_width * 0.999, node_count=counts)
     phi = [gaps.pressure(gaps.centre[j] + gaps.half_width[j] * segments.node[:80] * 0.999) for j in order]
     phi = np.concatenate(phi) / np.sqrt(1 - segments.node**2)
-    guess = InitialGuess(False, segments, phi, 0.0)
-    primal, result = solve_on_segments(surface, guess, load, 1e-10)
-    assert result.status == NewtonStatus.converged
+    primal = newton_on(surface, InitialGuess(False, segments, phi, 0.0), load)
+    assert primal.status == NewtonStatus.converged
     assert primal.approach == pytest.approx(heights.maximum + dual.approach, abs=1e-10)
     assert primal.sensitivity[-1] == pytest.approx(dual.sensitivity[-1], rel=1e-8)
 

@@ -1,4 +1,4 @@
-"""The Jacobian against differences of the residual."""
+"""The Jacobian against differences of the residual, and both against their products without a matrix."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 from weier import Profile
 from weier.methods.patches.collocation import assemble
 from weier.methods.patches.initial_guess import sort_segments
+from weier.methods.patches.products import change_of, products, residuals
 from weier.methods.patches.segments import move_segments
 from weier.methods.patches.surface import surface_of
 
@@ -14,7 +15,7 @@ from weier.methods.patches.surface import surface_of
 def test_jacobian_is_the_derivative(dual):
     series, load = surface_of(Profile(1.4, "3/2", 3, (0.0, 1.0, 2.0))).series(dual), 1.3
     crest, centre, half_width = np.array([0, 2]), np.array([0.02, -0.03]), np.array([0.11, 0.2])
-    segments, _ = sort_segments(series, crest, centre, half_width, np.array([4, 6]))
+    segments, _ = sort_segments(series, crest, centre, half_width, node_count=np.array([4, 6]))
     rng = np.random.default_rng(1)
     unknowns = rng.normal(size=segments.node.size + 5)
     r = segments.half_width
@@ -42,3 +43,18 @@ def test_jacobian_is_the_derivative(dual):
         np.testing.assert_allclose(jacobian[:, column], slope, atol=1e-6 * (1 + np.abs(slope).max()))
     slope = (residual(unknowns, load + step) - residual(unknowns, load - step)) / (2 * step)
     np.testing.assert_allclose(right_side[:, 1], slope, atol=1e-6 * (1 + np.abs(slope).max()))
+
+
+@pytest.mark.parametrize("dual", [False, True])
+def test_products_without_a_matrix(dual):
+    series, load = surface_of(Profile(1.4, 5, 3, (0.0, 1.0, 2.0))).series(dual), 0.7
+    rng = np.random.default_rng(2)
+    crest, half_width = np.array([0, 2, 5]), np.array([0.01, 0.02, 1e-7])
+    segments, _ = sort_segments(series, crest, np.zeros(3), half_width, node_count=np.array([5, 8, 4]))
+    phi = rng.normal(size=segments.node.size)
+    jacobian, right_side = assemble(segments, phi, 0.3, series, load, dual)
+    direction = rng.normal(size=jacobian.shape[0])
+    row = residuals(segments, phi, 0.3, series, load, dual)
+    np.testing.assert_allclose(row, right_side[:, 0], rtol=1e-11, atol=1e-13 * np.abs(row).max())
+    row, expected = products(segments, phi, series, dual, change_of(direction, 3)), jacobian @ direction
+    np.testing.assert_allclose(row, expected, rtol=1e-10, atol=1e-13 * np.abs(expected).max())

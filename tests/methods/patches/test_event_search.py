@@ -22,7 +22,7 @@ def test_events_are_where_the_contacts_change():
 def test_events_of_symmetric_profiles_come_in_pairs():
     events = patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
     np.testing.assert_array_equal(events.birth, [True, False, False])
-    np.testing.assert_array_equal(events.patch_count, [2, 1, 0])
+    np.testing.assert_array_equal(events.patch_count, [2, 0, 0])  # the last two at one load
     assert events.x[0] == pytest.approx(0.5, abs=1e-6)
     assert events.x[1] + events.x[2] == pytest.approx(1)
     merge = patches.events(TWIN_CRESTS, 1e-3, 1.0)
@@ -38,3 +38,39 @@ def test_events_of_one_load_are_found_together(phase):
     assert load.size >= 4
     np.testing.assert_allclose(load[::2], load[1::2], rtol=1e-9)
     np.testing.assert_allclose(x[::2] + x[1::2], 1, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("profile", "low", "high"),
+    [
+        (Profile(1.25, 2, 5, (np.pi,) * 5), 2.0, 3.0),  # contacts that live for 4 % of a load
+        (Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0)), 0.2, 1.0),
+        (Profile(1.02, 5, 2, (np.pi, np.pi)), 1e-3, 1.0),  # contacts in mirror images
+    ],
+)
+def test_no_event_is_missed(profile, low, high):
+    """Counts at 60 loads are those that the events leave."""
+    events = patches.events(profile, low, high)
+    loads = np.geomspace(low, high, 60)
+    counts = patches.curve(profile, loads).patch_count
+    last = np.searchsorted(events.mean_pressure, loads[1:]) - 1
+    np.testing.assert_array_equal(np.where(last < 0, counts[0], events.patch_count[last]), counts[1:])
+    if profile.m == 5:
+        np.testing.assert_array_equal(events.birth, [True, True, False, False])
+
+
+def test_light_loads_have_no_false_events():
+    """Edges coincide in double precision there, as positions along the period."""
+    for low, high in ((1e-31, 1e-30), (1e-100, 1e-3)):
+        assert patches.events(Profile(1.25, 5, 2, (0.0, 1.0)), low, high).birth.size == 0
+
+
+def test_two_crests_of_nearly_one_height():
+    """The lower one is touched where Hertz's contact on the other has sunk in so far, and both stand apart."""
+    profile = Profile(1.25, 2, 2, (1e-7, np.pi))
+    event = patches.events(profile, 1e-12, 1e-3)
+    np.testing.assert_array_equal(event.birth, [True])
+    around = patches.curve(
+        Profile(1.25, 2, 2, (1e-7, np.pi)), event.mean_pressure[0] * np.array([1 - 1e-6, 1 + 1e-6])
+    )
+    np.testing.assert_array_equal(around.patch_count, [1, 2])

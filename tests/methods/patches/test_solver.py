@@ -7,7 +7,7 @@ import scipy
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.kernels.arrays import Array
-from weier.methods import patches
+from weier.methods import bem, patches
 from weier.methods.patches.surface import surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
@@ -187,6 +187,16 @@ def test_thousands_of_waves_under_a_light_load():
     heavy = patches.curve(profile, 1.0)
     assert heavy.patch_count[0] > 500
     assert heavy.residual[0] < 1e-10
+
+
+def test_hundreds_of_contacts():
+    """As many as once were too many: their edges on 32 points a wave agree within the error that is stated."""
+    profile = Profile(1.5, 5, 5, 1.0)
+    exact = patches.curve(profile, 1.0)
+    elements = bem.curve(profile, 1.0, points=32 * 625, tolerance=1e-9, edges="subgrid")
+    assert exact.patch_count[0] > 100
+    assert abs(exact.compliance[0] - elements.compliance[0]) < elements.compliance_error[0]
+    assert abs(exact.resistance[0] - elements.resistance[0]) < elements.resistance_error[0]
 
 
 def test_more_waves_than_a_computer_holds():

@@ -12,25 +12,31 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.defect_correction import Refined, refine
 from weier.methods.patches.fields import ContactState, complementary_residual, expand
 from weier.methods.patches.inequalities import NegativeIntervals, find_missing_segments, find_negative_intervals
 from weier.methods.patches.initial_guess import (
+    COARSE_TOLERANCE,
     InitialGuess,
-    add_nodes,
-    choose_problem,
     hertz_density,
     keep_segments,
     transfer_density,
 )
 from weier.methods.patches.newton import NewtonResult, NewtonStatus, newton_iteration
-from weier.methods.patches.segments import Segments, coefficient_tails, distances_to_next
+from weier.methods.patches.segments import (
+    MAX_NODES,
+    Segments,
+    coefficient_tails,
+    distances_to_next,
+    estimate_node_count,
+    increase_node_count,
+)
 from weier.methods.patches.surface import CosineSeries, Surface
 
 MAX_ROUNDS = 16
 MAX_TOPOLOGY_ROUNDS = 6  # in a row that only merge and remove segments: the initial guess was no good
-MAX_UNKNOWNS = 8000  # a dense matrix of 0.5 GB, and 15 s for each step
-MIN_LOOSE_UNKNOWNS = 400  # from here on a Newton step costs more than a check of all inequalities
-LOOSE_TOLERANCE = 1e-3  # of Newton's method before that check
+MAX_UNKNOWNS = 8000  # on few nodes, a dense matrix of 0.5 GB, and 15 s for each step
+MAX_NODE_ROUNDS = 6  # of adding nodes
 MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 # Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
 # itself, and h by its square.
@@ -46,71 +52,99 @@ class TooLargeError(ConvergenceError):
 def solve_active_set(
     surface: Surface, guess: InitialGuess, load: float, tolerance: float
 ) -> tuple[ContactState, int]:
-    """The state under one load, from a guess, and the Newton steps that it took.
+    """The state under one load, from a guess on few nodes, and the Newton steps and corrections that it took.
 
     ConvergenceError is raised if Newton's method stalls, if corrections go on for too many rounds, or if the state
     does not meet the contact conditions in the end.
     """
-    steps, topology_rounds, step_size, checked = 0, 0, float("nan"), False
+    steps, topology_rounds, step_size, single = 0, 0, float("nan"), True
     for _ in range(MAX_ROUNDS):
-        guess = choose_problem(surface, guess, load)
-        loose = _count_unknowns(guess, load) > MIN_LOOSE_UNKNOWNS and not checked
-        state, result = solve_on_segments(surface, guess, load, LOOSE_TOLERANCE if loose else tolerance)
-        steps, step_size = steps + result.steps, result.step_size
-        topology_rounds = topology_rounds + 1 if result.status == NewtonStatus.topology else 0
-        if result.status == NewtonStatus.stalled or topology_rounds > MAX_TOPOLOGY_ROUNDS:
+        coarse = solve_on_few_nodes(surface, guess, load, single)
+        steps, step_size = steps + coarse.steps, coarse.step_size
+        topology_rounds = topology_rounds + 1 if coarse.status == NewtonStatus.topology else 0
+        if coarse.status == NewtonStatus.stalled or topology_rounds > MAX_TOPOLOGY_ROUNDS:
             break
-        corrected, checked = _corrected_guess(surface, state, result, tolerance, loose)
+        if coarse.status == NewtonStatus.topology:
+            guess = remove_or_merge(surface, _state_of(coarse, guess.dual, load), coarse.meeting, coarse.vanishing)
+            continue
+        state, more, step_size = solve_on_many_nodes(surface, coarse, guess.dual, load, tolerance)
+        steps += more
+        if state is None:
+            count = np.diff(coarse.segments.first_node)
+            guess = _with_nodes(surface, coarse, guess.dual, load, count if single else 2 * count, step_size)
+            single = False
+            continue
+        corrected = _correct_inequalities(surface, state, tolerance)
         if corrected is None:
             return _with_residual(surface, state, tolerance), steps
-        guess = corrected
+        guess, single = corrected, False
     raise ConvergenceError(
         f"no set of contacts was found that meets all conditions under the mean pressure {load:.6g} p_0*", step_size
     )
 
 
-def _count_unknowns(guess: InitialGuess, load: float) -> int:
+def solve_on_few_nodes(surface: Surface, guess: InitialGuess, load: float, single: bool) -> NewtonResult:
+    """Newton's method on the segments of a guess and so few nodes that its matrix is cheap.
+
+    `single` allows its factors in single precision, which are too rough where a gap is very narrow.
+    """
     unknowns = guess.phi.size + 2 * guess.segments.centre.size + 1
     if unknowns > MAX_UNKNOWNS:
         raise TooLargeError(
             f"the contacts under the mean pressure {load:.6g} p_0* need {unknowns} unknowns, more than "
             f"{MAX_UNKNOWNS}; take boundary elements"
         )
-    return unknowns
-
-
-def _corrected_guess(
-    surface: Surface, state: ContactState, result: NewtonResult, tolerance: float, loose: bool
-) -> tuple[InitialGuess | None, bool]:
-    """The next guess, None if the state needs no correction; and whether the state meets all inequalities."""
-    if result.status == NewtonStatus.topology:
-        return remove_or_merge(surface, state, result.meeting, result.vanishing), False
-    correction = _correct_inequalities(surface, state, LOOSE_TOLERANCE if loose else tolerance)
-    if correction is not None:
-        return correction, False
-    if loose:
-        return InitialGuess(state.dual, state.segments, state.phi, state.approach), True
-    return add_nodes(surface, state, tolerance), True
-
-
-def solve_on_segments(
-    surface: Surface, guess: InitialGuess, load: float, tolerance: float
-) -> tuple[ContactState, NewtonResult]:
-    """The state to which Newton's method leads on the segments of a guess, unchecked, and how it got there."""
     series = surface.series(guess.dual)
     try:
-        result = newton_iteration(guess.segments, guess.phi, guess.approach, series, load, guess.dual, tolerance)
+        return newton_iteration(
+            guess.segments, guess.phi, guess.approach, series, load, guess.dual, COARSE_TOLERANCE, single
+        )
     except np.linalg.LinAlgError:
         raise ConvergenceError(f"the equations are singular under the mean pressure {load:.6g} p_0*") from None
+
+
+def solve_on_many_nodes(
+    surface: Surface, coarse: NewtonResult, dual: bool, load: float, tolerance: float
+) -> tuple[ContactState | None, int, float]:
+    """The state with its density resolved to the tolerance, or None if that does not converge; steps and the last."""
+    few, series = coarse.segments, surface.series(dual)
+    expected = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
+    count, steps = np.maximum(expected, np.diff(few.first_node)), 0
+    for _ in range(MAX_NODE_ROUNDS):
+        refined = refine(coarse, count, series, load, dual, tolerance)
+        steps += refined.steps
+        if not refined.converged:
+            break
+        state = _state_of(refined, dual, load)
+        more = increase_node_count(state.segments, state.coefficient, load, tolerance)
+        if more is None:
+            return state, steps, refined.step_size
+        count = more
+    return None, steps, refined.step_size
+
+
+def _state_of(result: NewtonResult | Refined, dual: bool, load: float) -> ContactState:
+    """The state, unchecked, that solves the equations."""
     coefficient = expand(result.segments, result.phi)
     unknowns = result.approach, result.segments, result.phi, coefficient, result.sensitivity
-    return ContactState(guess.dual, load, *unknowns, np.nan), result
+    return ContactState(dual, load, *unknowns, np.nan)
+
+
+def _with_nodes(
+    surface: Surface, coarse: NewtonResult, dual: bool, load: float, node_count: Indices, step_size: float
+) -> InitialGuess:
+    """A guess with so many nodes on each segment."""
+    if np.any(node_count > MAX_NODES):
+        raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", step_size)
+    few, state = coarse.segments, _state_of(coarse, dual, load)
+    return transfer_density(surface, state, few.crest, few.centre, few.half_width, node_count=node_count)[0]
 
 
 def _correct_inequalities(surface: Surface, state: ContactState, tolerance: float) -> InitialGuess | None:
     """A guess with segments added, cut or removed where an inequality is violated; None if all hold.
 
-    While the nodes of a segment do not resolve its density, the inequalities are not known any better.
+    While the nodes of a segment do not resolve its density, the inequalities are not known any better. And few nodes
+    could not tell a corrected set from the one before: the guess has as many as the tolerance needs.
     """
     series, unresolved = surface.series(state.dual), coefficient_tails(state.segments, state.coefficient)
     outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
@@ -124,7 +158,7 @@ def _correct_inequalities(surface: Surface, state: ContactState, tolerance: floa
     crest = np.concatenate([crest, missing.crest])
     centre = np.concatenate([centre, missing.y])
     half_width = np.concatenate([half_width, missing.half_width])
-    guess, order = transfer_density(surface, state, crest, centre, half_width)
+    guess, order = transfer_density(surface, state, crest, centre, half_width, tolerance)
     for j in np.flatnonzero(order >= old_count):
         here = slice(guess.segments.first_node[j], guess.segments.first_node[j + 1])
         curvature = missing.curvature[order[j] - old_count]

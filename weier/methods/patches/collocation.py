@@ -70,7 +70,7 @@ def _fill_segment_rows(
     """The integral equation and, for contacts, the heights: all rows in which every node has its own element."""
     n = segments.centre.size
     for i in range(n):
-        points = _collocation_points(segments, i, series.period)
+        points = collocation_points(segments, i, series.period)
         _add_forcing(system, segments, series, load, dual, points, i)
         for j in range(n):
             _add_cauchy_integral(system, segments, phi, series.period, points, i, j)
@@ -79,7 +79,7 @@ def _fill_segment_rows(
 
 
 @kernel
-def _collocation_points(segments: Segments, i: int, period: float) -> Array:
+def collocation_points(segments: Segments, i: int, period: float) -> Array:
     """The points t of segment i, and sine and cosine of pi r t/L, as columns."""
     count = segments.first_node[i + 1] - segments.first_node[i]
     point = np.empty((count + 1, 3))
@@ -111,7 +111,7 @@ def _add_forcing(
 
 
 @kernel
-def _angle_between_centres(segments: Segments, i: int, j: int, factor: float) -> tuple[float, float]:
+def angle_between_centres(segments: Segments, i: int, j: int, factor: float) -> tuple[float, float]:
     """Sine and cosine of pi (c_i - c_j)/L."""
     angle = factor * (segments.origin[i] - segments.origin[j] + (segments.centre[i] - segments.centre[j]))
     return np.sin(angle), np.cos(angle)
@@ -134,7 +134,7 @@ def _add_cauchy_integral(
     )  # a slice: numba need not expect negative indices
     node, weight = segments.node[here], r * segments.weight[here]
     weighted_phi, node_sine, node_cosine = weight * phi[here], segments.sine[here], segments.cosine[here]
-    s, c = _angle_between_centres(segments, i, j, factor)
+    s, c = angle_between_centres(segments, i, j, factor)
     for a in range(points.shape[0]):
         row, t, u, v = segments.first_node[i] + i + a, points[a, 0], points[a, 1], points[a, 2]
         sine, cosine, cot = s * v + c * u, c * v - s * u, jacobian[row, here]
@@ -172,14 +172,14 @@ def _fill_height_row(
     dtotal_dc = slope
     for j in range(segments.centre.size):
         r = segments.half_width[j]
-        s, c = _angle_between_centres(segments, i, j, factor)
+        s, c = angle_between_centres(segments, i, j, factor)
         dV_dc, dV_dr = 0.0, 0.0
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
             weight = r * segments.weight[q]
             if i == j:
-                potential, dln_dx, dln_dr = _log_potential_at_own_centre(segments, q, r, factor)
+                potential, dln_dx, dln_dr = log_potential_at_own_centre(segments, q, r, factor)
             else:
-                potential, dln_dx, dln_dr = _log_potential_at_other_centre(segments, q, r, factor, s, c)
+                potential, dln_dx, dln_dr = log_potential_at_other_centre(segments, q, r, factor, s, c)
             jacobian[row, q] = 2 * potential * scale
             total += 2 * potential * phi[q] * scale
             dV_dc -= 2 * weight * phi[q] * dln_dx
@@ -193,7 +193,7 @@ def _fill_height_row(
 
 
 @kernel
-def _log_potential_at_own_centre(segments: Segments, q: int, r: float, factor: float) -> tuple[float, float, float]:
+def log_potential_at_own_centre(segments: Segments, q: int, r: float, factor: float) -> tuple[float, float, float]:
     """Node q of contact i at the centre of that contact, s = r t away: w r ln|2 sin(pi s/L)|, d ln/dx, r d ln/dr.
 
     d ln/dx counts as 0, since the contact moves with its centre; r d ln/dr = (pi s/L) cot(pi s/L). The singular part
@@ -207,7 +207,7 @@ def _log_potential_at_own_centre(segments: Segments, q: int, r: float, factor: f
 
 
 @kernel
-def _log_potential_at_other_centre(
+def log_potential_at_other_centre(
     segments: Segments, q: int, r: float, factor: float, s: float, c: float
 ) -> tuple[float, float, float]:
     """The same for node q of another contact, whose centre is away by the angle with the sine s and the cosine c.

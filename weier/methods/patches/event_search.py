@@ -1,11 +1,14 @@
 """The loads at which contacts are born or merge, where dh/dp has its kinks.
 
 Contacts never split or vanish as the load grows: an increment of load acts on the contact like a flat punch, whose
-pressure is nowhere negative. So the events between two loads follow from their contacts alone.
+pressure is nowhere negative. So the contacts under two loads tell what happened in between, unless one was born and
+swallowed. Such a contact would leave a minimum of the gap under the lighter load where there is contact under the
+heavier: then a load in between is looked at.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -16,22 +19,30 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.active_set import solve_on_segments
-from weier.methods.patches.continuation import first_state, next_state, predict
-from weier.methods.patches.fields import ContactState, complementary_residual, density, gap_from_slope
+from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
+from weier.methods.patches.fields import (
+    ContactState,
+    complementary_residual,
+    complementary_residual_slope,
+    density,
+    gap_from_slope,
+)
+from weier.methods.patches.initial_guess import transfer_density
 from weier.methods.patches.newton import NewtonStatus
 from weier.methods.patches.segments import distances_to_next
-from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, make_solution
+from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, surface_of
 from weier.theory.profile import Profile
 
-STEPS_PER_DECADE = 16
-MAX_ROOT_INTERVAL = 0.02  # of ln(p): in shorter intervals the load of an event is sought by root-finding
+MAX_DECADES = 1.0  # between two loads at first
+MAX_ADVANCE = 0.15  # of an edge between two loads, in the finest waves
+MAX_ROOT_INTERVAL = 0.1  # of ln(p): in shorter intervals the load of an event is sought by root-finding
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
-LOAD_ACCURACY = 1e-13  # relative
+LOAD_ACCURACY = 1e-12  # relative
+SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
 SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
 POSITION_ACCURACY = 1e-8  # of a minimum between two samples, over their distance
-MAX_PREDICTION_ERROR = 0.3  # of ln(half-width): if the prediction is further off, something happened in between
 
 
 class Events(NamedTuple):
@@ -49,10 +60,19 @@ class Events(NamedTuple):
     patch_count: Indices
 
 
+class _Contacts(NamedTuple):
+    """Contacts in order round the period: from origin + left to origin + right, in lambda_0, shape (contacts,)."""
+
+    origin: Array
+    left: Array
+    right: Array
+
+
 class _Event(NamedTuple):
-    """A contact born, or else a gap closed, somewhere in [left, right], in lambda_0."""
+    """A contact born, or else a gap closed, somewhere in [origin + left, origin + right], in lambda_0."""
 
     birth: bool
+    origin: float
     left: float
     right: float
 
@@ -90,13 +110,12 @@ def events(profile: Profile, low: float, high: float, tolerance: float = TOLERAN
     last = min(high, surface.full_contact_load * (1 - MIN_INTERVAL))
     if low >= last:
         return _sort_events([], 0, surface)
-    count = 2 + int(np.ceil(STEPS_PER_DECADE * np.log10(last / low)))
-    search = _Search(profile, surface, tolerance)
-    state, _ = first_state(profile, surface, low, tolerance)
+    search = _Search(Starts(profile, surface, tolerance))
+    state = search.state(low)
     patch_count = state.segments.centre.size
     located: list[tuple[float, _Event]] = []
-    for load in np.geomspace(low, last, count)[1:]:
-        heavier, _ = next_state(profile, surface, state, float(load), tolerance)
+    for load in np.geomspace(low, last, 2 + int(np.log10(last / low) / MAX_DECADES))[1:]:
+        heavier = search.state(float(load))
         located += search.between(state, heavier)
         state = heavier
     if high >= surface.full_contact_load:
@@ -106,68 +125,102 @@ def events(profile: Profile, low: float, high: float, tolerance: float = TOLERAN
 
 def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Event]]:
     """The merges at the load of full contact: all gaps that are left just below it close."""
-    edges, period = make_solution(surface, state, state.load).edges, surface.heights.period
-    located = []
-    for left, right in zip(edges[:, 1], np.roll(edges[:, 0], -1), strict=True):
-        located.append((surface.full_contact_load, _Event(False, left, left + (right - left) % period)))
-    return located
+    contacts, load = _contacts_of(state, surface.heights.period), surface.full_contact_load
+    return [(load, gap) for gap in _gaps_between(contacts, range(contacts.left.size + 1), surface.heights.period)]
 
 
 def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface: Surface) -> Events:
-    """Events in order of load, from the number of contacts before the first."""
+    """Events in order of load, from the number of contacts before the first; those of one load leave one number."""
     located = sorted(located, key=lambda item: item[0])
+    load = np.array([each for each, _ in located])
     birth = np.array([event.birth for _, event in located], bool)
-    middle = np.array([0.5 * (event.left + event.right) for _, event in located])
-    change = np.where(birth, 1, -1)
-    return Events(
-        np.array([load for load, _ in located]),
-        birth,
-        middle - surface.heights.period * np.floor(middle / surface.heights.period),
-        patch_count + np.cumsum(change, dtype=np.int64),
-    )
+    middle = np.array([event.origin + 0.5 * (event.left + event.right) for _, event in located])
+    after = patch_count + np.cumsum(np.where(birth, 1, -1), dtype=np.int64)
+    last_of_load = np.searchsorted(load, load * (1 + MIN_INTERVAL), side="right") - 1
+    period = surface.heights.period
+    return Events(load, birth, middle - period * np.floor(middle / period), after[last_of_load])
 
 
 class _Search(NamedTuple):
     """Bisection on ln(p) until each interval holds the events of one load, and then root-finding."""
 
-    profile: Profile
-    surface: Surface
-    tolerance: float
+    starts: Starts
+
+    @property
+    def surface(self) -> Surface:
+        """The surface that is pressed."""
+        return self.starts.surface
+
+    def state(self, load: float) -> ContactState:
+        """The state under a load of partial contact."""
+        state, _ = solve_state(self.starts, load)
+        if state is None:
+            raise ConvergenceError(f"contact is full under the mean pressure {load:.6g} p_0*")
+        return state
 
     def between(self, low: ContactState, high: ContactState) -> list[tuple[float, _Event]]:
         """The events between two states, each with its load."""
         width = float(np.log(high.load / low.load))
-        changes = _changes(self.surface, low, high)
-        if not changes and (width < MAX_ROOT_INTERVAL or self._is_predicted(low, high)):
-            return []
+        changes, is_certain = self._changes(low, high)
         if width < MIN_INTERVAL:
             return [(high.load, event) for event in changes]
-        if width < MAX_ROOT_INTERVAL:
+        if is_certain and not changes:
+            return []
+        middle = float(np.sqrt(low.load) * np.sqrt(high.load))
+        if is_certain and width < MAX_ROOT_INTERVAL:
             located = self._locate_all(low, high, changes)
-            loads = [load for load, _ in located]
-            if located and max(loads) <= (1 + MIN_INTERVAL) * min(loads):  # one event, or several by symmetry
+            loads = sorted(load for load, _ in located)
+            if loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]:  # one event, or several by symmetry
                 return located
-        middle_load = float(np.sqrt(low.load) * np.sqrt(high.load))
-        middle, _ = next_state(self.profile, self.surface, low, middle_load, self.tolerance)
-        return self.between(low, middle) + self.between(middle, high)
+            if loads:
+                widest = int(np.argmax(np.diff(loads)))
+                middle = 0.5 * (loads[widest] + loads[widest + 1])
+        between = self.state(middle)
+        return self.between(low, between) + self.between(between, high)
 
-    def _is_predicted(self, low: ContactState, high: ContactState) -> bool:
-        """Whether the tangent at `low` leads near `high`; if not, two events may have cancelled in between."""
-        guess = predict(self.surface, low, high.load, self.tolerance)
+    def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
+        """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether that is all."""
         period = self.surface.heights.period
-        expected, actual = (
-            0.5 * distances_to_next(segments, period) if dual else segments.half_width
-            for dual, segments in ((guess.dual, guess.segments), (high.dual, high.segments))
-        )
-        if expected.size != actual.size:
-            return False
-        return not bool(np.abs(np.log(np.sort(actual) / np.sort(expected))).max() > MAX_PREDICTION_ERROR)
+        before, after = _contacts_of(low, period), _contacts_of(high, period)
+        changes, is_certain = [], True
+        for origin, left, right in zip(*after, strict=True):
+            shift = before.origin - origin
+            middle = shift + 0.5 * (before.left + before.right)
+            turns = np.ceil((left - middle) / period) * period
+            inside = np.flatnonzero(middle + turns < right)
+            inside = inside[np.argsort((middle + turns)[inside])]
+            if inside.size == 0:
+                changes.append(_Event(True, origin, left, right))
+                is_certain &= self._has_minima(low, 1, origin, left, right)
+                continue
+            start = before.left[inside] + (shift + turns)[inside]
+            end = before.right[inside] + (shift + turns)[inside]
+            is_certain &= self._is_advance(low, origin, left, start[0]) and self._is_advance(
+                low, origin, end[-1], right
+            )
+            for a, b in zip(end[:-1], start[1:], strict=True):
+                changes.append(_Event(False, origin, a, b))
+                is_certain &= self._has_minima(low, 0, origin, a, b)
+        return changes, is_certain
+
+    def _is_advance(self, low: ContactState, origin: float, left: float, right: float) -> bool:
+        """Whether an edge went from one end to the other without the help of a contact born there."""
+        finest = 2 * np.pi / self.surface.heights.wavenumber[-1]
+        return right - left < MAX_ADVANCE * finest and self._has_minima(low, 0, origin, left, right)
+
+    def _has_minima(self, low: ContactState, count: int, origin: float, left: float, right: float) -> bool:
+        """Whether the gap of a state has no more minima than so many in an interval."""
+        if not right > left:
+            return True
+        share = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))
+        slope = _gap_slopes(low, self.surface.series(low.dual), origin, left + (right - left) * share)
+        return int(np.sum((slope[:-1] < 0) & (slope[1:] > 0))) <= count
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[tuple[float, _Event]]:
-        """Load and position of each event; none if other events are so near that contacts cannot be followed."""
+        """The loads of all changes, each as if it were alone; empty if one cannot be found."""
         try:
             return [self._locate(low, high, event) for event in changes]
-        except (ConvergenceError, ValueError):
+        except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
             return []
 
     def _locate(self, low: ContactState, high: ContactState, event: _Event) -> tuple[float, _Event]:
@@ -179,53 +232,58 @@ class _Search(NamedTuple):
 
         def minimum(load: float) -> tuple[float, float]:
             state = self._follow(start, load)
-            return _minimum(state, self.surface.series(state.dual), event.birth, event.left, event.right)
+            return _minimum(state, self.surface.series(state.dual), event)
 
         def minimum_value(load: float) -> float:
             return minimum(load)[1]
 
         accuracy = {"xtol": LOAD_ACCURACY * low.load, "rtol": LOAD_ACCURACY}
         load = float(scipy.optimize.brentq(minimum_value, low.load, high.load, **accuracy))
-        x, _ = minimum(load)
-        return load, _Event(event.birth, x, x)
+        y, _ = minimum(load)
+        return load, event._replace(left=y, right=y)
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
         """The contacts of `start` under another load, as if none were born or merged in between."""
-        guess = predict(self.surface, start, load, self.tolerance)
-        state, result = solve_on_segments(self.surface, guess, load, self.tolerance)
-        if result.status != NewtonStatus.converged or state.segments.centre.size != start.segments.centre.size:
+        if load == start.load:
+            return start
+        old = start.segments
+        guess, _ = transfer_density(self.surface, start, old.crest, old.centre, old.half_width)
+        coarse = solve_on_few_nodes(self.surface, guess, load, True)
+        state = None
+        if coarse.status == NewtonStatus.converged:
+            state = solve_on_many_nodes(self.surface, coarse, start.dual, load, self.starts.tolerance)[0]
+        if state is None:
             raise ConvergenceError(
-                f"the contacts under {start.load:.6g} p_0* cannot be followed to {load:.6g} p_0*", result.step_size
+                f"the contacts under {start.load:.6g} p_0* cannot be followed to {load:.6g} p_0*", coarse.step_size
             )
         return state
 
 
-def _changes(surface: Surface, low: ContactState, high: ContactState) -> list[_Event]:
-    """Contacts of `high` that hold none of `low`, and gaps of `low` within a contact of `high`."""
-    before, after = (make_solution(surface, state, state.load) for state in (low, high))
-    period, changes = surface.heights.period, []
-    for left, right in after.edges:
-        order = np.argsort((before.centre - left) % period)
-        inside = order[(before.centre[order] - left) % period < right - left]
-        if inside.size == 0:
-            changes.append(_Event(True, left, right))
-        for i, j in pairwise(inside):
-            end = before.centre[i] + before.half_width[i]
-            width = (before.centre[j] - before.half_width[j] - end) % period
-            changes.append(_Event(False, end, end + width))
-    return changes
+def _contacts_of(state: ContactState, period: float) -> _Contacts:
+    """The contacts of a state, whether its segments are contacts or gaps."""
+    segments = state.segments
+    left, right = segments.centre - segments.half_width, segments.centre + segments.half_width
+    if state.dual:
+        return _Contacts(segments.origin, right, right + distances_to_next(segments, period))
+    return _Contacts(segments.origin, left, right)
 
 
-def _minimum(
-    state: ContactState, series: CosineSeries, of_gap: bool, left: float, right: float
-) -> tuple[float, float]:
-    """Position and value of the minimum of the gap or of the pressure in [left, right], which may be negative."""
-    x = np.linspace(left, right, SAMPLES + 2)[1:-1]
-    lowest = int(np.argmin([_gap_or_pressure(state, series, of_gap, each) for each in x]))
-    step = x[1] - x[0]
+def _gaps_between(contacts: _Contacts, which: range, period: float) -> Iterator[_Event]:
+    """The gaps from each of these contacts to the next, as closed; one number more stands for the first again."""
+    n = contacts.left.size
+    for i, j in pairwise(which):
+        here, after = contacts.origin[i] + contacts.right[i], contacts.origin[j % n] + contacts.left[j % n]
+        yield _Event(False, contacts.origin[i], contacts.right[i], contacts.right[i] + (after - here) % period)
+
+
+def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:
+    """Distance from the origin and value of the minimum of the gap, or of the pressure, which may be negative."""
+    y = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1]
+    lowest = int(np.argmin([_gap_or_pressure(state, series, event.birth, event.origin, each) for each in y]))
+    step = y[1] - y[0]
     minimum = scipy.optimize.minimize_scalar(
-        lambda position: _gap_or_pressure(state, series, of_gap, position),
-        bounds=(x[lowest] - step, x[lowest] + step),
+        lambda position: _gap_or_pressure(state, series, event.birth, event.origin, position),
+        bounds=(y[lowest] - step, y[lowest] + step),
         method="bounded",
         options={"xatol": POSITION_ACCURACY * step},
     )
@@ -233,11 +291,32 @@ def _minimum(
 
 
 @kernel
-def _gap_or_pressure(state: ContactState, series: CosineSeries, of_gap: bool, x: float) -> float:
-    """The gap, for x off the contacts, or the pressure, for x on them; either may be negative."""
-    crest, y = nearest_crest(series, x)
+def _from_crest(series: CosineSeries, origin: float, y: float) -> tuple[int, float]:
+    """The crest nearest to origin + y, and the distance from it, with all digits of y if the origin is that crest."""
+    crest, _ = nearest_crest(series, origin + y)
+    apart = origin - series.crest_position[crest]
+    return crest, apart - series.period * np.rint((apart + y) / series.period) + y
+
+
+@kernel
+def _gap_or_pressure(state: ContactState, series: CosineSeries, of_gap: bool, origin: float, y: float) -> float:
+    """The gap, for a point off the contacts, or the pressure, for one on them; either may be negative."""
+    crest, distance = _from_crest(series, origin, y)
     if of_gap != state.dual:
-        return complementary_residual(state, series, crest, y)
+        return complementary_residual(state, series, crest, distance)
     if of_gap:
-        return gap_from_slope(state, series.period, series.crest_position[crest], y)
-    return density(state, series.period, series.crest_position[crest], y)
+        return gap_from_slope(state, series.period, origin, y)
+    return density(state, series.period, origin, y)
+
+
+@kernel
+def _gap_slopes(state: ContactState, series: CosineSeries, origin: float, y: Array) -> Array:
+    """The slope of the gap at points off the contacts."""
+    slope = np.empty(y.size)
+    for i in range(y.size):
+        crest, distance = _from_crest(series, origin, y[i])
+        if state.dual:
+            slope[i] = density(state, series.period, origin, y[i])
+        else:
+            slope[i] = complementary_residual_slope(state, series, crest, distance)
+    return slope

@@ -19,6 +19,7 @@ from weier.methods.patches.segments import Segments, distances_to_next, move_seg
 from weier.methods.patches.surface import CosineSeries
 
 Factors = tuple[Array, NDArray[np.int32]]
+NO_FACTORS: Factors = (np.empty((0, 0)), np.empty(0, np.int32))
 
 MAX_STEPS = 25
 MIN_GROWTH, MAX_GROWTH = -0.6, 1.2  # of a half-width in one step, relative to it
@@ -30,6 +31,7 @@ MIN_HALVING = 0.3  # of a width or distance in one step, from which on it counts
 MAX_ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, as in a contact that has just been born
 MIN_ROUNDING_RATIO = 0.3  # of a step over the one before: free of rounding, Newton's steps shrink far more
 MAX_REUSE_STEP = 1e-5  # steps below this change the matrix so little that its last factors serve, with refinement
+MIN_SINGLE_UNKNOWNS = 300  # from here on factors in single precision take half the time
 MAX_REFINEMENTS = 3
 REFINEMENT_TOLERANCE = 1e-13  # of the sensitivities: the change that one more refinement would make
 
@@ -46,10 +48,12 @@ class NewtonResult(NamedTuple):
     """Where Newton's method has led.
 
     status, steps : how it ended, and after how many steps
-    step_size : of the last step, the largest relative change of a density, or of a centre or width in half-widths
+    step_size : of the last step, the largest relative change of a density or of a distance between two segments, or
+        of a centre or width in half-widths
     segments, phi, approach, sensitivity : the unknowns and their derivatives in the load, as in `ContactState`
     meeting : whether each segment meets the next one on its right, shape (segments,)
     vanishing : whether each segment vanishes, shape (segments,)
+    factors : of the last matrix
     """
 
     status: NewtonStatus
@@ -61,23 +65,35 @@ class NewtonResult(NamedTuple):
     sensitivity: Array
     meeting: Flags
     vanishing: Flags
+    factors: Factors
 
 
 def newton_iteration(
-    segments: Segments, phi: Array, approach: float, series: CosineSeries, load: float, dual: bool, tolerance: float
+    segments: Segments,
+    phi: Array,
+    approach: float,
+    series: CosineSeries,
+    load: float,
+    dual: bool,
+    tolerance: float,
+    single: bool = False,
 ) -> NewtonResult:
-    """Solve for phi, the centres, the half-widths and the approach; LinAlgError if the equations are singular."""
+    """Solve for phi, the centres, the half-widths and the approach; LinAlgError if the equations are singular.
+
+    `single` allows factors in single precision.
+    """
     start = _Layout(distances_to_next(segments, series.period), segments.half_width)
-    step_size, topology_steps, status, steps, factors = np.inf, 0, NewtonStatus.stalled, 0, None
-    limits = _StepLimits(1.0, *np.zeros((2, segments.centre.size), bool))
+    step_size, topology_steps, status, steps, factors = np.inf, 0, NewtonStatus.stalled, 0, NO_FACTORS
+    limits = _StepLimits(1.0, np.inf, *np.zeros((2, segments.centre.size), bool))
     while status == NewtonStatus.stalled and steps < MAX_STEPS:
         jacobian, right_side = assemble(segments, phi, approach, series, load, dual)
-        solution, factors = _solve(jacobian, right_side, factors if step_size < MAX_REUSE_STEP else None)
+        solution, factors = _solve(jacobian, right_side, factors if step_size < MAX_REUSE_STEP else None, single)
         steps += 1
-        previous_size, step_size = step_size, _step_size(segments, phi, solution[:, 0])
+        limits = _step_limits(segments, solution[:, 0], series.period, start)
+        previous_size = step_size
+        step_size = max(relative_step(segments, phi, solution[:, 0]), limits.distance_change)
         if not step_size < np.inf:
             break
-        limits = _step_limits(segments, solution[:, 0], series.period, start)
         step = -limits.damping * solution[:, 0]
         phi = phi + step[: phi.size]
         segments = _apply_step(segments, step[phi.size :], series.period)
@@ -88,7 +104,16 @@ def newton_iteration(
         elif limits.damping == 1 and _small_enough(step_size, previous_size, tolerance):
             status = NewtonStatus.converged
     return NewtonResult(
-        status, steps, step_size, segments, phi, approach, -solution[:, 1], limits.meeting, limits.vanishing
+        status,
+        steps,
+        step_size,
+        segments,
+        phi,
+        approach,
+        -solution[:, 1],
+        limits.meeting,
+        limits.vanishing,
+        factors,
     )
 
 
@@ -97,30 +122,35 @@ def _small_enough(step_size: float, previous_size: float, tolerance: float) -> b
     return step_size < tolerance or (step_size < MAX_ROUNDING_STEP and step_size > MIN_ROUNDING_RATIO * previous_size)
 
 
-def _solve(matrix: Array, right_side: Array, near: Factors | None) -> tuple[Array, Factors]:
+def _solve(matrix: Array, right_side: Array, near: Factors | None, single: bool) -> tuple[Array, Factors]:
     """The solution and the factors used: those of a nearby matrix with iterative refinement, if that converges."""
     if near is not None:
-        solution, first = _back_substitute(near, right_side), 1.0
+        solution, first = back_substitute(near, right_side), 1.0
         for refinement in range(MAX_REFINEMENTS):
-            correction = _back_substitute(near, right_side - matrix @ solution)
+            correction = back_substitute(near, right_side - matrix @ solution)
             solution += correction
             ratio = np.abs(correction[:, 1]).max() / np.abs(solution[:, 1]).max()
             ratio = max(ratio, abs(correction[-1, 1] / solution[-1, 1]))
             first = ratio if refinement == 0 else first
             if ratio * first < REFINEMENT_TOLERANCE:
                 return solution, near
-    # LAPACK's columns are numpy's rows: nothing is copied.
-    lu, pivot, singular = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)
+    single = single and matrix.shape[0] > MIN_SINGLE_UNKNOWNS
+    lapack = scipy.linalg.lapack
+    factorise = lapack.sgetrf if single else lapack.dgetrf
+    lu, pivot, singular = factorise(matrix.T, overwrite_a=not single)  # LAPACK's columns are numpy's rows
     if singular:
         raise np.linalg.LinAlgError
-    return _back_substitute((lu, pivot), right_side), (lu, pivot)
+    return back_substitute((lu, pivot), right_side), (lu, pivot)
 
 
-def _back_substitute(factors: Factors, right_side: Array) -> Array:
-    return scipy.linalg.lapack.dgetrs(*factors, right_side, trans=1)[0]
+def back_substitute(factors: Factors, right_side: Array) -> Array:
+    """Solve with factors, in the precision that they have."""
+    lapack = scipy.linalg.lapack
+    substitute = lapack.sgetrs if factors[0].dtype == np.float32 else lapack.dgetrs
+    return np.asarray(substitute(*factors, right_side, trans=1)[0], float)
 
 
-def _step_size(segments: Segments, phi: Array, step: Array) -> float:
+def relative_step(segments: Segments, phi: Array, step: Array) -> float:
     """The largest relative change of any segment's density, centre or width; NaN if the step is not finite."""
     if not np.all(np.isfinite(step)):
         return np.nan
@@ -139,10 +169,12 @@ class _Layout(NamedTuple):
 class _StepLimits(NamedTuple):
     """The share of a step that keeps all segments apart and their widths positive, and which would meet or vanish.
 
+    distance_change : largest change of the distance between two segments that a full step makes, relative to it
     meeting, vanishing : as in `NewtonResult`
     """
 
     damping: float
+    distance_change: float
     meeting: Flags
     vanishing: Flags
 
@@ -154,6 +186,7 @@ def _step_limits(segments: Segments, solution: Array, period: float, start: _Lay
     loss = r * (growth + shift) + values_of_next(r * (growth - shift))
     return _StepLimits(
         _damping(loss / distance, growth),
+        float(np.abs(loss / distance).max()),
         _meeting_segments(loss, distance, start.distance),
         _vanishing_segments(growth, r, start.half_width),
     )

@@ -15,11 +15,16 @@ from weier.methods.patches.surface import CosineSeries
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: 1e-16 from ln(rho) = 18.5/(K+1) on.
 FAR_FIELD_EXPONENT = 18.5
-MIN_NODES, MAX_NODES = 8, 1000
-# Nodes of a segment: 8 + 0.8 k r + 9/ln(rho), fitted to the decay of the coefficients of converged solutions.
-NODES_PER_RADIAN, NODES_PER_NEIGHBOUR = 0.8, 9.0
+MIN_NODES, MAX_NODES = 4, 2000
+# Nodes of a segment, by the digits asked for: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments; and
+# e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
+DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
+NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
+NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
+NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
+NODES_PER_TWIN = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.0])
 # Limits for the distance of neighbours over the half-width; a solution shows by itself if it needs more nodes.
-MIN_DISTANCE, MAX_DISTANCE = 0.01, 1e6
+MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 TARGET_TAIL = 0.1  # size of the last coefficients to aim at, over the tolerance
 MIN_TAIL, MAX_TAIL = 1e-16, 0.5  # rounding, and no decay to speak of: a rate cannot be told from tails beyond
 MIN_DECAY = 1e-3  # of ln(tail) per node, so that one can divide by the rate
@@ -101,16 +106,29 @@ def values_of_next(value: Array) -> Array:
     return np.concatenate([value[1:], value[:1]])
 
 
-def estimate_node_count(origin: Array, centre: Array, half_width: Array, series: CosineSeries) -> Indices:
+def _values_of_previous(value: Array) -> Array:
+    return np.concatenate([value[-1:], value[:-1]])
+
+
+def estimate_node_count(
+    origin: Array, centre: Array, half_width: Array, series: CosineSeries, tolerance: float
+) -> Indices:
     """Nodes for the waves within each segment and for the singularities at the edges of its neighbours.
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge.
     """
     distance = _distances(origin, centre, half_width, series.period)
-    nearest = np.clip(np.minimum(distance, np.roll(distance, 1)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
+    nearest = np.clip(np.minimum(distance, _values_of_previous(distance)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
     ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
-    count = MIN_NODES + NODES_PER_RADIAN * series.wavenumber[-1] * half_width + NODES_PER_NEIGHBOUR / ln_rho
+    least, per_radian, per_neighbour, per_twin = _node_model(tolerance)
+    count = least + per_radian * series.wavenumber[-1] * half_width + (per_neighbour + per_twin / ln_rho) / ln_rho
     return np.minimum(np.ceil(count), MAX_NODES).astype(np.int64)
+
+
+@cache
+def _node_model(tolerance: float) -> tuple[float, ...]:
+    tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR, NODES_PER_TWIN
+    return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
 
 
 def coefficient_tails(segments: Segments, coefficient: Array) -> Array:

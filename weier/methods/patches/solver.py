@@ -10,9 +10,12 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
-from weier.methods.patches.continuation import states_over_loads
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches import many_contacts
+from weier.methods.patches.active_set import TooLargeError, solve_active_set
 from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
 from weier.methods.patches.segments import distances_to_next
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -125,10 +128,12 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     loads = check_loads(mean_pressure)
     check_tolerance(tolerance)
     surface = surface_of(profile)
+    starts = Starts(profile, surface, tolerance)
     rows, edges = np.empty((loads.size, 7)), []
-    for i, (state, steps) in enumerate(states_over_loads(profile, surface, loads, tolerance)):
+    for i, load in enumerate(loads):
+        state, steps = solve_state(starts, float(load))
         rows[i] = *_curve_point(surface, state), steps
-        edges.append(make_solution(surface, state, loads[i]).edges)
+        edges.append(make_solution(surface, state, load).edges)
     compliance, indentation, resistance, fraction, count, residual, work = rows.T
     return Curve(
         compliance,
@@ -175,8 +180,30 @@ def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = T
     loads = check_loads(mean_pressure)
     check_tolerance(tolerance)
     surface = surface_of(profile)
-    states = states_over_loads(profile, surface, loads, tolerance)
-    return [make_solution(surface, state, load) for load, (state, _) in zip(loads, states, strict=True)]
+    starts = Starts(profile, surface, tolerance)
+    return [make_solution(surface, solve_state(starts, float(load))[0], load) for load in loads]
+
+
+def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
+    """The state under one load, None in full contact, and the steps to it; it depends on no other load.
+
+    Many contacts are solved without a dense matrix, if that does not fail: near full contact many are joined.
+    """
+    if load >= starts.surface.full_contact_load:
+        return None, 0
+    failure = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*")
+    for guess in starts.guesses(load):
+        if guess.segments.centre.size >= many_contacts.MIN_CONTACTS:
+            solved = many_contacts.solve_if_many(starts.profile, starts.surface, load, starts.tolerance)
+            if solved is not None:
+                return solved
+        try:
+            return solve_active_set(starts.surface, guess, load, starts.tolerance)
+        except TooLargeError:
+            raise
+        except ConvergenceError as error:
+            failure = error
+    raise failure
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:

@@ -1,0 +1,88 @@
+"""Where each load starts from, and that it depends on no other."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.profiles import THREE_WAVES, TWIN_CRESTS
+from weier import Profile
+from weier.methods import patches
+from weier.methods.patches.start import lone_contacts, lone_gaps
+from weier.methods.patches.surface import surface_of
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8])
+def test_loads_on_an_event_are_solved(shift):
+    events = patches.events(THREE_WAVES, 0.15, 0.35)
+    assert events.mean_pressure.size >= 4
+    for load, birth in zip(events.mean_pressure, events.birth, strict=True):
+        below, at, above = patches.curve(THREE_WAVES, load * np.array([1 - 1e-4, 1 + shift, 1 + 1e-4])).resistance
+        assert below > at > above
+        # At a birth dh/dp falls like 1/ln of the distance; at a merger it bends.
+        assert below - above < (0.3 if birth else 1e-3) * at
+
+
+@pytest.mark.parametrize("loads", [[1e-300, 1e-200], [1e-300, 1e300]])
+def test_loads_of_any_size(loads):
+    curve = patches.curve(THREE_WAVES, loads)
+    assert np.all(np.isfinite(curve.compliance))
+    with pytest.raises(ValueError, match="must be at least 1e-300"):
+        patches.curve(THREE_WAVES, [1e-308, *loads])
+
+
+@pytest.mark.parametrize("profile", [THREE_WAVES, Profile(1.5, 3, 3, np.pi), Profile(1.75, "5/2", 3, 2.0)])
+def test_a_load_depends_on_no_other(profile):
+    """Bit for bit, in any order and beside any others."""
+    loads = np.geomspace(1e-9, 4, 12)
+    together = patches.curve(profile, loads)
+    for i in (7, 2, 11):
+        alone = patches.curve(profile, loads[i])
+        for name in (
+            "compliance",
+            "indentation",
+            "resistance",
+            "contact_fraction",
+            "patch_count",
+            "residual",
+            "work",
+        ):
+            assert getattr(alone, name)[0] == getattr(together, name)[i], name
+        edges = together.contact_edge[i]
+        np.testing.assert_array_equal(alone.contact_edge[0], edges[np.isfinite(edges)])
+
+
+def test_lone_contacts_share_the_load_as_the_solution_does():
+    """Contacts of half-width a that Hertz's theory places: a/distance of their forces and (k a)^2 are left out."""
+    surface = surface_of(TWIN_CRESTS)
+    for load in (1e-12, 1e-6):
+        guess = lone_contacts(surface.heights, load)
+        state = patches.solve_load(TWIN_CRESTS, load).state
+        assert guess.approach == pytest.approx(state.approach, rel=1e-3)
+        np.testing.assert_allclose(guess.segments.half_width, state.segments.half_width, rtol=1e-2)
+    assert lone_contacts(surface.heights, 0.5) is None
+
+
+def test_lone_gaps_before_full_contact():
+    surface = surface_of(THREE_WAVES)
+    load = surface.full_contact_load * (1 - 1e-6)
+    guess, state = lone_gaps(surface.tensions, load), patches.solve_load(THREE_WAVES, load).state
+    np.testing.assert_allclose(guess.segments.half_width, state.segments.half_width, rtol=1e-2)
+    assert lone_gaps(surface.tensions, 0.5) is None
+
+
+def test_newton_takes_few_steps():
+    """Boundary elements tell contacts and edges: two to four steps on few nodes, and as many corrections."""
+    assert patches.curve(THREE_WAVES, np.geomspace(1e-3, 4, 25)).work.max() <= 12
+
+
+def test_a_far_load_of_a_symmetric_profile_takes_few_steps():
+    """Contacts that are born in pairs must not overlap, for then they would take thousands of nodes."""
+    assert patches.curve(Profile(1.5, 3, 4), np.geomspace(1e-3, 10, 8)).work.max() < 30
+
+
+def test_contacts_only_grow():
+    for lighter, heavier in pairwise(patches.curve(THREE_WAVES, np.geomspace(1e-3, 2, 14)).contact_edge):
+        before, after = (edges[np.isfinite(edges)].reshape(-1, 2) for edges in (lighter, heavier))
+        for left, right in before:
+            assert np.any((left - after[:, 0]) % 1 + (right - left) <= after[:, 1] - after[:, 0])

@@ -1,0 +1,174 @@
+"""Many nodes corrected by few: the solution on many nodes, without a matrix of their size.
+
+On one segment, the density a_k U_k makes the right side L a_k T_(k+1) (`chebyshev`): but for the slow modes, by which
+segments feel each other and their ends, the equations are solved mode by mode. The slow modes are those of a few
+nodes, and their matrix has been factorised already by Newton's method on these. Each correction leaves about as much
+of the error as the density has in the faster modes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.patches.chebyshev import expansion_coefficients
+from weier.methods.patches.newton import Factors, NewtonResult, back_substitute, relative_step
+from weier.methods.patches.products import change_of, products, residuals
+from weier.methods.patches.segments import Segments, make_segments, move_segments
+from weier.methods.patches.surface import CosineSeries
+
+MAX_STEPS = 12
+MAX_RATIO = 0.5  # of a step over the one before: with more, the slow modes need more nodes
+MAX_ROUNDING_STEP = 1e-5  # steps below this that no longer shrink are rounding, as in a contact just born
+SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
+MAX_RESISTANCE_CHANGE = 1e-8  # of it by the last correction, where rounding ends them
+
+
+class Refined(NamedTuple):
+    """The unknowns on many nodes, in the order of `collocation`, and how they were found.
+
+    converged : whether the steps fell below the tolerance, or to rounding
+    steps : corrections of the solution and of its sensitivity
+    step_size : as in `NewtonResult`
+    segments, phi, approach, sensitivity : as in `ContactState`
+    """
+
+    converged: bool
+    steps: int
+    step_size: float
+    segments: Segments
+    phi: Array
+    approach: float
+    sensitivity: Array
+
+
+def refine(
+    coarse: NewtonResult, node_count: Indices, series: CosineSeries, load: float, dual: bool, tolerance: float
+) -> Refined:
+    """Solve on so many nodes of each segment, from the solution on few."""
+    few = coarse.segments
+    segments = make_segments(few.crest, few.origin, few.centre, few.half_width, node_count, series.period)
+    phi = prolong_density(coarse.phi, few.first_node, segments.first_node, np.zeros(segments.node.size))
+    approach, n, N = coarse.approach, few.centre.size, segments.node.size
+    step_size = previous = np.inf
+    steps, converged = 0, False
+    while not converged and steps < MAX_STEPS:
+        row = residuals(segments, phi, approach, series, load, dual)
+        step = -_correction(row, coarse.factors, few, segments, series.period, dual)
+        previous, step_size = step_size, relative_step(segments, phi, step)
+        steps += 1
+        if not step_size < 1.0 or step_size > MAX_RATIO * previous:
+            converged = step_size < MAX_ROUNDING_STEP
+            break
+        phi, approach = phi + step[:N], approach + step[-1]
+        r = segments.half_width
+        centre, half_width = segments.centre + r * step[N : N + n], r * (1 + step[N + n : -1])
+        segments = move_segments(segments, centre, half_width, series.period)
+        ratio = step_size / previous if previous < np.inf else 1.0
+        converged = step_size * ratio < tolerance
+    sensitivity = np.zeros(0)
+    if converged:
+        sensitivity, more, converged = _sensitivity(coarse, segments, phi, series, load, dual)
+        steps += more
+    return Refined(converged, steps, step_size, segments, phi, approach, sensitivity)
+
+
+def _sensitivity(
+    coarse: NewtonResult, segments: Segments, phi: Array, series: CosineSeries, load: float, dual: bool
+) -> tuple[Array, int, bool]:
+    """The derivatives of the unknowns in the mean pressure, the corrections that they took, and whether they did."""
+    few, n, N = coarse.segments, segments.centre.size, phi.size
+    forcing = np.zeros(N + 2 * n + 1)
+    if dual:
+        forcing[: N + n] = -2 * np.pi * series.period
+    else:
+        forcing[-1] = series.period / segments.half_width.max()
+    start = prolong_density(coarse.sensitivity, few.first_node, segments.first_node, np.zeros(N))
+    found = np.concatenate([start, coarse.sensitivity[few.node.size :]])
+    previous = np.inf
+    for step in range(1, MAX_STEPS + 1):
+        left = forcing - products(segments, phi, series, dual, change_of(found, n))
+        change = _correction(left, coarse.factors, few, segments, series.period, dual)
+        found += change
+        size, resistance_change = relative_step(segments, phi, load * change), abs(change[-1] / found[-1])
+        ratio, previous = size / previous, size
+        if step > 1 and resistance_change * ratio < SENSITIVITY_TOLERANCE:
+            return found, step, True
+        if ratio > MAX_RATIO:
+            return found, step, resistance_change < MAX_RESISTANCE_CHANGE
+    return found, MAX_STEPS, False
+
+
+def _correction(row: Array, factors: Factors, few: Segments, many: Segments, period: float, dual: bool) -> Array:
+    """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves."""
+    fewer, fast = restrict(row, few.first_node, many.first_node, period, dual)
+    slow = back_substitute(factors, fewer)
+    density = prolong_density(slow, few.first_node, many.first_node, fast)
+    return np.concatenate([density, slow[few.node.size :]])
+
+
+@kernel
+def _cosines(count: int) -> Array:
+    """cos(j pi/(2 (count+1))) over one period."""
+    cosine = np.empty(4 * count + 4)
+    for j in range(cosine.size):
+        cosine[j] = np.cos(j * (np.pi / (2 * count + 2)))
+    return cosine
+
+
+@kernel
+def restrict(row: Array, few: Indices, many: Indices, period: float, dual: bool) -> tuple[Array, Array]:
+    """The residual as fewer nodes see it, and the coefficients in U_k, shape (nodes,), that take off the rest.
+
+    `few` and `many` are `first_node` of both. The residual becomes a sum of T_m, cut off where the fewer nodes end.
+    A fast mode also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
+    """
+    n = few.size - 1
+    fewer = np.zeros(few[-1] + 2 * n + 1)
+    fast, lifted = np.zeros(many[-1]), np.zeros(n)
+    for i in range(n):
+        count, less = many[i + 1] - many[i], few[i + 1] - few[i]
+        cosine, coarser = _cosines(count), _cosines(less)
+        for m in range(count + 1):
+            total = 0.0
+            for a in range(count + 1):
+                total += row[many[i] + i + a] * cosine[m * (2 * a + 1) % cosine.size]
+            total *= (2 if m > 0 else 1) / (count + 1)
+            if m > less:
+                fast[many[i] + m - 1] = total / period
+                if m % 2 == 1 and not dual and m > 1:
+                    lift = np.pi * (1 / (m - 1) + 1 / (m + 1)) * (1 if (m - 1) % 4 == 0 else -1)
+                    lifted[i] -= lift * total / period
+            else:
+                for b in range(less + 1):
+                    fewer[few[i] + i + b] += total * coarser[m * (2 * b + 1) % coarser.size]
+    fewer[few[-1] + n :] = row[many[-1] + n :]
+    fewer[few[-1] + n : -1] -= lifted
+    return fewer, fast
+
+
+@kernel
+def prolong_density(phi: Array, few: Indices, many: Indices, fast: Array) -> Array:
+    """phi on many nodes from that on few and coefficients of faster modes."""
+    finer = np.zeros(many[-1])
+    for i in range(few.size - 1):
+        count, less = many[i + 1] - many[i], few[i + 1] - few[i]
+        a = fast[many[i] : many[i + 1]].copy()
+        a[: min(less, count)] += expansion_coefficients(phi[few[i] : few[i + 1]])[: min(less, count)]
+        cosine = _cosines(count)
+        quarter = count + 1
+        for q in range(count):
+            for k in range(count):  # U_k(cos x) sin x = sin((k+1) x), and sin x = cos(x - pi/2)
+                angle = 2 * (q + 1) * (k + 1) - quarter
+                finer[many[i] + q] += a[k] * cosine[angle % cosine.size]
+            finer[many[i] + q] /= cosine[(2 * (q + 1) - quarter) % cosine.size]
+    return finer
+
+
+def own_density(row: Array, segments: Segments, period: float) -> Array:
+    """The change of phi that takes off a residual as if every segment stood alone."""
+    none = np.zeros(segments.first_node.size, np.int64)
+    return prolong_density(row, none, segments.first_node, restrict(row, none, segments.first_node, period, True)[1])

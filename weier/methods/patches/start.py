@@ -1,0 +1,142 @@
+"""The contacts that a load is likely to have: by crests where they are tiny, by boundary elements elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.methods.bem import subgrid_solver
+from weier.methods.bem.continuum import Continuum, make_continuum
+from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
+from weier.methods.patches.initial_guess import InitialGuess, contacts_guess, hertz_density, sort_segments
+from weier.methods.patches.surface import CosineSeries, Surface
+from weier.theory.profile import Profile
+
+MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
+MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
+MAX_LONE_CONTACTS = 64  # of those whose forces are found from Hertz's theory
+MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
+FORCE_TOLERANCE = 1e-10
+POINTS_PER_WAVE = (16, 32, 128)  # of the grids that are tried in this order
+GRID_TOLERANCE = 1e-6  # in g_0: the residual of boundary elements that Newton's method improves on
+
+
+class _Grid(NamedTuple):
+    """What boundary elements need of one profile on one grid."""
+
+    hierarchy: Hierarchy
+    continuum: Continuum
+
+
+class Starts:
+    """Initial guesses for the loads of one profile, each independent of the other loads."""
+
+    def __init__(self, profile: Profile, surface: Surface, tolerance: float) -> None:
+        """Nothing is computed before it is needed."""
+        self.profile, self.surface, self.tolerance = profile, surface, tolerance
+        self._grid = cache(self._make_grid)
+
+    def _make_grid(self, per_wave: int) -> _Grid:
+        points = per_wave * self.profile.waves_per_period[-1]
+        return _Grid(nested_grids(self.profile, points, GRID_TOLERANCE), make_continuum(self.profile, points))
+
+    def guesses(self, load: float) -> Iterator[InitialGuess]:
+        """What to start from under this load, the most likely first."""
+        lone = lone_contacts(self.surface.heights, load)
+        if lone is not None:
+            yield lone
+        lone = lone_gaps(self.surface.tensions, load)
+        if lone is not None:
+            yield lone
+        for per_wave in POINTS_PER_WAVE:
+            yield self._from_grid(per_wave, load)
+
+    def _from_grid(self, per_wave: int, load: float) -> InitialGuess:
+        hierarchy, continuum = self._grid(per_wave)
+        start = full_contact(hierarchy, load)
+        found = subgrid_solver.solve_loads(hierarchy, start, np.array([load]), continuum).contacts
+        here = slice(found.first[0], found.first[0] + found.number[0])
+        left, right, force = found.left[here], found.right[here], found.force[here]
+        return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, load, self.tolerance)
+
+
+def lone_contacts(series: CosineSeries, load: float) -> InitialGuess | None:
+    """Hertz's contacts on the crests that touch, as they sink in under each other's forces; None if they are wide.
+
+    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by -2 F ln|2 sin(pi d/L)| under
+    one at the distance d.
+    """
+    curvature = crest_curvatures(series)
+    touching = np.flatnonzero(series.crest_offset == 0)
+    force = np.full(touching.size, load * series.period / touching.size)
+    for _ in range(MAX_FORCE_STEPS):
+        if touching.size > MAX_LONE_CONTACTS:
+            return None
+        half_width = 2 * np.sqrt(force / curvature[touching])
+        if not _are_lone(series, touching, half_width):
+            return None
+        between = _influence(series, touching, touching)
+        own = -2 * np.log(np.pi * half_width / series.period)
+        sunk = between @ force + force * (1 + own) - series.crest_offset[touching]
+        matrix = np.block([[between + np.diag(own), np.ones((touching.size, 1))], [np.ones(touching.size), 0.0]])
+        step = np.linalg.solve(matrix, np.append(sunk, force.sum() - load * series.period))
+        approach, change = float(step[-1]), step[:-1]
+        force = np.maximum(force - change, 0.1 * force)
+        if np.abs(change).max() > FORCE_TOLERANCE * force.sum():
+            continue
+        above = approach + series.crest_offset - _influence(series, np.arange(curvature.size), touching) @ force
+        above[touching] = 0.0
+        new = np.flatnonzero(above > 0)
+        if new.size == 0:
+            return _lone_guess(series, False, touching, half_width, curvature, approach)
+        touching, force = np.append(touching, new), np.append(force, above[new] / (1 + own.max()))
+    return None
+
+
+def crest_curvatures(series: CosineSeries) -> Array:
+    """-S'' at all crests, shape (crests,)."""
+    return np.asarray(series.crest_cosine @ (series.amplitude * series.wavenumber**2))
+
+
+def _influence(series: CosineSeries, at: Indices, of: Indices) -> Array:
+    """Displacement of crests under unit forces on others, shape (at, of), in g_0/p_0*; 0 under their own."""
+    apart = np.sin(np.pi / series.period * (series.crest_position[at, None] - series.crest_position[of]))
+    same = at[:, None] == of
+    return np.where(same, 0.0, -2 * np.log(np.abs(2 * np.where(same, 1.0, apart))))
+
+
+def lone_gaps(series: CosineSeries, load: float) -> InitialGuess | None:
+    """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
+    tension = series.maximum - load + series.crest_offset
+    crest = np.flatnonzero(tension > 0)
+    curvature = crest_curvatures(series)
+    half_width = 2 * np.sqrt(tension[crest] / curvature[crest])
+    if crest.size == 0 or not _are_lone(series, crest, half_width):
+        return None
+    return _lone_guess(series, True, crest, half_width, curvature, 0.0)
+
+
+def _are_lone(series: CosineSeries, crest: Indices, half_width: Array) -> bool:
+    """Whether segments on crests, in any order, are parabolic, and so small that they hardly feel each other."""
+    order = np.argsort(series.crest_position[crest])
+    position = series.crest_position[crest][order]
+    distance = np.append(position[1:], position[0] + series.period) - position
+    nearest = np.minimum(distance, np.roll(distance, 1))
+    return bool(
+        np.all(half_width * series.wavenumber[-1] < MAX_RADIANS)
+        and np.all(half_width[order] < MAX_CROWDING * nearest)
+    )
+
+
+def _lone_guess(
+    series: CosineSeries, dual: bool, crest: Indices, half_width: Array, curvature: Array, approach: float
+) -> InitialGuess:
+    """Hertz's density on segments in the middle of crests; `curvature` is that of all crests."""
+    segments, order = sort_segments(series, crest, np.zeros(crest.size), half_width)
+    count, bend = np.diff(segments.first_node), curvature[crest][order]
+    phi = [hertz_density(dual, bend[j], segments.half_width[j], count[j]) for j in range(crest.size)]
+    return InitialGuess(dual, segments, np.concatenate(phi), approach)
