@@ -105,7 +105,7 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
     -------
     Dataset
         Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (1) or merge (0), and
-        patch_count just above. The resistance has its kinks there.
+        patch_count just above, which is one number for all events of one load. The resistance has its kinks there.
 
     Raises
     ------

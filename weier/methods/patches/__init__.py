@@ -10,17 +10,19 @@ surface
 segments
     contacts or gaps with their Chebyshev nodes
 collocation, newton
-    the equations on a given number of segments, and Newton's method for them
+    the equations on a given number of segments, and Newton's method for them, on few nodes
+products, defect_correction
+    the same equations without their matrix, and the solution on many nodes, corrected by that on few
 fields
     pressure and gap anywhere, from a solution of the equations
 initial_guess, inequalities, active_set
-    one load: where Newton's method starts, which segments are missing or wrong, and the iteration over both
+    one load: what Newton's method starts from, which segments are missing or wrong, and the iteration over both
+start
+    the contacts that a load is likely to have, by boundary elements on a coarse grid, or by crests
 log_sums, punch_forces, punches
     any number of contacts with given edges, by fast sums and conjugate gradients
 punch_edges, edge_iteration, wave_by_wave, punch_inequalities, many_contacts
     one load on any number of contacts: Newton's method on their edges, where it starts, and which are missing
-continuation
-    from one load to the next; it takes the matrix-free solver where there are many contacts
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
 error_model, candidates, method

@@ -193,14 +193,6 @@ def complementary_residual_slope(state: ContactState, series: CosineSeries, cres
 
 
 @kernel
-def complementary_density(state: ContactState, series: CosineSeries, crest: int, y: float) -> float:
-    """The density of the other problem, outside the segments: slope of the gap (primal), pressure (dual)."""
-    if state.dual:
-        return complementary_residual(state, series, crest, y)
-    return complementary_residual_slope(state, series, crest, y)
-
-
-@kernel
 def complementary_residuals(state: ContactState, series: CosineSeries, x: Array) -> Array:
     """`complementary_residual` at positions x."""
     value = np.empty(x.size)
