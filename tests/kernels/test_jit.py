@@ -42,8 +42,8 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     (package / "kernels").mkdir()
     for name in ("__init__.py", "kernels/__init__.py"):
         (package / name).touch()
-    for name in ("arrays.py", "compiler.py", "jit.py", "sources.py", "transform.py"):
-        (package / "kernels" / name).write_text((jit.PACKAGE / "kernels" / name).read_text())
+    for path in (jit.PACKAGE / "kernels").glob("[a-z]*.py"):
+        (package / "kernels" / path.name).write_text(path.read_text())
     (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier import constants"))
 
     def run(value):

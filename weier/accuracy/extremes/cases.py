@@ -78,10 +78,8 @@ def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     try:
         method.applies(profile)
-    except NotApplicableError:
-        return False
-    except ValueError:  # a profile out of range: to say so takes no time, and is what the extreme is for
-        return True
+    except NotApplicableError:  # of a finite series for its size: to say so takes no time, and is what this is for
+        return method.numerical and math.isfinite(profile.m)
     each = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
     return method.seconds(profile, loads) + each <= MAX_RUN_SECONDS
 
