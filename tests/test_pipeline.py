@@ -37,7 +37,8 @@ def checkout(tmp_path_factory):
 
 
 def run(checkout, *arguments, scene="test"):
-    # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute. Two runs have one date.
+    # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute.
+    # One date makes the bytes of two runs the same.
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "SOURCE_DATE_EPOCH": "1000000000"}
     command = ["snakemake", "--cores", "2", *arguments, "--config", f"scenes={scene}"]
     done = subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)

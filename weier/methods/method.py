@@ -82,6 +82,10 @@ def _applies_to_all(profile: Profile) -> None:
     """Refuse nothing."""
 
 
+def _no_kernels() -> None:
+    """Run nothing."""
+
+
 def _no_candidates(task: Task) -> Iterable[Segment]:
     return ()
 
@@ -122,6 +126,8 @@ class Method:
         Those that choose between algorithms: each is compiled in advance, and tried at the extremes.
     options : sequence of settings
         Others that have kernels of their own: they are compiled in advance, too.
+    run_rare_kernels : callable
+        Runs the kernels that only large problems reach, so that these can be compiled in advance.
     variants : callable
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
     candidates : callable
@@ -146,6 +152,7 @@ class Method:
     noise: Noise = CLOSED_FORM
     algorithms: tuple[Settings, ...] = ({},)
     options: tuple[Settings, ...] = ()
+    run_rare_kernels: Callable[[], None] = _no_kernels
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = _default_variant
     candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
     runs_others: bool = False

@@ -69,6 +69,7 @@ def compile_kernels() -> None:
         for settings in (*method.algorithms, *method.options):
             for infinite in (False, True):
                 Task(method.name, settings, infinite).run()
+        method.run_rare_kernels()
     fields(TWO_WAVES, 0.1)
     events(TWO_WAVES, LOADS[0], LOADS[-1])
 

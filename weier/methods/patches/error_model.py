@@ -17,6 +17,7 @@ MAX_EXPECTED_CONTACTS = 64  # where there are over 256 waves: the forecast may b
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4
 SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.5e-5, 8e-5, 2.0  # of each load
+SECONDS_WITHOUT_MATRIX = 3e-3  # of each load and contact: 42 673 took 140 s, 291 took 0.54 s
 BYTES_WAVE = 1e5  # every crest, and the coarse grid to start from
 NODES_CONTACT = 20  # of a contact, whose matrix is dense
 MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
@@ -30,7 +31,8 @@ def error(tolerance: float, quantity: str) -> float:
 
 def seconds(waves: int, contacts: Array) -> Array:
     """Seconds for each load, at so many of the finest waves in a period and contacts."""
-    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves + SECONDS_CONTACT * contacts**CONTACT_POWER)
+    by_matrix = SECONDS_CONTACT * contacts**CONTACT_POWER
+    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves + np.minimum(by_matrix, SECONDS_WITHOUT_MATRIX * contacts))
 
 
 def memory(waves: int, contacts: float) -> float:

@@ -9,12 +9,16 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.patches import error_model
+from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.candidates import candidates
-from weier.methods.patches.solver import Curve, curve
+from weier.methods.patches.punch_forces import MAX_DENSE, invert_punches
+from weier.methods.patches.solver import TOLERANCE, Curve, curve
+from weier.methods.patches.surface import surface_of
 from weier.theory.profile import Profile
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
+
+THREE_WAVES = Profile(D=1.25, gamma=2, m=3, phases=(0.0, 1.0, 2.0))
 
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
@@ -33,6 +37,13 @@ def _seconds(profile: Profile, loads: Array) -> float:
     return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
 
 
+def _solve_without_matrix() -> None:
+    """A few contacts by what serves thousands, and the forces of as many punches as only these have."""
+    many_contacts.solve_many_contacts(THREE_WAVES, surface_of(THREE_WAVES), 0.3, TOLERANCE)
+    centre = np.arange(2.0 * MAX_DENSE)
+    invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
+
+
 METHOD = Method(
     name="patches",
     label="contact patches",
@@ -42,6 +53,7 @@ METHOD = Method(
     numerical=True,
     style=Style("#000000", (), "d"),
     noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
+    run_rare_kernels=_solve_without_matrix,
     variants=_variants,
     seconds=_seconds,
     solution_error=_solution_error,

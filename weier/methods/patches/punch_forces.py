@@ -1,6 +1,6 @@
 """The forces between punches: the inverse of their matrix of influence, in the time O(n log^2 n) for n punches.
 
-A flat punch of half-width r under the unit force sinks by -2 ln(pi r/L), and moves the surface at the centre of
+The unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of
 another by -2 ln|2 sin(pi d/L)|. Halve the row of punches again and again: the influence of one half on the other is a
 matrix of low rank, since the logarithm is smooth but for few neighbours. So the inverse follows from those of the two
 halves by Woodbury's formula. It need not be exact, because it serves conjugate gradients as a part of their
@@ -67,12 +67,12 @@ def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
     return Halves(split, first, second, (U, V), (solved_U, solved_V), _factorise(coupling))
 
 
-def solve_forces(inverse: Inverse, sinking: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The forces under which the punches sink by so much, shape (punches,) or (punches, columns)."""
+def solve_forces(inverse: Inverse, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The forces that displace the punches by so much, shape (punches,) or (punches, columns)."""
     if isinstance(inverse, Dense):
-        return np.asarray(dgetrs(*inverse.factors, sinking)[0])
-    first = solve_forces(inverse.first, sinking[: inverse.split])
-    second = solve_forces(inverse.second, sinking[inverse.split :])
+        return np.asarray(dgetrs(*inverse.factors, displacement)[0])
+    first = solve_forces(inverse.first, displacement[: inverse.split])
+    second = solve_forces(inverse.second, displacement[inverse.split :])
     (U, V), (solved_U, solved_V), rank = inverse.low_rank, inverse.solved, inverse.low_rank[0].shape[1]
     exchange = dgetrs(*inverse.factors, np.concatenate([U.T @ first, V.T @ second]))[0]
     return np.concatenate([first - solved_U @ exchange[rank:], second - solved_V @ exchange[:rank]])
