@@ -23,7 +23,7 @@ from weier.pipeline.server import INTERRUPTED, STOPPED
 COMMANDS = {
     "profile": ("solve", "plot"),
     "plan": ("plan",),
-    "scene": ("compile", "batch", "figure", "claims", "page", "serve"),
+    "scene": ("compile", "batch", "figure", "claims", "page", "table", "serve"),
     "measure": ("tradeoff", "convergence", "extremes", "draw"),
 }
 EXIT = (
