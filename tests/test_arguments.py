@@ -254,3 +254,9 @@ def test_full_contact_has_fields_however_heavy_the_load():
         # 64 points on the finest wave of amplitude 1.5: its pressure is off by (pi/64)^2/3 of itself.
         assert bem.pressure.values - load == pytest.approx(exact.pressure.values - load, abs=2e-3)
         assert bem.displacement.values == pytest.approx(exact.displacement.values, abs=1e-12)
+
+
+def test_a_curve_is_no_profile():
+    curve = weier.solve(weier.Profile(1.25, 5, 2), [0.1], "demelio")
+    with pytest.raises(ValueError, match=r"profile must be a weier\.Profile, got <xarray\.Dataset>"):
+        weier.solve(curve, [0.1])

@@ -98,8 +98,8 @@ def shown(value: Any) -> str:
         value = value.item()
     if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**MAX_DIGITS:
         return f"a number of more than {MAX_DIGITS} digits"
-    if hasattr(value, "__array__"):
-        return f"an array of shape {np.shape(value)}"
+    if hasattr(value, "__array__") and hasattr(value, "shape"):  # an xarray.Dataset has the first alone
+        return f"an array of shape {tuple(value.shape)}"
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # an integer in it is too long to be written
