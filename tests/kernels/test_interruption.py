@@ -34,6 +34,7 @@ def short():
     return weier.solve(weier.Profile(D=1.25, gamma=5, m=2), [0.1, 0.5], {method!r}).compliance.values
 
 before = short()
+weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), [0.5], {method!r})  # compiles what many contacts take
 print("ready", flush=True)
 try:
     weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), np.geomspace(1e-3, 4, 100), {method!r}{settings})
@@ -53,7 +54,10 @@ def test_ctrl_c_stops_a_solve_and_leaves_the_program_as_it_was(method, terms, se
         assert process.stdout.readline() == "ready\n"
         time.sleep(3)  # the solve is well under way
         process.send_signal(signal.SIGINT)
-        said, _ = process.communicate(timeout=PATIENCE)
+        try:
+            said, _ = process.communicate(timeout=PATIENCE)
+        finally:
+            process.kill()
     assert said == "stopped True\n"
 
 
