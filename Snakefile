@@ -8,9 +8,8 @@ from pathlib import Path
 # The checkout, not an installed copy, here and in the jobs, from whatever folder Snakemake runs and in other workflows.
 CHECKOUT = Path(workflow.current_basedir)
 sys.path.insert(0, str(CHECKOUT))
-os.environ["PYTHONPATH"] = os.pathsep.join(
-    filter(None, [str(CHECKOUT), os.environ.get("PYTHONPATH")])
-)
+ELSEWHERE = filter(None, [os.environ.get("PYTHONPATH")])
+os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *ELSEWHERE]))
 # Scenes of the folder where Snakemake runs, if it has any, else those of the checkout.
 CONFIG = Path("config" if Path("config/scenes").is_dir() else CHECKOUT / "config")
 
