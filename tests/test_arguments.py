@@ -168,25 +168,25 @@ def check(name, argument, value):
     assert holds_a_number(value), (name, argument, value, result)
 
 
+def check_drawn(examples, name, argument):
+    examples(given(anything)(lambda value: check(name, argument, value)))()
+
+
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
 def test_every_argument_of_every_public_function(name, argument):
-    @FEW
-    @given(anything)
-    def run(value):
-        check(name, argument, value)
+    check_drawn(FEW, name, argument)
 
-    run()
+
+@pytest.mark.parametrize("value", [[bytearray(b"a")], [0.1, memoryview(b"a")], [[0.1], bytearray(b"a")]], ids=repr)
+def test_bytes_in_a_list_which_numpy_takes_for_integers(value):
+    with pytest.raises(ValueError, match="mean_pressure"):
+        weier.solve(PROFILE, value, "demelio")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
 def test_hundreds_of_each(name, argument):
-    @MANY
-    @given(anything)
-    def run(value):
-        check(name, argument, value)
-
-    run()
+    check_drawn(MANY, name, argument)
 
 
 @pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda each: each)

@@ -13,14 +13,7 @@ from weier.pipeline import server
 
 PATIENCE = 120  # seconds
 
-
-@pytest.fixture(autouse=True)
-def ctrl_c():
-    """What a terminal would have: programs in the background of a script are told to ignore Ctrl-C."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
+pytestmark = pytest.mark.usefixtures("ctrl_c")
 
 SCENE = """
 title: test

@@ -148,9 +148,18 @@ def _array(values: Any) -> np.ndarray[Any, Any] | None:
     """What came as an array that hides no type of its elements; None if it is no array, list or number."""
     if hasattr(values, "__array__"):
         return np.asanyarray(values)
+    if _holds_bytes(values):
+        return None
     if isinstance(values, Sequence) and not isinstance(values, TEXTS):
         try:
             return np.array(values, object)
         except ValueError:  # arrays of shapes that do not go together
             return None
     return np.array(values, object) if isinstance(values, Real | Decimal) else None
+
+
+def _holds_bytes(values: Any) -> bool:
+    """Whether these are bytes or a nested list with some, which NumPy would take for a list of integers."""
+    if isinstance(values, Sequence) and not isinstance(values, TEXTS):
+        return any(_holds_bytes(each) for each in values)
+    return isinstance(values, bytearray | memoryview)
