@@ -15,14 +15,7 @@ from weier.kernels.interruption import ask_to_stop, interruptible, stop_if_asked
 
 PATIENCE = 120  # seconds
 
-
-@pytest.fixture(autouse=True)
-def ctrl_c():
-    """What a terminal would have: programs in the background of a script are told to ignore Ctrl-C."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
+pytestmark = pytest.mark.usefixtures("ctrl_c")
 
 # A solve of many minutes, after a short one that has compiled what it needs, and another short one after it.
 PROGRAM = """
@@ -115,3 +108,12 @@ def test_a_solve_within_a_solve_stops_with_it():
     with pytest.raises(InterruptedError):
         inner()
     assert interruption.ASKED[0] == 0
+
+
+def test_a_thread_that_ended_without_a_word_keeps_nobody_waiting():
+    thread = threading.Thread(target=interruption._SOLVES.__enter__)  # as if interrupted while it was leaving
+    thread.start()
+    thread.join()
+    ask_to_stop()
+    assert interruption.ASKED[0] == 1
+    assert interruptible(lambda: interruption.ASKED[0])() == 0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextvars import copy_context
@@ -21,6 +22,7 @@ Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
 ASKED = np.zeros(1, np.int64)  # 1 when solves are to stop; kernels know its address
+PAUSE = 0.01  # seconds between looks at whether others have stopped
 PATIENCE = 1.0  # seconds until the main thread goes on without a solve that has not stopped, such as one in LAPACK
 
 
@@ -31,27 +33,38 @@ def stop_if_asked() -> None:
 
 
 class _Solves:
-    """How many are running: the flag falls when the last one has stopped, and nobody starts before."""
+    """The threads that are solving: the flag falls when the last one has stopped, and nobody starts before.
+
+    One that Ctrl-C interrupted as it was leaving has not said so, and is known by having ended.
+    """
 
     def __init__(self) -> None:
-        self.running = 0
-        self.changed = threading.Condition()
+        self.threads: set[threading.Thread] = set()
+        self.lock = threading.Lock()
 
     def __enter__(self) -> None:
-        with self.changed:
-            self.changed.wait_for(lambda: ASKED[0] == 0)
-            self.running += 1
+        while not self._begin():
+            time.sleep(PAUSE)
+
+    def _begin(self) -> bool:
+        with self.lock:
+            self._keep({thread for thread in self.threads if thread.is_alive()})
+            if ASKED[0] == 0:
+                self.threads.add(threading.current_thread())
+            return ASKED[0] == 0
 
     def __exit__(self, *failure: object) -> None:
-        with self.changed:
-            self.running -= 1
-            if self.running == 0:
-                ASKED[0] = 0
-                self.changed.notify_all()
+        with self.lock:
+            self._keep(self.threads - {threading.current_thread()})
+
+    def _keep(self, threads: set[threading.Thread]) -> None:
+        self.threads = threads
+        if not threads:
+            ASKED[0] = 0
 
     def ask_to_stop(self) -> None:
-        with self.changed:
-            ASKED[0] = int(self.running > 0)
+        with self.lock:
+            ASKED[0] = int(len(self.threads) > 0)
 
 
 _SOLVES = _Solves()
@@ -89,18 +102,24 @@ def _in_another_thread(work: Callable[[], Result]) -> Result:
     context = copy_context()  # such as numpy's handling of overflow
 
     def run() -> None:
-        try:
-            outcome.set_result(context.run(work))
-        except BaseException as error:
-            outcome.set_exception(error)
+        if outcome.set_running_or_notify_cancel():
+            try:
+                outcome.set_result(context.run(work))
+            except BaseException as error:
+                outcome.set_exception(error)
 
     thread = threading.Thread(target=run, daemon=True)
-    thread.start()
     try:
+        thread.start()
         return outcome.result()
     except KeyboardInterrupt:
-        ask_to_stop()
-        interrupt = ctypes.py_object(KeyboardInterrupt)
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident or 0), interrupt)
-        thread.join(PATIENCE)
+        if not outcome.cancel() and thread.ident is not None:  # it has begun
+            _interrupt(thread.ident)
+            thread.join(PATIENCE)
         raise
+
+
+def _interrupt(thread: int) -> None:
+    """Ask all solves to stop, and raise KeyboardInterrupt in this thread as soon as it is back in Python."""
+    ask_to_stop()
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt))
