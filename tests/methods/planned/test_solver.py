@@ -88,7 +88,6 @@ def test_the_resistance_of_a_grid_near_events_is_within_its_error():
 def test_a_birth_out_of_reach_of_contact_patches_is_refused(monkeypatch):
     profile, birth, tolerance = BIRTHS[0]
     monkeypatch.setattr(patches.error_model, "MAX_CONTACTS", 0)
-    monkeypatch.setattr(patches.error_model, "MAX_EXPECTED_CONTACTS", 0)
     with pytest.raises(NotApplicableError, match="bem with 3 terms was expected to do, and left an error of"):
         weier.solve(profile, [birth * (1 + 1e-5)], "planned", tolerance=tolerance, quantity="resistance")
     away = weier.solve(profile, [birth * 1.3], "planned", tolerance=tolerance, quantity="resistance")

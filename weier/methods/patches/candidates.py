@@ -12,31 +12,30 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
 from weier.methods.patches import error_model
 from weier.methods.patches.solver import curve
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
-from weier.theory.crests import countable
 from weier.theory.profile import Profile
 
 
 def candidates(task: Task) -> Iterator[Segment]:
-    """Contact patches where all crests can be looked at; none for one wave, which has a closed form."""
+    """Contact patches where a computer holds them all; none for one wave, which has a closed form."""
     able = [each for each in error_model.TOLERANCES if error_model.error(each, task.quantity) <= task.tolerance]
-    if task.profile.m > 1 and able and countable(task.profile.waves_per_period[-1]):
+    if task.profile.m > 1 and able:
         yield _patches(task, able[0])
 
 
 def _patches(task: Task, tolerance: float) -> Segment:
     waves = task.profile.waves_per_period[-1]
-    most = error_model.MAX_CONTACTS if waves <= error_model.MAX_CONTACTS else error_model.MAX_EXPECTED_CONTACTS
-    error = np.where(task.contacts <= most, error_model.error(tolerance, task.quantity), np.inf)
+    held = task.contacts <= error_model.MAX_CONTACTS
+    error = np.where(held, error_model.error(tolerance, task.quantity), np.inf)
     return make_segment(
         task,
         "patches",
-        "exact edges of as few contacts cost less than a grid so fine",
+        "exact edges of these contacts cost less than a grid so fine",
         partial(_solve, task.profile, tolerance),
         settings={"tolerance": tolerance},
         discretisation=error,
         seconds_start=error_model.SECONDS_START,
         seconds_load=error_model.seconds(waves, task.contacts),
-        memory=error_model.memory(waves, min(most, task.contacts.max())),
+        memory=error_model.memory(waves, float(task.contacts.max(where=held, initial=1.0))),
     )
 
 

@@ -12,13 +12,15 @@ RESISTANCE_FACTOR = 50.0  # the same; 1 but for loads as near as 1e-5 of themsel
 # At a looser tolerance symmetric contacts take hundreds of times as long, and no others less.
 TOLERANCES = (1e-8, 1e-10, 1e-12)
 
-MAX_CONTACTS = 256  # a dense matrix of more takes seconds a load
-MAX_EXPECTED_CONTACTS = 64  # where there are over 256 waves: the forecast may be 4 times too low
+MAX_CONTACTS = 50_000  # more were not measured: 42 673 took 140 s a load and 3.3 GB
 
-SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4
-SECONDS_WAVE, SECONDS_CONTACT, CONTACT_POWER = 1.5e-5, 8e-5, 2.0  # of each load
-SECONDS_WITHOUT_MATRIX = 3e-3  # of each load and contact: 42 673 took 140 s, 291 took 0.54 s
-BYTES_WAVE = 1e5  # every crest, and the coarse grid to start from
+SECONDS_START, SECONDS_LOAD = 5e-4, 1.2e-3
+SECONDS_WAVE = 1.2e-5  # of each load, to look at every crest
+# Of each load by a dense matrix: of each contact, and of its square.
+SECONDS_CONTACT, SECONDS_PAIR = 3e-4, 1e-5
+# Of each load without a matrix: times the contacts to this power, as far as the depth of a tree grows with them.
+SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 1e-3, 1.12
+BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4  # every crest; the sums over each contact and its nodes, without a matrix
 NODES_CONTACT = 20  # of a contact, whose matrix is dense
 MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
 
@@ -31,10 +33,12 @@ def error(tolerance: float, quantity: str) -> float:
 
 def seconds(waves: int, contacts: Array) -> Array:
     """Seconds for each load, at so many of the finest waves in a period and contacts."""
-    by_matrix = SECONDS_CONTACT * contacts**CONTACT_POWER
-    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves + np.minimum(by_matrix, SECONDS_WITHOUT_MATRIX * contacts))
+    by_matrix = SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2
+    without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER
+    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves + np.minimum(by_matrix, without))
 
 
 def memory(waves: int, contacts: float) -> float:
-    """Bytes of a few dense matrices, and of what there is for each of the finest waves."""
-    return float(MATRIX_COPIES * 8 * (NODES_CONTACT * contacts) ** 2 + BYTES_WAVE * waves)
+    """Bytes of a few dense matrices, or of what replaces them where contacts are many, and of the finest waves."""
+    by_matrix = MATRIX_COPIES * 8 * (NODES_CONTACT * contacts) ** 2
+    return float(min(by_matrix, BYTES_CONTACT * contacts) + BYTES_WAVE * waves)

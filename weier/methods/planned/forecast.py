@@ -4,29 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 
 from weier.kernels.arrays import Array
-from weier.methods import demelio, layer, westergaard
-from weier.methods.patches.surface import Surface, surface_of
+from weier.methods import bem, layer
+from weier.methods.errors import ConvergenceError
 from weier.theory.crests import SAMPLES_PER_WAVE, countable
 from weier.theory.profile import Profile
 
-CONTACTS_PER_WAVE = 0.1  # for each of the finest waves, where these are too many to be looked at
+MAX_COUNTED_WAVES = 256  # in a period, whose contacts are counted: in 20 to 40 ms
+COUNTED_POINTS, COUNTED_RESIDUAL = 16, 1e-4  # for each of the finest waves, and in g_0: enough to count contacts
+# In units of the load of full contact:
+COUNTED_LOADS = np.concatenate([np.geomspace(1e-9, 0.1, 17), np.arange(2, 10) / 10, [0.95, 0.98]])
 TABLE_LOADS = np.geomspace(1e-4, 1e5, 226)  # p_0*, on which a compliance is foreseen
 
 
-@lru_cache(maxsize=8)
-def _surface(kept: Profile) -> Surface:
-    return surface_of(kept)
+class CountedContacts(NamedTuple):
+    """Contacts, and the share of the length that they take, at the loads of `COUNTED_LOADS`."""
+
+    number: Array
+    share: Array
 
 
 def full_contact_load(kept: Profile) -> float:
     """A load from which on contact is full, in p_0*: that which flattens all waves, or the sum of all p_n*."""
     if countable(kept.waves_per_period[-1]):
-        return _surface(kept).full_contact_load
+        return kept.full_contact_load
     with np.errstate(over="ignore"):  # p_n* beyond the largest float: no load flattens that term
         return float(kept.full_contact_pressure.sum())
 
@@ -42,19 +48,49 @@ def first_contact(profile: Profile, lengths: Sequence[int]) -> float:
 
 
 def contacts(kept: Profile, loads: Array) -> Array:
-    """Contacts to expect, shape (loads,), for nine of ten loads between a third of the true number and twice it.
+    """Contacts to expect, shape (loads,), for nine of ten loads between half the true number and twice it.
 
-    Crests that reach a plane at Demelio's compliance. Gaps are as many as contacts, and each needs a trough that full
-    contact would put in tension: the fewer of the two counts.
+    Those of its first terms are counted on a coarse grid, under loads that do not depend on those asked for. The
+    finer waves break them up: where a load is light, each wave within a contact may make another, and near full
+    contact the profile looks like that of its first terms under the same share of the load of full contact.
     """
-    if not countable(kept.waves_per_period[-1]):
-        return np.full(loads.size, kept.waves_per_period[-1] * CONTACTS_PER_WAVE)
-    surface, ratio = _surface(kept), float(kept.gamma)
-    approach = np.maximum(demelio.compliance(loads, kept.D, ratio, kept.m), 2 * westergaard.compliance(loads))
-    crests = np.searchsorted(np.sort(-surface.heights.crest_offset), approach, side="right")
-    tension = surface.full_contact_load - loads
-    troughs = np.searchsorted(np.sort(-surface.tensions.crest_offset), tension, side="right")
-    return np.maximum(np.minimum(crests, troughs), 1).astype(float)
+    if kept.m == 1:
+        return np.ones(loads.size)
+    coarse = _counted_terms(kept)
+    counted, waves = _counted(coarse), kept.waves_per_period[-1]
+    number, share = _interpolated(counted, loads / coarse.full_contact_load)
+    if coarse.m == kept.m:
+        return number
+    ratio = waves / coarse.waves_per_period[-1] * coarse.period / kept.period
+    with np.errstate(over="ignore"):  # p_n* beyond the largest float
+        flattened = kept.full_contact_pressure.sum() / coarse.full_contact_pressure.sum()
+    alike, _ = _interpolated(counted, loads / flattened / coarse.full_contact_load)
+    periods = kept.period / coarse.period
+    return np.asarray(periods * np.minimum(number + share * waves / periods, ratio * alike))
+
+
+def _counted_terms(kept: Profile) -> Profile:
+    """The first terms of a series, as many as can be counted quickly, and at least one."""
+    terms = [k for k in range(1, kept.terms + 1) if kept.truncated(k).waves_per_period[-1] <= MAX_COUNTED_WAVES]
+    return kept.truncated(max(terms, default=1))
+
+
+@lru_cache(maxsize=32)
+def _counted(kept: Profile) -> CountedContacts:
+    """The contacts of a short series in one period, and their share of its length."""
+    points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
+    try:
+        found = bem.contacts(kept, loads, points, COUNTED_RESIDUAL)
+    except ConvergenceError:  # the most that there can be
+        return CountedContacts(np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS)
+    number = np.array([max(each.centre.size, 1) for each in found], float)
+    return CountedContacts(number, np.array([2 * each.half_width.sum() for each in found]) / kept.period)
+
+
+def _interpolated(counted: CountedContacts, share_of_full_contact: Array) -> tuple[Array, Array]:
+    """Contacts and their share of the length between the loads of the table, or at its ends."""
+    at = np.log(share_of_full_contact), np.log(COUNTED_LOADS)
+    return np.exp(np.interp(*at, np.log(counted.number))), np.interp(*at, counted.share)
 
 
 def compliance(kept: Profile, loads: Array) -> Array:
