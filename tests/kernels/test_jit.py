@@ -8,6 +8,8 @@ from time import perf_counter
 
 import numpy as np
 import pytest
+from numba import types
+from numba.core.codegen import JITCodeLibrary
 
 from weier.kernels import jit
 
@@ -92,6 +94,17 @@ def product(pair):
 @kernel
 def offset(pair):
     return pair.one[0]
+
+@kernel
+def count(steps):
+    total = 0
+    for _ in range(steps):
+        total = increment(total)
+    return total
+
+@kernel
+def increment(total):
+    return total + 1
 """
 
 
@@ -134,6 +147,25 @@ def test_a_kernel_inside_another_is_not_cached_by_itself_and_can_still_be_called
     cached = {path.name.partition("-")[0] for path in (folders[0].parent / "cache").rglob("*.nbc")}
     assert cached == {"some_kernels.product"}
     assert module.offset(pair) == 1.0
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_a_kernel_inside_another_becomes_machine_code_there_alone(folders, monkeypatch):
+    translated, translate = [], JITCodeLibrary._finalize_final_module
+    monkeypatch.setattr(
+        JITCodeLibrary, "_finalize_final_module", lambda self: (translated.append(self.name), translate(self))
+    )
+    module = load(folders[0])
+    module.product(module.Pair(np.ones(3), np.ones(3)))
+    assert "product" in translated
+    assert "offset" not in translated
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_a_kernel_inside_another_is_compiled_once_for_all_integers(folders):
+    module = load(folders[0])
+    assert module.count(5) == 5
+    assert list(module.increment._numba_type_.dispatcher.overloads) == [(types.int64,)]
 
 
 @pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")

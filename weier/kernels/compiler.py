@@ -1,7 +1,9 @@
 """How numba compiles kernels: those that Python calls into the disk cache, with all that they call inside.
 
 A kernel that only other kernels call needs no way in from Python, which takes numba as long to make as the rest of a
-small kernel whose arguments are tuples of arrays, and no place in the cache.
+small kernel whose arguments are tuples of arrays, and no place in the cache. Nor does it need own machine code.
+numba alone would optimise and translate it by itself, and then again within each kernel that calls it, directly or
+through others: where kernels call each other through ten levels, that takes longer than all the rest.
 """
 
 from __future__ import annotations
@@ -18,6 +20,9 @@ import numpy as np
 from llvmlite import ir
 from numba.core import event, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, UserProvidedCacheLocator
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic, overload
 from rocket_fft import c2r, r2c
 
@@ -88,8 +93,49 @@ def inner_type(function: Callable[..., Any]) -> Any:
 
 @cache
 def _inner(function: Callable[..., Any]) -> Any:
-    options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(**options)(function)
+    options = OPTIONS | {"nopython": True, "boundscheck": None, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return _InnerDispatcher(function, targetoptions=options, pipeline_class=_InnerCompiler)
+
+
+class _InnerDispatcher(CPUDispatcher):
+    """What compiles a kernel for calls from other kernels, and is never called from Python."""
+
+    def get_call_template(self, arguments: Any, keywords: Any) -> Any:
+        """Compile for an integer what is called with 0, and not once more for the type of this number alone."""
+        return super().get_call_template([types.unliteral(each) for each in arguments], keywords)
+
+    def add_overload(self, result: Any) -> None:
+        """Keep what was compiled; numba alone would also tell how Python calls it."""
+        self.overloads[tuple(result.signature.args)] = result
+
+
+class _InnerCompiler(Compiler):
+    """Leaves the code of a kernel as it is, for the kernels that call it to be optimised with theirs."""
+
+    def __init__(
+        self, typing: Any, target: Any, library: Any, arguments: Any, returned: Any, flags: Any, local: Any
+    ) -> None:
+        flags.no_compile = True  # to machine code
+        super().__init__(typing, target, library, arguments, returned, flags, local)
+
+    def compile_extra(self, function: Any) -> Any:
+        """The compiled kernel, with a key instead of an address by which callers find it."""
+        library = _InnerLibrary(self.state.targetctx.codegen(), function.__qualname__)
+        self.state.library = library
+        result = super().compile_extra(function)
+        self.state.targetctx.insert_user_function(result.fndesc, result.fndesc, [library])
+        return result._replace(entry_point=result.fndesc)
+
+
+class _InnerLibrary(JITCodeLibrary):
+    """The code of a kernel and of all that it calls, neither optimised nor translated."""
+
+    def finalize(self) -> None:
+        """Bring the code together, once that of all callees is known."""
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalized = True
 
 
 class _Watch(event.Listener):
