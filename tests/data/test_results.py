@@ -75,8 +75,8 @@ def test_method_is_a_label(path):
         ({"D": slice(1, 2)}, "D must be a number, got slice"),
         ({"gamma": "x"}, "gamma must be a finite number or a fraction such as \"5/2\", got 'x'"),
         ({"solution_method": "bme"}, "solution_method must be one of demelio, bem, got 'bme'"),
-        ({"phase": 3.0, "m": 2}, "no case has phase = 3.0"),
-        ({"phase": [0, 1, 2, 3]}, "at most 3 numbers, got 4"),
+        ({"phases": 3.0, "m": 2}, "no case has phases = 3.0"),
+        ({"phases": [0, 1, 2, 3]}, "at most 3 numbers, got 4"),
         ({"mean_pressure": 2.0}, r"no mean_pressure 2.0: choose from 0.001, .*\.\.\."),
     ],
 )

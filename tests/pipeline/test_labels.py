@@ -68,7 +68,8 @@ def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
     [
         ({"study": "rough"}, "no case has study = 'rough': choose from .*coarse"),
         ({"bem_points": 50}, "no case has bem_points = 50: choose from 40, 80"),
-        ({"bem_nodes": 50}, "a label of cases must be one of .*bem_points.*, got 'bem_nodes'"),
+        ({"bem_nodes": 50}, "there is no label 'bem_nodes': select by .*bem_points"),
+        ({"method": "bem"}, "there is no label 'method': select by .*D, .*phases, solution_method"),
         ({"seed": 9}, "no case has seed = 9: choose from 7, 8"),
     ],
 )

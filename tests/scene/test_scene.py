@@ -165,6 +165,12 @@ def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_p
     assert [case.profile.phases for case in loaded.cases.values()] == expected
 
 
+@pytest.mark.parametrize("path", sorted(Path("config").glob("*/*.yaml")), ids=str)
+def test_the_scenes_of_the_project_use_the_word_for_phases(path):
+    """The older name works, but nobody should learn it here."""
+    assert not re.search(r"\bphase:", path.read_text(encoding="utf-8"))
+
+
 @pytest.mark.parametrize("keys", [("phase", "phases"), ("phase", "seed"), ("phases", "seed")])
 def test_phases_are_given_in_one_way(keys, tmp_path):
     values = {"phase": 1.0, "phases": [[0.0, 1.0]], "seed": 3}

@@ -63,7 +63,7 @@ def plot(path: Path, quantity: str, **options: Any) -> None:
     The figure is written as PDF, SVG and PNG beside PATH.
 
     \b
-    weier plot -D 1.25 --gamma 5 -m 3 --phase 1 curves.png
+    weier plot -D 1.25 --gamma 5 -m 3 --phases 1 curves.png
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
     """  # noqa: D301 - click wants the character
     from weier.figures import draw  # matplotlib takes half a second, and only some commands need it

@@ -124,11 +124,13 @@ def of_results(title: str = "") -> dict[str, str]:
 
 @cache
 def versions() -> dict[str, str]:
-    """The versions of what computes: of Python, NumPy, numba and weier."""
+    """The versions of what computes: of Python, NumPy, numba and weier, and its commit in a checkout."""
+    made = commit()
     return {
         "product_version": VERSION,
         "python_version": platform.python_version(),
         **{f"{name}_version": version(name) for name in ("numpy", "numba")},
+        **({"git_commit": made} if made else {}),
     }
 
 

@@ -1,4 +1,4 @@
-"""A file of curves, from which cases are selected by D, gamma, m, phase, method of solution and mean pressure."""
+"""A file of curves, from which cases are selected by D, gamma, m, phases, method of solution and mean pressure."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ Ratio = int | float | str | Fraction
 class Contact:
     """Curves over case, solution_method and mean_pressure, read from the file where they are asked for.
 
-    Its `sel` also selects cases by what describes them (D, gamma, m, phase), which are no index of an xarray Dataset,
-    and takes gamma as a fraction. What it selects is a Contact again; `data` is the xarray Dataset, and
+    Its `sel` also selects cases by what describes them (D, gamma, m, phases), which are no index of an xarray
+    Dataset, and takes gamma as a fraction. What it selects is a Contact again; `data` is the xarray Dataset, and
     `contact["compliance"]` a DataArray. Close the file with `close`, or open it in a `with` statement.
 
     Examples
@@ -56,7 +56,7 @@ class Contact:
         D: ArrayLike | None = None,
         gamma: Ratio | Sequence[Ratio] | None = None,
         m: ArrayLike | None = None,
-        phase: ArrayLike | None = None,
+        phases: ArrayLike | None = None,
         seed: ArrayLike | None = None,
         study: str | None = None,
         solution_method: str | Sequence[str] | None = None,
@@ -69,8 +69,9 @@ class Contact:
         ----------
         D, gamma, m : number or list of numbers
             Of the cases; gamma also as a Fraction or "5/2", m also inf.
-        phase : number or list of m numbers
-            In radians: of every term but the first, which then has phase 0; or of each term.
+        phases : number or list of m numbers
+            In radians: of every term but the first, which then has phase 0; or of each term. Also by the name of the
+            coordinate that holds them, `phase`.
         seed : int or list of int
             Of random phases.
         study : str
@@ -98,8 +99,9 @@ class Contact:
         for name, wanted in (("D", D), ("gamma", ratios), ("m", m), ("seed", seed)):
             if wanted is not None:
                 data = _with_parameter(data, name, _numbers(name, _list(name, wanted)))
-        if phase is not None:
-            data = _with_phase(data, checked_numbers("phase", phase, "be finite", np.isfinite))
+        for wanted in (phases, settings.pop("phase", None)):
+            if wanted is not None:
+                data = _with_phases(data, checked_numbers("phases", wanted, "be finite", np.isfinite))
         for name, wanted in {"study": study, **settings}.items():
             if wanted is not None:
                 data = _with_label(data, name, wanted)
@@ -143,7 +145,7 @@ def open(path: str | Path) -> Contact:
     Returns
     -------
     Contact
-        Its `sel` selects by D, gamma, m, phase, solution_method and mean_pressure; its `data` is the xarray Dataset.
+        Its `sel` selects by D, gamma, m, phases, solution_method and mean_pressure; its `data` is the xarray Dataset.
 
     Raises
     ------
@@ -190,7 +192,10 @@ def _with_parameter(data: xr.Dataset, name: str, wanted: NDArray[np.float64]) ->
 def _with_label(data: xr.Dataset, name: str, wanted: Any) -> xr.Dataset:
     """The cases with a label of those that not every file has; a text may be one of several with commas between."""
     known = [str(each) for each in data.coords if data[each].dims == ("case",)]
-    labels = data[checked_word("a label of cases", name, known)].values
+    if name not in known:
+        others = ["phases", *({"solution_method", "mean_pressure"} & set(map(str, data.dims)))]
+        raise ValueError(f"there is no label {name!r}: select by {', '.join([*known, *sorted(others)])}")
+    labels = data[name].values
     if labels.dtype.kind == "f":
         return _with_parameter(data, name, _numbers(name, _list(name, wanted)))
     texts = [json.dumps(each) if isinstance(each, bool) else each for each in _list(name, wanted)]
@@ -200,13 +205,13 @@ def _with_label(data: xr.Dataset, name: str, wanted: Any) -> xr.Dataset:
     return data.isel(case=np.flatnonzero(fits))
 
 
-def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
+def _with_phases(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
     phase = data["phase"].values
     if wanted.ndim > 1 or wanted.size == 0:
-        raise ValueError(f"phase must be a number or a list of numbers, got {shown(wanted)}")
+        raise ValueError(f"phases must be a number or a list of numbers, got {shown(wanted)}")
     expected = np.where(np.arange(phase.shape[1]) == 0, 0.0, wanted) if wanted.ndim == 0 else wanted
     if expected.shape != (min(expected.size, phase.shape[1]),):
-        raise ValueError(f"phase must be a number or at most {phase.shape[1]} numbers, got {expected.size}")
+        raise ValueError(f"phases must be a number or at most {phase.shape[1]} numbers, got {expected.size}")
     first, rest = phase[:, : expected.size], np.isfinite(phase[:, expected.size :])
     near = np.isclose(first, expected, rtol=CLOSE, atol=CLOSE)
     if wanted.ndim == 0:
@@ -214,7 +219,7 @@ def _with_phase(data: xr.Dataset, wanted: NDArray[np.float64]) -> xr.Dataset:
     infinite = np.isinf(data["m"].values)  # has no phases
     fits = infinite | (near.all(axis=1) & ~rest.any(axis=1))
     if not fits.any():
-        raise ValueError(f"no case has phase = {wanted.tolist()}: the phases are in the coordinate phase(case, term)")
+        raise ValueError(f"no case has phases = {wanted.tolist()}: they are in the coordinate phase(case, term)")
     return data.isel(case=np.flatnonzero(fits))
 
 

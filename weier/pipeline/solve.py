@@ -99,7 +99,7 @@ def _solve_all(
 
     checked = _settings(methods, settings)
     cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
-    title = f"Weierstrass profiles, {len(cases)} by {', '.join(methods)}"
+    title = f"{len(cases)} Weierstrass profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     scene = Scene("solve", title, loads, {"solve": cases}, len(cases), contact_edges=edges)
     failures: list[str] = []
     data, cost = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
