@@ -238,7 +238,7 @@ SENTENCES = {
     "elements": "Colours show the estimates and a solid line shows boundary elements.",
     "both": "A solid line shows contact patches and markers show boundary elements.",
     "all": "Colours show the estimates, a solid line shows contact patches, and markers show boundary elements.",
-    "many": "Thin lines are single profiles; thick lines and markers are the median of each method.",
+    "many": "Thin lines are single profiles; thick lines and markers are medians over their phases.",
 }
 
 
@@ -304,7 +304,7 @@ def test_many_cases_say_which_lines_are_medians() -> None:
     legend = sketch("compliance", [many_cases()]).axes[0].get_legend()
     assert legend is not None
     named = {text.get_text() for text in legend.get_texts()}
-    assert {"thick: median of a method", "thin: a single profile"} <= named
+    assert {"thick: median over phases", "thin: a single profile"} <= named
 
 
 def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict[str, xr.Dataset]) -> None:

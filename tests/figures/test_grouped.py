@@ -70,6 +70,22 @@ def test_what_is_not_named_stays_apart(sweep: xr.Dataset) -> None:
     assert not axes.collections
 
 
+@pytest.mark.parametrize("name", ["phase", "phases", "seed"])
+def test_a_median_over_phases_is_one_by_each_of_their_names(name: str, sweep: xr.Dataset) -> None:
+    (axes,) = sketch(sweep.isel(solution_method=[0]), colour="gamma", median_over=(name,)).axes
+    assert len(axes.get_lines()) == len(axes.collections) == len(GAMMAS)
+
+
+def test_a_figure_that_names_no_parameter_takes_medians_over_the_phases_alone(sweep: xr.Dataset) -> None:
+    """A median over different ratios answers no question."""
+    figure = compliance.draw([sweep.isel(solution_method=[0])], "")
+    thick = [line for line in figure.axes[0].get_lines() if line.get_linewidth() > 0.5 and len(line.get_xdata())]
+    ends = [(gamma + 0.15) * -np.expm1(-LOADS[-1]) for gamma in GAMMAS]
+    assert [line.get_ydata()[-1] for line in thick] == pytest.approx(ends)
+    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert labels == ["Demelio", "thick: median over phases", "thin: a single profile"]
+
+
 PARAMETERS = ["method", "D", "gamma", "m", "phase", "phases", "seed"]
 
 

@@ -49,7 +49,7 @@ def _describe_grouping(grouping: Grouping) -> str:
 def _describe_methods(cases: Sequence[Collection[str]]) -> str:
     """A sentence that tells the curves of methods apart, for cases given by their methods."""
     if len(cases) > figures.MAX_PANELS:
-        return "Thin lines are single profiles; thick lines and markers are the median of each method."
+        return "Thin lines are single profiles; thick lines and markers are medians over their phases."
     methods = {method for case in cases for method in case}
     parts = ["colours show the estimates"] if methods.difference(numerical_names()) else []
     numerical = [find_method(method).label for method in numerical_names() if method in methods]

@@ -40,7 +40,7 @@ def compare(
     figure, axes = style.column(len(panels))
     for number, (panel, group) in enumerate(zip(axes, panels, strict=True)):
         (_draw_case if separate else _draw_medians)(panel, group, quantity)
-        label = style.describe(group[0]) if separate else f"{len(cases)} cases and their median"
+        label = style.describe(group[0]) if separate else f"{len(cases)} cases"
         style.name_panel(panel, number, len(panels), label)
         panel.set_ylabel(style.LABELS[quantity])
     axes[-1].set_xlabel(style.LABELS["mean_pressure"])
@@ -63,16 +63,20 @@ def _draw_case(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
 
 
 def _draw_medians(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """A thin line for each case, and a thick one, or points, for the median of each method."""
+    """A thin line for each case, and a thick one, or points, for the median over those of other phases alone."""
     methods = _in_drawing_order(method for case in cases for method in _methods(case, quantity))
     as_points = style.drawn_as_points(methods)
     for method in methods:
-        drawn = [each for case in cases if (each := lines.line(case, quantity, method))]
-        loads, values = lines.on_common_loads(drawn)
         look = style.points(method) if method in as_points else style.line(method)
-        axes.plot(loads, values.T, color=look["color"], linewidth=0.3, alpha=style.FAINT_ALPHA)
-        axes.plot(loads, np.median(values, axis=0), **look, zorder=3)
-    axes.plot([], [], color=style.GREY, label="thick: median of a method")
+        for group in curves.groups(cases, "D", "gamma", "m"):
+            drawn = [each for case in group if (each := lines.line(case, quantity, method))]
+            if not drawn:
+                continue
+            loads, values = lines.on_common_loads(drawn)
+            axes.plot(loads, values.T, color=look["color"], linewidth=0.3, alpha=style.FAINT_ALPHA)
+            axes.plot(loads, np.median(values, axis=0), **look, zorder=3)
+            look["label"] = None  # once in the legend
+    axes.plot([], [], color=style.GREY, label="thick: median over phases")
     axes.plot([], [], color=style.GREY, linewidth=0.3, label="thin: a single profile")
 
 

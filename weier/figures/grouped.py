@@ -23,6 +23,7 @@ from weier.scene import Grouping
 
 LEGEND_ROW, LOW = 0.17, 1.9  # inches: a row of the legend, and a panel among more than two
 MAX_NAMED = 8  # values of a parameter in a legend
+PHASES = {"phase", "phases", "seed"}  # names of what differs between profiles of the same D, gamma and m
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 
 Panel = tuple[Axes, list[xr.Dataset]]
@@ -139,7 +140,8 @@ def _looks(drawn: Sequence[Curve], grouping: Grouping) -> Callable[[Curve], dict
 def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grouping) -> None:
     """The median of the curves that differ in nothing else, within a band that holds all of them."""
     look = _looks(drawn, grouping)
-    apart = [name for name in ("method", "D", "gamma", "m", "seed") if name not in grouping.median_over]
+    phases = () if PHASES & {*grouping.median_over} else ("seed",)
+    apart = [name for name in ("method", "D", "gamma", "m", *phases) if name not in grouping.median_over]
     groups: dict[tuple[Hashable, ...], list[Curve]] = {}
     for curve in members:
         groups.setdefault(tuple(_value(curve, name) for name in apart), []).append(curve)
