@@ -179,6 +179,11 @@ def after_napoleon(app, what, name, obj, options, lines):
     lines[:] = [line.replace(COLON, ":") for line in lines]
 
 
+def skip_fields(app, what, name, obj, skip, options):
+    """The fields of a NamedTuple stand in its own docstring; Python says of each that it is an alias for a number."""
+    return True if (obj.__doc__ or "").startswith("Alias for field number") else None
+
+
 def mark_numbers(app, doctree):
     """Numbers in tables have a class, for the style sheet."""
     for entry in doctree.findall(nodes.entry):
@@ -193,6 +198,7 @@ def setup(app: Sphinx) -> None:
     app.add_directive("table-of-variables", TableOfVariables)
     app.add_directive("scene-keys", SceneKeys)
     app.add_directive("figure-kinds", FigureKinds)
+    app.connect("autodoc-skip-member", skip_fields)
     app.connect("doctree-read", mark_numbers)
     app.connect("autodoc-process-docstring", before_napoleon, priority=100)
     app.connect("autodoc-process-docstring", after_napoleon, priority=900)
