@@ -181,12 +181,35 @@ OUTCOMES = {"archard_above": Check.yes, "demelio_below": Check.no, "layer_close"
 
 def test_a_claim_is_a_card_that_says_why(folder):
     measured = {
-        name: claims.Measured(f"Error of {name}: 1.5e-04 g_0.", f"Why {outcome.text}.", outcome=outcome)
+        name: claims.Measured(
+            f"Error of {name}: 1.5e-04 g_0.\nIts mean: 2.", f"It is {outcome.text}.\nWhy.", outcome=outcome
+        )
         for name, outcome in OUTCOMES.items()
     }
     section = page._claims(dataset.blank(1, METHODS, LOADS, 3).merge(claims._columns(measured)))
     assert [(claim.name, claim.outcome) for claim in section.claims] == list(OUTCOMES.items())
-    assert [claim.reason for claim in section.claims] == ["Why yes.", "Why no.", "Why not decided."]
+    assert [claim.reasons for claim in section.claims] == [
+        [f"It is {word}.", "Why."] for word in ("yes", "no", "not decided")
+    ]
+    assert section.claims[0].measured == ["Error of archard_above: 1.5e-04 g_0.", "Its mean: 2."]
+
+
+def test_a_claim_says_first_why_it_does_not_hold_and_then_a_number_a_line(folder, tmp_path):
+    """A paragraph of twenty lines of numbers was ahead of the one sentence that explains a no."""
+    data = dataset.blank(1, METHODS, LOADS, 3)
+    measured = claims.Measured(
+        "Error: 2 for D = 1.25.\nIts mean: 1.", "It does not hold.\nFour contradict.", outcome=Check.no
+    )
+    dataset.write(
+        data.merge(claims._columns({"archard_above": measured})), tmp_path / "contact.nc", "Claim", "solved"
+    )
+    page.write(load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], [], tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    card = re.sub(r"\s*\n\s*", "", re.search(r'<article class="claim no".*?</article>', text, re.DOTALL).group())
+    assert card.endswith(
+        "<p><b>It does not hold.</b></p><ul><li>Four contradict.</li></ul><p><b>Measured here:</b></p>"
+        "<ul><li>Error: 2 for <i>D</i>&nbsp;=&nbsp;1.25.</li><li>Its mean: 1.</li></ul></article>"
+    )
 
 
 def test_the_contents_lead_to_every_section(folder):
@@ -200,9 +223,9 @@ def test_the_contents_lead_to_every_section(folder):
 @pytest.mark.parametrize(
     ("text", "html"),
     [
-        ("h = sum g_n", "<i>h</i> = &sum; <i>g<sub>n</sub></i>"),
+        ("h = sum g_n", "<i>h</i>&nbsp;=&nbsp;&sum; <i>g<sub>n</sub></i>"),
         ("in g_0/p_0*", "in <i>g<sub>0</sub></i>/<i>p<sub>0</sub></i><sup>*</sup>"),
-        ("gamma = 5 <b>", "<i>&gamma;</i> = 5 &lt;b&gt;"),
+        ("gamma = 5 <b>", "<i>&gamma;</i>&nbsp;=&nbsp;5 &lt;b&gt;"),
         ("7.0e-05", "7.0&times;10<sup>&minus;5</sup>"),
         ("1e+03 and inf", "1&times;10<sup>3</sup> and &infin;"),
         ("2 pi M", "2 &pi; M"),

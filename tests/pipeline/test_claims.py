@@ -134,16 +134,21 @@ def test_value_and_spread_are_those_of_the_ensemble() -> None:
     assert "+0.15 with a spread of 0.05, between +0.1 and +0.2, over 6 phases" in measured.text
 
 
+def test_large_numbers_are_written_in_full() -> None:
+    assert [judging._written(2146.0, form) for form in (".2g", "+.2g", ".0%")] == ["2100", "+2100", "214600%"]
+    assert judging._written(2.1e-5, "+.2g") == "+2.1e-05"
+
+
 def test_a_claim_that_does_not_hold_or_is_open_says_why() -> None:
     low = np.where(LOADS > 1, -0.05, 0.1)
     said = claims.evaluate("archard_above", [ensemble(0.1, 0.1, low)]).reason
     assert said == (
-        "The statement does not hold here. For D = 1.25, gamma = 5, m = 3, 2 of 6 profiles contradict that Archard's "
-        "compliance is too high at all loads."
+        "The statement does not hold here.\nFor D = 1.25, gamma = 5, m = 3, 2 of 6 profiles contradict that "
+        "Archard's compliance is too high at all loads."
     )
     said = claims.evaluate("layer_close", [ensemble(0.02, -0.02)]).reason
     assert said == (
-        "Whether the statement holds is not decided here. For D = 1.25, gamma = 5, m = 3, it is open whether the "
+        "Whether the statement holds is not decided here.\nFor D = 1.25, gamma = 5, m = 3, it is open whether the "
         "layer underestimates the compliance at high loads: 3 of 6 profiles say yes and 3 say no."
     )
     assert claims.evaluate("archard_above", [ensemble(0.1)]).reason == ""
@@ -374,7 +379,7 @@ def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: p
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["claim_statement"][:].tolist() == ["The layer is exact."]
         assert data["claim_measured"][0] == "Error of the layer, in g_0: +0.1 for D = 1.25, gamma = 5, m = 3."
-        assert str(data["claim_reason"][0]).startswith("The statement does not hold here. For D = 1.25, gamma = 5")
+        assert str(data["claim_reason"][0]).startswith("The statement does not hold here.\nFor D = 1.25, gamma = 5")
         assert data["claim_quantity"][0] == "largest error of the compliance, in g_0"
         assert data["claim_paper_value"][0] == 0
         assert data["claim_measured_value"][0] == pytest.approx(0.1)

@@ -6,9 +6,18 @@ import pytest
 import weier
 from weier.data import dataset
 from weier.theory.profile import MAX_TERMS_SHOWN
-from weier.theory.tables import html_table, text_table
+from weier.theory.tables import html_table, significant, text_table
 
 HEADER, ROWS = ("a", "long name", "why"), [["1234", "b", "as it is"], ["5", "c", ""]]
+
+
+def test_numbers_are_written_in_full_unless_they_are_too_long():
+    assert [significant(value, 2) for value in (428.3, 0.0123, 1.234e7, 2.1e-7)] == [
+        "430",
+        "0.012",
+        "1.2e+07",
+        "2.1e-07",
+    ]
 
 
 def test_columns_stand_below_their_names():

@@ -13,6 +13,7 @@ from weier.methods.segment import COMPLIANCE
 from weier.pipeline.plan import plan
 from weier.scene.cases import Case
 from weier.theory.profile import Profile
+from weier.theory.tables import significant
 
 LONG = 30.0  # seconds, above which a solve is announced
 MAX_SECONDS = 1e5  # a day: who means it chooses settings of the method, whose cost is not known
@@ -38,7 +39,7 @@ def forecast(case: Case, loads: Array) -> list[str]:
                 f"{seconds:.0e} s for {case.profile.describe()}: {_cheaper(case.profile, loads)}"
             )
         if seconds > LONG:
-            cost = f"up to {seconds:.2g} s{_memory(method, case.profile, loads)}"
+            cost = f"up to {significant(seconds, 2)} s{_memory(method, case.profile, loads)}"
             lines.append(f"{name} may take {cost}: {_cheaper(case.profile, loads)}")
     return lines
 
@@ -56,7 +57,7 @@ def _memory(method: Method, profile: Profile, loads: Array) -> str:
         for offer in candidates(profile, loads, TOLERANCE, COMPLIANCE, [method])
         if offer.method == method.name and offer.terms == profile.m
     ]
-    return f" and {min(offers) / 1e6:.2g} MB" if offers else ""
+    return f" and {significant(min(offers) / 1e6, 2)} MB" if offers else ""
 
 
 def _cheaper(profile: Profile, loads: Array) -> str:
@@ -66,7 +67,7 @@ def _cheaper(profile: Profile, loads: Array) -> str:
         others = [method for method in registry.METHODS if method.name != PLANNED and method.takes(profile)]
         fast = [method.name for method in others if method.seconds(profile, loads) < LONG]
         return f"choose {', '.join(fast)}, fewer terms or fewer loads"
-    cost = f"{found.seconds:.2g} s and {found.memory / 1e6:.2g} MB"
+    cost = f"{significant(found.seconds, 2)} s and {significant(found.memory / 1e6, 2)} MB"
     return (
         f"method {PLANNED!r} takes about {cost} for a compliance within {TOLERANCE:g} g_0, as `weier plan` explains"
     )

@@ -17,6 +17,7 @@ from weier.methods.registry import PLANNED
 from weier.scene import Case, Scene
 from weier.theory.arguments import shown
 from weier.theory.profile import Profile
+from weier.theory.tables import significant
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,8 @@ class ScenePlan:
     @property
     def _sum_up(self) -> str:
         found, total = len(self.plans), len(self.cases)
-        return f"{found} of {total} cases can be solved, in about {self.seconds:.2g} s and {self.memory / 1e6:.2g} MB"
+        cost = f"{significant(self.seconds, 2)} s and {significant(self.memory / 1e6, 2)} MB"
+        return f"{found} of {total} cases can be solved, in about {cost}"
 
 
 @overload

@@ -1,9 +1,14 @@
-"""Tables of numbers for people: as lines of text, and as HTML for notebooks."""
+"""Numbers and tables of them for people: as lines of text, and as HTML for notebooks."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
+
+
+def significant(value: float, count: int) -> str:
+    """A number with so many significant digits, in full if it is not too long: 430 and not 4.3e+02."""
+    return f"{float(f'{value:.{count}g}'):g}"
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:

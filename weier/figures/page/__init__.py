@@ -27,11 +27,12 @@ from weier.data.files import write_text
 from weier.data.variables import VARIABLES
 from weier.figures.captions import caption
 from weier.figures.page import plans
-from weier.figures.page.cells import largest, significant
+from weier.figures.page.cells import largest
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.figures.page.formulae import typeset
 from weier.pipeline.claims.paper import CRITERIA
 from weier.scene import Scene
+from weier.theory.tables import significant
 
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
 EXPLORER_ID = ID("curves-explorer")
@@ -58,12 +59,12 @@ class ShownFigure(NamedTuple):
 
 
 class ShownClaim(NamedTuple):
-    """A claim; the reason, why it does not hold or is not decided, stands apart from the numbers."""
+    """A claim, with the sentences that say why it does not hold or is not decided, and those with the numbers."""
 
     name: str
     statement: str
-    measured: str
-    reason: str
+    reasons: Sequence[str]
+    measured: Sequence[str]
     outcome: Check
 
 
@@ -156,7 +157,10 @@ def _claims(data: xr.Dataset) -> Section:
         return Section("claims", "Claims", ["This scene checks no claims."])
     names = ("claim", "claim_statement", "claim_measured", "claim_reason", "claim_holds")
     rows = zip(*(data[name].values.tolist() for name in names), strict=True)
-    shown = [ShownClaim(name, says, measured, reason, Check(holds)) for name, says, measured, reason, holds in rows]
+    shown = [
+        ShownClaim(name, says, reason.splitlines(), measured.splitlines(), Check(holds))
+        for name, says, measured, reason, holds in rows
+    ]
     return Section("claims", "Claims", CRITERIA.split("\n\n"), claims=shown)
 
 

@@ -9,8 +9,3 @@ def largest(values: np.ndarray, unknown: str = "") -> str:
     """The largest of those values that are known, or the word `unknown` where none is."""
     known = values[~np.isnan(values)]
     return f"{known.max():.1e}" if known.size else unknown
-
-
-def significant(value: float, count: int) -> str:
-    """A number with so many significant digits, in full if it is not too long."""
-    return f"{float(f'{value:.{count}g}'):g}"

@@ -13,6 +13,7 @@ ALONE = r"\b(?P<greek>gamma|lambda|phi|epsilon)\b|\b(?P<symbol>[DmhkRpxG])(?= ?(
 POWER = r"(?<![\w.])(?P<number>[-+]?\d+(?:\.\d+)?)e(?P<sign>[-+])0*(?P<power>\d+)\b"
 WORDS = r"\b(?P<sum>sum(?= [a-z]_))|\b(?P<infinite>inf)\b|\b(?P<pi>pi)\b"
 PATTERN = re.compile("|".join((SUBSCRIPTED, POWER, WORDS, ALONE)))
+EQUAL = re.compile(r"(</i>) = (?=[\d&])")  # no line ends between a symbol and its value
 
 
 def typeset(text: object) -> Markup:
@@ -20,11 +21,11 @@ def typeset(text: object) -> Markup:
 
     Examples
     --------
-    >>> print(typeset("h = sum g_n at 1.5e-04 p_0*"))
-    <i>h</i> = &sum; <i>g<sub>n</sub></i> at 1.5&times;10<sup>&minus;4</sup> <i>p<sub>0</sub></i><sup>*</sup>
+    >>> print(typeset("h = sum g_n at 1e-04 p_0*"))
+    <i>h</i>&nbsp;=&nbsp;&sum; <i>g<sub>n</sub></i> at 1&times;10<sup>&minus;4</sup> <i>p<sub>0</sub></i><sup>*</sup>
 
     """
-    return Markup(PATTERN.sub(_symbol, str(escape(str(text)))))
+    return Markup(EQUAL.sub(r"\1&nbsp;=&nbsp;", PATTERN.sub(_symbol, str(escape(str(text))))))
 
 
 def _symbol(found: re.Match[str]) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 
 from weier.data.dataset import Status
-from weier.figures.page.cells import largest, significant
+from weier.figures.page.cells import largest
 from weier.methods.registry import PLANNED, numerical_names
+from weier.theory.tables import significant
 
 REFERENCE = numerical_names()[0]  # against it errors are measured, where a scene runs it beside its plans
 NOTE = (

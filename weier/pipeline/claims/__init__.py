@@ -117,17 +117,15 @@ def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
 
 
 def _words(measured: Measured) -> str:
-    return f"{measured.text} {measured.reason}".strip()
+    """The numbers and the reasons, each line one of the cell of a table."""
+    return "<br>".join(map(markdown.plain, [*measured.text.splitlines(), *measured.reason.splitlines()]))
 
 
 def _markdown(title: str, measured: Mapping[str, Measured]) -> str:
     if not measured:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [
-            *map(markdown.plain, (name, CLAIMS[name].statement, _words(each))),
-            each.outcome.text,
-        ]
+        [*map(markdown.plain, (name, CLAIMS[name].statement)), _words(each), each.outcome.text]
         for name, each in measured.items()
     ]
     table = markdown.table(["claim", "the paper says", "measured here", "holds"], rows)

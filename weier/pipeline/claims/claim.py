@@ -16,8 +16,8 @@ Cases = Sequence[xr.Dataset]
 class Measured(NamedTuple):
     """What was measured for a claim.
 
-    text : the numbers, in words
-    reason : why the statement does not hold or is not decided, in whole sentences; empty where it holds
+    text : the numbers, in words, a line a condition
+    reason : why the statement does not hold or is not decided, a sentence a line; empty where it holds
     value, spread : the quantity of the claim, as the mean over an ensemble, and its standard deviation
     members : how many profiles of different phases these are of
     outcome : whether the statement holds

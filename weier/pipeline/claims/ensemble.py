@@ -205,8 +205,8 @@ def combine(findings: Sequence[Sequence[Finding]]) -> Measured:
     first = max(findings[0], key=_distance)
     reasons = [_reason(finding) for finding in every if finding.outcome != Check.yes]
     return Measured(
-        " ".join(map(_describe_values, findings)),
-        " ".join([*LEADS.get(outcome, ()), *reasons]),
+        "\n".join(map(_describe_values, findings)),
+        "\n".join([*LEADS.get(outcome, ()), *reasons]),
         float(first.values.mean()),
         float(first.values.std()),
         len(first.values),
@@ -227,11 +227,18 @@ def _describe_values(findings: Sequence[Finding]) -> str:
 def _statistics(finding: Finding) -> str:
     values, form = finding.values, finding.condition.form
     if values.size == 1:
-        return f"{values[0]:{form}} for {finding.ensemble.name}"
+        return f"{_written(values[0], form)} for {finding.ensemble.name}"
     return (
-        f"{values.mean():{form}} with a spread of {values.std():{form.removeprefix('+')}}, between "
-        f"{values.min():{form}} and {values.max():{form}}, over {values.size} phases for {finding.ensemble.name}"
+        f"{_written(values.mean(), form)} with a spread of {_written(values.std(), form.removeprefix('+'))}, between "
+        f"{_written(values.min(), form)} and {_written(values.max(), form)}, over {values.size} phases for "
+        f"{finding.ensemble.name}"
     )
+
+
+def _written(value: float, form: str) -> str:
+    """A value by its format, and a large one in full: 2100 and not 2.1e+03."""
+    text = f"{value:{form}}"
+    return f"{float(text):{form[:-3]}.0f}" if "e+" in text else text
 
 
 def _reason(finding: Finding) -> str:
