@@ -17,6 +17,9 @@ def test_plain_values_and_merged_keys_are_read():
     [
         *[("1e-3", 1e-3), ("-1E5", -1e5), ("+.5e1", 5.0), ("1.e2", 100.0), ("1.5e-3", 1.5e-3), ("12", 12)],
         *[("1e", "1e"), ("e5", "e5"), ("1e5x", "1e5x"), ("'1e5'", "1e5")],
+        # By YAML 1.1 these are 10, 90, true, a date and 1000.
+        *[("012", 12), ("1:30", "1:30"), ("on", "on"), ("2001-01-01", "2001-01-01"), ("1_000", "1_000")],
+        *[("-.5", -0.5), ("3.", 3.0), ("-.inf", -float("inf")), ("true", True), ("~", None), ("", None)],
     ],
 )
 def test_numbers_are_those_of_people(text, value):
