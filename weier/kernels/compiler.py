@@ -26,7 +26,7 @@ from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic, overload
 from rocket_fft import c2r, r2c
 
-from weier.kernels import interruption, jit
+from weier.kernels import interruption, jit, loads_done
 from weier.kernels.transform import backward, forward
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
@@ -168,17 +168,33 @@ event.register("numba:compiler_lock", _Watch())
 event.register("numba:compile", _Announcer())
 
 
+# What kernels share with Python is known by the names of its addresses: they are others in each process, and kernels
+# are cached.
 llvmlite.binding.add_symbol("weier_asked_to_stop", interruption.ASKED.ctypes.data)
+llvmlite.binding.add_symbol("weier_loads_done", loads_done.DONE.ctypes.data)
+WORD = ir.IntType(64)
+
+
+def _shared(builder: Any, name: str) -> Any:
+    return builder.module.globals.get(name) or ir.GlobalVariable(builder.module, WORD, name)
 
 
 @intrinsic
 def _asked_to_stop(context: Any) -> Any:
-    """Read the flag: by the name of its address, which is another one in each process, since kernels are cached."""
+    """Read the flag."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        name, word = "weier_asked_to_stop", ir.IntType(64)
-        place = builder.module.globals.get(name) or ir.GlobalVariable(builder.module, word, name)
-        return builder.load_atomic(place, ordering="monotonic", align=8)
+        return builder.load_atomic(_shared(builder, "weier_asked_to_stop"), ordering="monotonic", align=8)
+
+    return types.int64(), generate
+
+
+@intrinsic
+def _one_more_load(context: Any) -> Any:
+    """Count, and return what was counted before."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.atomic_rmw("add", _shared(builder, "weier_loads_done"), WORD(1), ordering="monotonic")
 
     return types.int64(), generate
 
@@ -190,6 +206,14 @@ def _compiled_stop_if_asked() -> Any:
             raise InterruptedError
 
     return stop_if_asked
+
+
+@overload(loads_done.count_load, strict=False)
+def _compiled_count_load() -> Any:
+    def count_load() -> None:
+        _one_more_load()  # type: ignore[call-arg]  # numba adds its context
+
+    return count_load
 
 
 @overload(forward, strict=False)

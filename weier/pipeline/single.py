@@ -71,7 +71,7 @@ def solve_one(
     text = _text(title, case, loads)
     scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch_size=1, text=text)
     failures: list[str] = []
-    with waiting(f"solving by {', '.join(methods)}", expected_seconds(case, loads)):
+    with waiting(f"solving by {', '.join(methods)}", expected_seconds(case, loads), loads.size * len(methods)):
         data, cost = solve_batch(scene, [case], failed=failures.append)
     if not (data["status"] == Status.solved).any():
         missed = (data["status"] == Status.not_converged).any()

@@ -9,6 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from numpy.typing import NDArray
 
 from weier.kernels.blas import one_thread
+from weier.kernels.loads_done import count_load
 from weier.methods.bem.contact import DiscreteSolution, blank_solution, count_patches
 
 Array = NDArray[np.float64]
@@ -68,6 +69,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
         solution.residual[load] = max(
             np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
         )
+        count_load()
     return solution
 
 

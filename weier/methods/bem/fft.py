@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.jit import kernel
+from weier.kernels.loads_done import count_load
 from weier.kernels.transform import Spectrum
 from weier.methods.bem.contact import DiscreteSolution, blank_solution, count, count_patches
 from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
@@ -302,4 +303,5 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
             rate, pairs = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, finest), state)
             solution.resistance[load] = rate
             solution.work[load] += pairs
+        count_load()
     return solution

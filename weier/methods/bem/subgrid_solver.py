@@ -8,6 +8,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
+from weier.kernels.loads_done import count_load
 from weier.methods.bem import fft
 from weier.methods.bem.contact_list import ContactTable, append_contacts, blank_table
 from weier.methods.bem.continuum import Continuum
@@ -88,6 +89,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
         table, end = append_contacts(table, end, load, added.contacts)
         corrected.compliance_error[load] = added.compliance_error
         corrected.resistance_error[load] = added.resistance_error
+        count_load()
     return Corrected(
         corrected.plane, corrected.resistance, table, corrected.residual, corrected.work, corrected.compliance_error,
         corrected.resistance_error,

@@ -8,6 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 
 from weier.kernels.arrays import Array
+from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.closure import NodalClosure, Node, state_of_nodes
 from weier.theory.halfplane import eigenvalues
@@ -42,6 +43,7 @@ def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure)
         state, residual[i] = _solve_load(problem, state, float(loads[i]))
         h[i] = kept.total_amplitude - state[-1]
         R[i] = _resistance(problem, state)
+        count_load()
     return h, R, residual
 
 

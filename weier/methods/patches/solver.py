@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
+from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.active_set import TooLargeError, solve_active_set
@@ -134,6 +135,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
         state, steps = solve_state(starts, float(load))
         rows[i] = *_curve_point(surface, state), steps
         edges.append(make_solution(surface, state, load).edges)
+        count_load()
     compliance, indentation, resistance, fraction, count, residual, work = rows.T
     return Curve(
         compliance,
