@@ -1,4 +1,4 @@
-"""Two schemes for the resistance from boundary elements, on the reference values: python -m benchmarks.resistance."""
+"""Two schemes for the resistance with edges of contact on nodes: python -m benchmarks.resistance."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ STEPS = (0.01, 0.03, 0.1, 0.2)
 def by_differences(reference: Reference, step: float) -> Array:
     """Centred differences of the compliance along ln p, one pair of loads at a time."""
     pairs = [load * np.exp([-step, step]) for load in reference.mean_pressure]
-    return np.array([np.diff(curve(reference.profile, p).compliance)[0] / np.diff(p)[0] for p in pairs])
+    return np.array(
+        [np.diff(curve(reference.profile, p, edges="nodes").compliance)[0] / np.diff(p)[0] for p in pairs]
+    )
 
 
 def by_active_set(reference: Reference) -> Array:
     """The slope of the discrete curve on the contact as it stands."""
-    return np.asarray(curve(reference.profile, reference.mean_pressure).resistance)
+    return np.asarray(curve(reference.profile, reference.mean_pressure, edges="nodes").resistance)
 
 
 def main() -> None:

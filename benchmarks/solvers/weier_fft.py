@@ -44,8 +44,9 @@ def begin_with_resistance(problem: Problem) -> Descent:
 def curve(problem: Problem, resistance: bool = False) -> object:
     """The whole curve in one call."""
     return solve_curve(
-        problem.profile, problem.loads, points=problem.points, tolerance=problem.tolerance, resistance=resistance
-    )
+        problem.profile, problem.loads, points=problem.points, tolerance=problem.tolerance, resistance=resistance,
+        edges="nodes",
+    )  # fmt: skip
 
 
 def curve_with_resistance(problem: Problem) -> object:

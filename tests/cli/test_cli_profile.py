@@ -55,9 +55,14 @@ def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
 
 
 def test_settings_reach_the_method(run):
-    code, out, _ = run("solve", *PROFILE, "--loads", "1", "--set", "bem.points=40")
+    chosen = ("--set", "bem.points=40", "--set", "bem.edges=nodes")
+    code, out, _ = run("solve", *PROFILE, "--loads", "1", *chosen)
     assert code == 0
     assert json.loads(out)["methods"]["bem"]["points"] == 40
+    code, _, err = run("solve", *PROFILE, "--loads", "1", *chosen[:2])
+    assert code != 0
+    assert "points must be at least 80" in err
+    assert 'edges="nodes" takes any grid' in err
 
 
 def test_csv_is_printed_and_written(run, tmp_path):

@@ -32,7 +32,7 @@ SCENE = """
 title: Small
 loads: [0.02, 0.3, 1.5]
 methods: [archard, demelio, bem, patches]
-settings: {bem: {points: 64}}
+settings: {bem: {points: 80}}
 contact_edges: true
 studies:
   terms:
@@ -235,9 +235,12 @@ figures:
 """
 SENTENCES = {
     "bare": "Colours show the estimates.",
-    "elements": "Colours show the estimates and a solid line shows boundary elements.",
-    "both": "A solid line shows contact patches and markers show boundary elements.",
-    "all": "Colours show the estimates, a solid line shows contact patches, and markers show boundary elements.",
+    "elements": "Colours show the estimates, a solid line shows boundary elements, and bars show the errors that "
+    "they state.",
+    "both": "A solid line shows contact patches, markers show boundary elements, and bars show the errors that they "
+    "state.",
+    "all": "Colours show the estimates, a solid line shows contact patches, markers show boundary elements, and bars "
+    "show the errors that they state.",
     "many": "Thin lines are single profiles; thick lines and markers are medians over their phases.",
 }
 
@@ -250,6 +253,17 @@ def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
     assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
     for name, sentence in SENTENCES.items():
         assert f" over mean pressure. {sentence} " in caption(loaded, name).text
+
+
+@pytest.mark.parametrize("quantity", ["compliance", "resistance"])
+def test_bars_are_the_errors_that_a_method_states(studies: dict[str, xr.Dataset], quantity: str) -> None:
+    (axes,) = sketch(quantity, [studies["one"]]).axes
+    ((_, _, (bars,)),) = axes.containers  # of boundary elements alone
+    case = studies["one"].sel(solution_method="bem").isel(case=0)
+    partial = case[quantity].values > 0
+    lengths = np.array([np.ptp(bar[:, 1]) for bar in bars.get_segments()])
+    np.testing.assert_allclose(lengths, 2 * case[f"{quantity}_error"].values[partial], rtol=1e-9)
+    assert (lengths > 0).any()
 
 
 def test_studies_of_different_methods_stand_in_one_figure(studies: dict[str, xr.Dataset]) -> None:

@@ -17,10 +17,10 @@ title: Grids
 loads: [0.1, 1.0]
 methods: [bem]
 studies:
-  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 40}}}
-  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80}}}
+  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 40, edges: nodes}}}
+  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: nodes}}}
   between: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: subgrid}}}
-  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80}}}
+  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: nodes}}}
   drawn: {product: {D: 1.25, gamma: 5, m: 2, seed: [7, 8]}, methods: [demelio]}
 """
 

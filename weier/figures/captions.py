@@ -55,6 +55,8 @@ def _describe_methods(cases: Sequence[Collection[str]]) -> str:
     numerical = [find_method(method).label for method in numerical_names() if method in methods]
     for number, label in enumerate(numerical):
         parts.append(f"{'markers show' if number else 'a solid line shows'} {label}")
+    if any("compliance_error" in find_method(method).returns for method in methods):
+        parts.append("bars show the errors that they state")
     *former, last = parts or [""]
     sentence = f"{', '.join(former)}{',' * (len(former) > 1)} and {last}" if former else last
     return f"{sentence[:1].upper()}{sentence[1:]}."

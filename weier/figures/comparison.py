@@ -60,6 +60,16 @@ def _draw_case(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
         drawn = lines.points(case, quantity, method) if beside else lines.line(case, quantity, method)
         if drawn:
             axes.plot(*drawn, **look)
+            _draw_errors(axes, case, quantity, method)
+
+
+def _draw_errors(axes: Axes, case: xr.Dataset, quantity: str, method: str) -> None:
+    """The errors that a method states, as bars: those shorter than a marker or a line is wide vanish behind it."""
+    stated, values = curves.curve(case, f"{quantity}_error", method), curves.curve(case, quantity, method)
+    if stated is not None and values is not None:
+        known = np.isfinite(stated) & (values > 0)
+        loads = case["mean_pressure"].values[known]
+        axes.errorbar(loads, values[known], stated[known], **style.error_bars(method))
 
 
 def _draw_medians(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:

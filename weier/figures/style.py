@@ -100,6 +100,11 @@ def points(method: str) -> dict[str, Any]:
     return line(method) | POINTS | {"marker": look.marker}
 
 
+def error_bars(method: str) -> dict[str, Any]:
+    """Keywords of Axes.errorbar for the errors that a method states, below its line or points."""
+    return {"fmt": "none", "ecolor": line(method)["color"], "elinewidth": 0.6, "zorder": 1.8}
+
+
 def drawn_as_points(methods: Collection[str]) -> list[str]:
     """The numerical methods among these that are drawn as points, beside the line of the most accurate one."""
     return [method for method in registry.numerical_names() if method in methods][1:]

@@ -11,7 +11,7 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
@@ -162,10 +162,9 @@ class Method:
 
     @property
     def returns(self) -> tuple[str, ...]:
-        """The names of what `solve` returns, from the NamedTuple, or the one of several, that its annotation says."""
+        """The names of what `solve` returns, from the NamedTuple that its annotation says."""
         returned = inspect.signature(self.solve, eval_str=True).return_annotation
-        kinds = get_args(returned) or (returned,)
-        return tuple(dict.fromkeys(name for kind in kinds for name in getattr(kind, "_fields", ())))
+        return tuple(getattr(returned, "_fields", ()))
 
     def takes(self, profile: Profile) -> bool:
         """Whether the method applies to a profile."""

@@ -37,6 +37,7 @@ KINDS: dict[str, Check] = {  # by the annotation of a solver's keyword
     "float": _fraction,
     "bool": checked_flag,
     "str": _word,
+    "str | None": lambda name, value: None if value is None else _word(name, value),
 }
 
 

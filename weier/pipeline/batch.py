@@ -126,7 +126,7 @@ def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case
         return str(error)
     bounds = _bounds(case.profile, curves["mean_pressure"], method, solution)
     for name, values in (solution._asdict() | bounds).items():
-        if name in curves:
+        if name in curves and np.size(values):  # a method may tell no edges of contact
             if "edge" in VARIABLES[name].dims:  # one row of a case, of its last method, which may find fewer contacts
                 curves[name][_row(name, position)] = np.nan
             curves[name][_row(name, position, np.shape(values))] = values

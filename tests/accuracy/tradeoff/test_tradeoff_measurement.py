@@ -28,8 +28,9 @@ def error(measured, name, case=1, quantity="compliance"):
 
 def test_errors_fall_with_points_as_the_order_of_the_method_tells(measured):
     """At least of second order: a factor of 16 from 24 to 96 points, halved since crests may lie nearer to nodes."""
-    assert error(measured, "bem 96") < error(measured, "bem 24") / 8
-    assert error(measured, "layer 24") > 100 * error(measured, "bem 96")
+    assert error(measured, "bem nodes 96") < error(measured, "bem nodes 24") / 8
+    assert error(measured, "layer 24") > 100 * error(measured, "bem nodes 96")
+    assert error(measured, "bem 32") < error(measured, "bem nodes 96") / 10
 
 
 def test_contact_patches_have_an_error_of_their_own(measured):
@@ -47,9 +48,9 @@ def test_contact_patches_have_an_error_of_their_own(measured):
 def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
     run = np.isfinite(seconds_per_load(measured))
     names = measured["variant"].values.tolist()
-    assert run[:, names.index("bem 384")].tolist() == [True, False]
-    assert run[:, names.index("bem 96")].all()
-    assert np.isnan(error(measured, "bem 384"))
+    assert run[:, names.index("bem nodes 384")].tolist() == [True, False]
+    assert run[:, names.index("bem nodes 96")].all()
+    assert np.isnan(error(measured, "bem nodes 384"))
 
 
 def test_every_variant_is_a_method_with_its_settings():

@@ -48,8 +48,8 @@ def extremes() -> Iterator[Comparison]:
     for name, case, chosen in EXTREMES:
         loads = _around_events(case, chosen.apart) if isinstance(chosen, AroundEvents) else chosen
         yield Comparison(name, case, loads, variants(case.profile, loads))
-    for name, case, points in GRIDS:
-        yield Comparison(name, case, USUAL, _on_nodes(points))
+    for name, case, grid in GRIDS:
+        yield Comparison(name, case, USUAL, _on_grid(grid))
 
 
 def beside(*loads: float) -> Array:
@@ -116,12 +116,11 @@ def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> 
     return Case(parameters if phases is None else parameters | {"phases": phases}, (), {})
 
 
-def _on_nodes(points: int) -> tuple[Variant, ...]:
-    """Boundary elements on so many nodes, by each of their algorithms."""
+def _on_grid(grid: Settings) -> tuple[Variant, ...]:
+    """Boundary elements on a grid, by each of their algorithms."""
     method = bem.METHOD
     return tuple(
-        Variant(_name(method, algorithm), method.name, {**algorithm, "points": points})
-        for algorithm in method.algorithms
+        Variant(_name(method, algorithm), method.name, {**algorithm, **grid}) for algorithm in method.algorithms
     )
 
 
@@ -158,7 +157,7 @@ EXTREMES: tuple[tuple[str, Case, Array | AroundEvents], ...] = (
     ("waves that cancel to 1 %", _case(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
 )
 GRIDS = (
-    ("3 nodes", ONE_WAVE, MIN_NODES),
-    ("2^20 nodes, one wave", ONE_WAVE, MAX_NODES),
-    ("2^20 nodes, three waves", THREE_WAVES, MAX_NODES),
+    ("3 nodes", ONE_WAVE, {"points": MIN_NODES, "edges": "nodes"}),
+    ("2^20 nodes, one wave", ONE_WAVE, {"points": MAX_NODES}),
+    ("2^20 nodes, three waves", THREE_WAVES, {"points": MAX_NODES}),
 )

@@ -112,12 +112,12 @@ def _least_squares(fit: Fit, samples: Sequence[Sample]) -> Array:
     return np.asarray(nnls(factors / seconds[:, None], np.ones(seconds.size))[0])
 
 
-def _is_default(method: str, but: str = "") -> Callable[[Sample], bool]:
-    """Whether a sample of a method has its default settings, all or all but one."""
+def _has_settings(method: str, free: str = "", **settings: Any) -> Callable[[Sample], bool]:
+    """Whether a sample of a method has these settings, whatever the free one is, and its defaults otherwise."""
 
     def used(sample: Sample) -> bool:
-        default = all_settings(find_method(method), {})
-        return all(name == but or sample.settings[name] == value for name, value in default.items())
+        wanted = all_settings(find_method(method), settings)
+        return all(name == free or sample.settings[name] == value for name, value in wanted.items())
 
     return used
 
@@ -158,7 +158,7 @@ def _estimate(sample: Sample) -> float:
 GRID, CONTACTS = bem.error_model, patches.error_model
 FITS = {
     bem.METHOD.name: Fit(
-        _is_default(bem.METHOD.name, but="points"),
+        _has_settings(bem.METHOD.name, "points", edges="nodes"),
         (
             Term("BEM_COMPLIANCE", GRID.COMPLIANCE, _grid_compliance),
             Term("BEM_RESISTANCE", GRID.RESISTANCE, _grid_resistance),
@@ -183,8 +183,10 @@ FITS = {
         ),
         CONTACTS.SECONDS_START,
     ),
-    layer.METHOD.name: Fit(_is_default(layer.METHOD.name), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)),
+    layer.METHOD.name: Fit(
+        _has_settings(layer.METHOD.name), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)
+    ),
     demelio.METHOD.name: Fit(
-        _is_default(demelio.METHOD.name), (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)
+        _has_settings(demelio.METHOD.name), (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)
     ),
 }

@@ -16,9 +16,9 @@ from weier.kernels.arrays import Array
 
 LIGHT_LOAD, HEAVY_LOAD = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
 NOTE = """\
-Each row is one method at one setting, on all profiles that it was run on. `bem 96` has 96 points for each of the
-finest waves (`h`: without the resistance; `1e-04`: stopped at that residual), `layer 24` has 24 points a wave, and
-`patches 1e-06` has that tolerance.
+Each row is one method at one setting, on all profiles that it was run on. `bem 32` has 32 points for each of the
+finest waves, with the edges of contact between the nodes (`bem nodes 96`: on nodes; `1e-04`: stopped at that
+residual), `layer 24` has 24 points a wave, and `patches 1e-06` has that tolerance.
 
 Errors are distances from the exact contact: closed forms for one wave and for full contact, and otherwise contact
 patches at a tolerance of 1e-12 on the same profile shifted along x. The error of the compliance h is in

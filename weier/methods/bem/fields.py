@@ -8,14 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.methods.bem import fft
+from weier.methods.bem.checks import check_residual, check_tolerance, checked_points
 from weier.methods.bem.grids import full_contact, nested_grids
-from weier.methods.bem.solver import (
-    check_residual,
-    check_tolerance,
-    checked_points,
-    full_contact_load,
-    full_contact_pressure,
-)
+from weier.methods.bem.solver import full_contact_load, full_contact_pressure
 from weier.theory.loads import checked_load
 from weier.theory.profile import Profile
 
@@ -37,7 +32,7 @@ class Field(NamedTuple):
 def field(profile: Profile, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
     """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
-    Parameters are those of `curve`.
+    Parameters are those of `curve` with edges "nodes".
 
     Raises
     ------

@@ -2,59 +2,40 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.methods.bem import direct, fft, subgrid_solver
+from weier.methods.bem import direct, error_model, fft, subgrid_solver
+from weier.methods.bem.checks import check_residual, check_resistance, check_tolerance, checked_edges, checked_points
 from weier.methods.bem.contact import blank_solution
 from weier.methods.bem.contact_list import ContactTable
 from weier.methods.bem.continuum import make_continuum
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
 from weier.methods.errors import ConvergenceError
-from weier.theory.arguments import checked_number
 from weier.theory.halfplane import eigenvalues, influence_coefficients
-from weier.theory.limits import check_points, check_resolvable
+from weier.theory.limits import check_points
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
 Array = NDArray[np.float64]
-
-POINTS_PER_WAVE = 64  # of the finest wave: an error of h below 7e-4 g_0
-MIN_SUBGRID_POINTS_PER_WAVE = 16  # of the finest wave: fewer were not measured
 
 
 class Curve(NamedTuple):
     """Boundary-element curves over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
-    resistance : dh/dp of the contact as it stands, in g_0/p_0*
-    contact_fraction : nodes in contact per node
-    patch_count : contacts in one period; 0 in full contact
-    residual : largest violation of a contact condition, on a freshly applied operator, in g_0
-    work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
-    points : nodes in one period, a scalar
-    """
-
-    compliance: Array
-    resistance: Array
-    contact_fraction: Array
-    patch_count: NDArray[np.int64]
-    residual: Array
-    work: Array
-    points: int
-
-
-class SubgridCurve(NamedTuple):
-    """The same with the edges of contact between the nodes, and the errors that this states; each of shape (loads,).
-
-    compliance, resistance, residual, work, points : as in `Curve`, residual and work of the solution on the grid
-    contact_fraction : length in contact per length
+    resistance : dh/dp, in g_0/p_0*; with edges "nodes", of the contact as it stands
+    contact_fraction : length in contact per length; with edges "nodes", nodes in contact per node
     patch_count : contacts in one period, those between two nodes among them; 0 in full contact
-    compliance_error, resistance_error : expected, in g_0 and g_0/p_0*
-    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0; padded with NaN
+    residual : largest violation of a contact condition on the grid, on a freshly applied operator, in g_0
+    work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
+    compliance_error : expected, in g_0; with edges "nodes", a bound that holds at all loads
+    resistance_error : expected, in g_0/p_0*; NaN with edges "nodes": a grid does not see births between its nodes
+    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
+        with edges "nodes" there are none
+    points, edges : nodes in one period, and where the edges of contact stand; scalars
     """
 
     compliance: Array
@@ -63,10 +44,11 @@ class SubgridCurve(NamedTuple):
     patch_count: NDArray[np.int64]
     residual: Array
     work: Array
-    points: int
     compliance_error: Array
     resistance_error: Array
     contact_edge: Array
+    points: int
+    edges: str
 
 
 class Contacts(NamedTuple):
@@ -93,8 +75,8 @@ def curve(
     points: int | None = None,
     tolerance: float = 1e-10,
     resistance: bool = True,
-    edges: str = "nodes",
-) -> Curve | SubgridCurve:
+    edges: str | None = None,
+) -> Curve:
     """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
     Parameters
@@ -106,20 +88,21 @@ def curve(
     solver : "fft" or "direct"
         The fast solver, or the paper's dense one: the same discrete system, equal to rounding.
     points : int, optional
-        Nodes in one period; 64 for each of the finest waves unless told.
+        Nodes in one period; unless told, 32 for each of the finest waves, or 64 with edges "nodes".
     tolerance : float
         Largest residual, in g_0.
     resistance : bool
         Whether the fast solver should solve for the resistance too; without, it is NaN. It costs nothing beside
         edges "subgrid", which need it anyway.
-    edges : "nodes" or "subgrid"
-        Whether the edges of contact stand on nodes, as in Section 5.1, or between them, where the continuum has them
-        (docs/subgrid.md). The latter takes the fast solver and at least 16 points for each of the finest waves.
+    edges : "subgrid" or "nodes", optional
+        Whether the edges of contact stand between the nodes, where the continuum has them (docs/subgrid.md), or on
+        nodes, as in Section 5.1. The fast solver does the former unless told, and takes at least 16 points for each
+        of the finest waves then; the dense solver knows the latter only.
 
     Returns
     -------
-    Curve or SubgridCurve
-        Arrays over the loads; with edges "subgrid" also the errors that are expected of them.
+    Curve
+        Arrays over the loads, with the errors that are expected of them.
 
     Raises
     ------
@@ -131,20 +114,25 @@ def curve(
 
     Notes
     -----
-    With edges "nodes" the compliance converges as about N^-2. The resistance is the exact derivative of the discrete
-    h(p), which is linear as long as no node changes side; it converges as 1/N, since the edges of contact move by
-    whole nodes. With edges "subgrid" they converge as N^-3 and N^-2.
+    Compliance and resistance converge as N^-3 and N^-2. With edges "nodes" they do so as N^-2, about, and N^-1: the
+    resistance is then the exact derivative of the discrete h(p), which is linear as long as no node changes side, and
+    the edges of contact move by whole nodes.
 
     """
     loads = checked_loads(mean_pressure)
-    points = checked_points(profile, points)
     check_tolerance(tolerance)
-    if solver not in ("fft", "direct"):
-        raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    edges = checked_edges(edges, solver)
+    points = checked_points(profile, points, edges)
     check_points(points, dense=solver == "direct")
-    check_edges(edges, solver, points, profile.waves_per_period[-1])
     if edges == "subgrid":
         return _subgrid_curve(profile, loads, points, tolerance, resistance)
+    return _nodal_curve(profile, loads, points, tolerance, resistance, solver)
+
+
+def _nodal_curve(
+    profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool, solver: str
+) -> Curve:
+    """The curve with the edges of contact on nodes."""
     partial = loads[loads < full_contact_load(profile, points)]
     if partial.size == 0:
         solution = blank_solution(0)
@@ -157,35 +145,41 @@ def curve(
         influence = influence_coefficients(points, profile.period)
         solution = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
     check_residual(solution.residual, partial, points, tolerance)
-    _check_resistance(solution.resistance, partial, points)
+    check_resistance(solution.resistance, partial, points)
+    residual = _fill(loads, solution.residual, 0.0)
     return Curve(
         _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
         _fill(loads, solution.resistance, 0.0),
         _fill(loads, solution.contact_nodes / points, 1.0),
         _fill(loads, solution.patches, 0).astype(np.int64),
-        _fill(loads, solution.residual, 0.0),
+        residual,
         _fill(loads, solution.work, 0),
+        error_model.solution_error(profile, points, residual),
+        np.full(loads.size, np.nan),
+        np.full((loads.size, 0), np.nan),
         points,
+        "nodes",
     )
 
 
-def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool) -> SubgridCurve:
-    """The curve with the edges of contact between the nodes."""
+def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool) -> Curve:
+    """The curve with the edges of contact between nodes."""
     solution = _solve_subgrid(profile, loads, points, tolerance)
     count = _fill(loads, solution.contacts.number, 0).astype(np.int64)
     fraction = np.where(solution.contacts.number > 0, _total_width(solution.contacts) / profile.period, 1.0)
     edge = _padded_edges(solution.contacts, loads.size)
-    curve = SubgridCurve(
+    curve = Curve(
         _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
         _fill(loads, solution.resistance, 0.0),
         _fill(loads, fraction, 1.0),
         count,
         _fill(loads, solution.residual, 0.0),
         _fill(loads, solution.work, 0),
-        points,
         _fill(loads, solution.compliance_error, 0.0),
         _fill(loads, solution.resistance_error, 0.0),
         edge,
+        points,
+        "subgrid",
     )
     unknown = np.full(loads.size, np.nan)
     return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
@@ -221,9 +215,8 @@ def contacts(
     The parameters, and what is raised, are those of `curve` with edges "subgrid".
     """
     loads = checked_loads(mean_pressure)
-    points = checked_points(profile, points)
     check_tolerance(tolerance)
-    check_edges("subgrid", "fft", points, profile.waves_per_period[-1])
+    points = checked_points(profile, points, "subgrid")
     table = _solve_subgrid(profile, loads, points, tolerance).contacts
     none = np.empty(0)
     found = []
@@ -241,61 +234,6 @@ def _fill(loads: Array, values: NDArray[Any], at_full_contact: float) -> NDArray
     return np.concatenate([values, np.full(loads.size - values.size, at_full_contact)])
 
 
-def checked_points(profile: Profile, points: int | None = None) -> int:
-    """`points` if the finest wave can be seen on them, or the default.
-
-    Raises
-    ------
-    ValueError
-        If there are no more than two points a wave, or more than a computer holds.
-
-    """
-    check_resolvable(profile)
-    finest = profile.waves_per_period[-1]
-    if points is None:
-        return POINTS_PER_WAVE * finest
-    condition = (
-        f"be a whole number above {2 * finest}, two for each of the {finest} finest waves in a period "
-        f"({POINTS_PER_WAVE * finest} is the default)"
-    )
-    count = checked_number("points", points, condition, lambda count: count > 2 * finest and count == count // 1)
-    check_points(count)
-    return int(count)
-
-
-def check_edges(edges: str, solver: str, points: int, finest: int) -> None:
-    """Refuse edges of contact that are unknown, or that the solver or the points for `finest` waves do not allow.
-
-    Raises
-    ------
-    ValueError
-        If they are.
-
-    """
-    if edges not in ("nodes", "subgrid"):
-        raise ValueError(f'edges must be "nodes" or "subgrid", got {edges!r}')
-    if edges == "subgrid" and solver != "fft":
-        raise ValueError(f'edges="subgrid" takes solver="fft", got {solver!r}; edges="nodes" takes any solver')
-    if edges == "subgrid" and points < MIN_SUBGRID_POINTS_PER_WAVE * finest:
-        raise ValueError(
-            f'edges="subgrid" takes at least {MIN_SUBGRID_POINTS_PER_WAVE * finest} points, '
-            f"{MIN_SUBGRID_POINTS_PER_WAVE} for each of the {finest} finest waves in a period, got {points}; "
-            'edges="nodes" takes any grid'
-        )
-
-
-def check_tolerance(tolerance: float) -> None:
-    """Refuse a tolerance, in g_0, that is no positive number.
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-
-    """
-    checked_number("tolerance", tolerance, "be a positive length in g_0, such as 1e-10", lambda t: 0 < t < math.inf)
-
-
 def full_contact_load(profile: Profile, points: int) -> float:
     """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
@@ -304,37 +242,6 @@ def full_contact_load(profile: Profile, points: int) -> float:
 def full_contact_pressure(height: Array, period: float) -> Array:
     """The pressures, of mean 0, that press these heights at the nodes of a period flat."""
     return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
-
-
-def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
-    """Refuse a solution with a residual above the tolerance, in g_0, or without one.
-
-    Raises
-    ------
-    ConvergenceError
-        With the first such residual and its load.
-
-    """
-    missed = np.flatnonzero(~(residual <= tolerance))
-    if missed.size:
-        worst = missed[0]
-        raise ConvergenceError(
-            f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
-            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
-            "tolerance",
-            float(residual[worst]),
-        )
-
-
-def _check_resistance(resistance: Array, loads: Array, points: int) -> None:
-    """Refuse a resistance that the solver gave up, which it says by inf."""
-    missed = np.flatnonzero(np.isinf(resistance))
-    if missed.size:
-        raise ConvergenceError(
-            f"boundary elements on {points} points found the compliance but not the resistance under the mean "
-            f"pressure {loads[missed[0]]:.6g} p_0*; try other points, or resistance=False",
-            np.inf,
-        )
 
 
 def _total_width(table: ContactTable) -> Array:

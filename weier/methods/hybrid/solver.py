@@ -7,7 +7,7 @@ from typing import NamedTuple
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.bem.solver import checked_points
+from weier.methods.bem import checked_points
 from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads

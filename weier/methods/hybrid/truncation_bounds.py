@@ -54,9 +54,9 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
     loads = checked_loads(mean_pressure)
     with counted_as(0):
-        h = bem.curve(kept, loads, points=points, tolerance=residual, resistance=False).compliance
+        curve = bem.curve(kept, loads, points=points, tolerance=residual, resistance=False, edges="nodes")
     error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL_FACTOR * residual
-    return complete_bounds(h, tail, profile.total_amplitude, error)
+    return complete_bounds(curve.compliance, tail, profile.total_amplitude, error)
 
 
 def check_infinite(profile: Profile) -> None:
