@@ -9,7 +9,15 @@ from weier.methods import patches
 from weier.methods.patches import active_set
 from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
 from weier.methods.patches.fields import ContactState
-from weier.methods.patches.initial_guess import InitialGuess, contacts_guess, sort_segments, transfer_density
+from weier.methods.patches.initial_guess import (
+    InitialGuess,
+    Intervals,
+    contacts_guess,
+    intervals_of,
+    refine_density,
+    sort_segments,
+    transfer_density,
+)
 from weier.methods.patches.newton import NewtonResult, NewtonStatus, newton_iteration
 from weier.methods.patches.surface import Surface, surface_of
 
@@ -32,7 +40,7 @@ def test_convergence_is_exponential_in_nodes(load, counts):
     old, errors = state.segments, []
     for count in counts:
         node_count = np.full(old.centre.size, count)
-        guess, _ = transfer_density(surface, state, old.crest, old.centre, old.half_width, node_count=node_count)
+        guess, _ = transfer_density(surface, state, intervals_of(old), node_count=node_count)
         fewer = newton_on(surface, guess, load)
         assert fewer.status == NewtonStatus.converged
         errors.append(abs(fewer.approach / state.approach - 1) + 1e-16)
@@ -61,7 +69,8 @@ def test_edges_alone_are_enough_to_start_from(load):
     """Contacts a little off, with the forces that they carry: Newton's method on few nodes takes a few steps."""
     surface, solution = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, load)
     force = np.full(solution.centre.size, load / solution.centre.size)
-    guess = contacts_guess(surface, solution.centre, 1.01 * solution.half_width, force, load, 1e-10)
+    guess = contacts_guess(surface, solution.centre, 1.01 * solution.half_width, force, 1e-10)
+    guess = refine_density(surface, guess, load)
     coarse = solve_on_few_nodes(surface, guess, load, False)
     assert coarse.status == NewtonStatus.converged
     assert coarse.steps <= 4
@@ -80,7 +89,7 @@ def test_contacts_and_gaps_are_one_solution():
     crest = np.array([np.argmin(np.abs((heights.crest_position - x + 0.5) % 1 - 0.5)) for x in gaps.centre])
     centre = (gaps.centre - heights.crest_position[crest] + 0.5) % 1 - 0.5
     counts = np.full(crest.size, 80)
-    segments, order = sort_segments(heights, crest, centre, gaps.half_width * 0.999, node_count=counts)
+    segments, order = sort_segments(heights, Intervals(crest, centre, gaps.half_width * 0.999), node_count=counts)
     phi = [gaps.pressure(gaps.centre[j] + gaps.half_width[j] * segments.node[:80] * 0.999) for j in order]
     phi = np.concatenate(phi) / np.sqrt(1 - segments.node**2)
     primal = newton_on(surface, InitialGuess(False, segments, phi, 0.0), load)

@@ -5,7 +5,7 @@ import pytest
 
 from weier import Profile
 from weier.methods.patches.collocation import assemble
-from weier.methods.patches.initial_guess import sort_segments
+from weier.methods.patches.initial_guess import Intervals, sort_segments
 from weier.methods.patches.products import change_of, products, residuals
 from weier.methods.patches.segments import move_segments
 from weier.methods.patches.surface import surface_of
@@ -15,7 +15,7 @@ from weier.methods.patches.surface import surface_of
 def test_jacobian_is_the_derivative(dual):
     series, load = surface_of(Profile(1.4, "3/2", 3, (0.0, 1.0, 2.0))).series(dual), 1.3
     crest, centre, half_width = np.array([0, 2]), np.array([0.02, -0.03]), np.array([0.11, 0.2])
-    segments, _ = sort_segments(series, crest, centre, half_width, node_count=np.array([4, 6]))
+    segments, _ = sort_segments(series, Intervals(crest, centre, half_width), node_count=np.array([4, 6]))
     rng = np.random.default_rng(1)
     unknowns = rng.normal(size=segments.node.size + 5)
     r = segments.half_width
@@ -50,7 +50,7 @@ def test_products_without_a_matrix(dual):
     series, load = surface_of(Profile(1.4, 5, 3, (0.0, 1.0, 2.0))).series(dual), 0.7
     rng = np.random.default_rng(2)
     crest, half_width = np.array([0, 2, 5]), np.array([0.01, 0.02, 1e-7])
-    segments, _ = sort_segments(series, crest, np.zeros(3), half_width, node_count=np.array([5, 8, 4]))
+    segments, _ = sort_segments(series, Intervals(crest, np.zeros(3), half_width), node_count=np.array([5, 8, 4]))
     phi = rng.normal(size=segments.node.size)
     jacobian, right_side = assemble(segments, phi, 0.3, series, load, dual)
     direction = rng.normal(size=jacobian.shape[0])

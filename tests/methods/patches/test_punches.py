@@ -1,4 +1,4 @@
-"""Punches with given edges: closed forms, symmetry, and the inverse of the forces between them."""
+"""Punches and cracks with given edges: closed forms, symmetry, and the inverse of the forces between them."""
 
 import numpy as np
 import pytest
@@ -17,10 +17,10 @@ from weier.methods.patches.punches import (
 )
 
 
-def random_punches(count, nodes):
+def random_punches(count, nodes, dual=False):
     rng = np.random.default_rng(count)
     centre = (np.arange(count) + 0.5 * rng.random(count)) / count
-    return make_punches(centre, rng.uniform(0.02, 0.24, count) / count, np.full(count, nodes), 1.0)
+    return make_punches(centre, rng.uniform(0.02, 0.24, count) / count, np.full(count, nodes), 1.0, dual)
 
 
 @pytest.mark.parametrize("share", [1e-3, 0.1, 0.5, 0.9])
@@ -37,9 +37,26 @@ def test_one_flat_punch_a_period(share):
     np.testing.assert_allclose(solved.force, np.pi / 60 * punches.half_width * singular, rtol=1e-9)
 
 
-def test_the_influence_is_symmetric_and_positive():
-    punches = random_punches(20, 9)
+@pytest.mark.parametrize("share", [1e-3, 0.1, 0.5, 0.9])
+def test_one_crack_a_period(share):
+    period = 2.0
+    cracks = make_punches(np.array([0.6]), np.array([0.5 * share * period]), np.array([60]), period, True)
+    solved = solve_forces_on_contacts(cracks, np.ones(60), 1.0, np.zeros(60), Bounds(1e-13, 0.0, np.inf))
+    # Koiter's row of cracks: w = 2 L arcosh(cos(pi y/L)/cos(pi a/L)) under unit tension, where A^-1 is |k|.
+    y, sine = np.pi / period * (cracks.position - 0.6), np.sin(np.pi / 2 * share)
+    ratio = np.sqrt((sine - np.sin(y)) * (sine + np.sin(y))) / np.cos(np.pi / 2 * share)
+    gap = 2 * period * np.arcsinh(ratio)
+    weight = np.pi / 61 * np.sin(np.arange(60, 0, -1) * np.pi / 61) * cracks.half_width
+    np.testing.assert_allclose(solved.force, weight * gap, rtol=1e-9)
+    assert solved.plane == pytest.approx(-2 * period * np.log(np.cos(np.pi / 2 * share)), rel=1e-12)
+
+
+@pytest.mark.parametrize("dual", [False, True])
+def test_the_influence_is_symmetric_and_positive(dual):
+    punches = random_punches(20, 9, dual)
     one, other = np.random.default_rng(3).normal(size=(2, 180))
+    if dual:  # nodal forces of smooth gaps, small near the edges
+        one, other = (np.tile(punches.groups[0].rule.weight, 20) * each for each in (one, other))
     one, other = one - one.mean(), other - other.mean()
     assert one @ displacement(punches, other) == pytest.approx(other @ displacement(punches, one), rel=1e-11)
     assert one @ displacement(punches, one) > 0
@@ -60,6 +77,17 @@ def test_forces_between_punches(count):
 
 @one_thread
 @pytest.mark.parametrize("count", [30, 1000])
+def test_steps_do_not_grow_with_the_gaps(count):
+    cracks = random_punches(count, 8, True)
+    tension = np.ones(8 * count)
+    solved = solve_forces_on_contacts(cracks, tension, 1.0, 0 * tension, Bounds(1e-10, 0.0, np.inf))
+    pressure = displacement(cracks, solved.force) - tension
+    assert np.abs(pressure).max() * 2 * cracks.half_width.min() < 1e-9 * solved.plane
+    assert solved.steps < 25
+
+
+@one_thread
+@pytest.mark.parametrize("count", [30, 1000])
 def test_steps_do_not_grow_with_the_contacts(count):
     punches = random_punches(count, 8)
     none = np.zeros(8 * count)
@@ -70,14 +98,23 @@ def test_steps_do_not_grow_with_the_contacts(count):
     assert solved.steps < 20
 
 
-def test_expansions():
-    punches = random_punches(3, 7)
+@pytest.mark.parametrize("dual", [False, True])
+def test_expansions(dual):
+    punches = random_punches(3, 7, dual)
     a = np.zeros(21)
-    a[[0, 4, 7, 8, 14]] = 1.0, 0.3, 2.0, -0.5, 1.5  # phi of three contacts, of degree 4 at most
+    a[[0, 4, 7, 8, 14]] = 1.0, 0.3, 2.0, -0.5, 1.5  # phi of three segments, of degree 4 at most
+    if dual:
+        a[[0, 4, 7, 8, 11, 14]] = 0.0, 0.0, 0.0, 0.5, -0.2, 0.0  # a gap closes at its far end: only odd ones here
     b = expansion_of_regular_part(punches, a)
     np.testing.assert_allclose(regular_part(punches, b), a, atol=1e-15)
-    force = forces_of_expansion(b.reshape(3, 7), punches.half_width, 7).ravel()
+    force = forces_of_expansion(b.reshape(3, 7), punches.half_width, 7, dual).ravel()
     np.testing.assert_allclose(expansion(punches, force), b, atol=1e-14)
-    t = punches.groups[0].rule.node
-    phi = 1 + 0.3 * (16 * t**4 - 12 * t**2 + 1)
-    np.testing.assert_allclose(force[:7], np.pi / 7 * punches.half_width[0] * (1 - t**2) * phi, rtol=1e-12)
+    rule, r = punches.groups[0].rule, punches.half_width
+    t = rule.node
+    if not dual:
+        phi = 1 + 0.3 * (16 * t**4 - 12 * t**2 + 1)
+        np.testing.assert_allclose(force[:7], np.pi / 7 * r[0] * (1 - t**2) * phi, rtol=1e-12)
+    else:  # dw/dx = t sqrt(1-t^2) for a_1 = 1/2
+        b[7:14] = expansion_of_regular_part(punches, np.where(np.arange(21) == 8, 0.5, 0.0))[7:14]
+        force = forces_of_expansion(b.reshape(3, 7), r, 7, True)
+        np.testing.assert_allclose(force[1], -(r[1] ** 2) / 3 * rule.weight * (1 - t**2), rtol=1e-12)

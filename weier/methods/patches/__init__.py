@@ -19,10 +19,10 @@ initial_guess, inequalities, active_set
     one load: what Newton's method starts from, which segments are missing or wrong, and the iteration over both
 start
     the contacts that a load is likely to have, by boundary elements on a coarse grid, or by crests
-log_sums, punch_forces, punches
-    any number of contacts with given edges, by fast sums and conjugate gradients
-punch_edges, edge_iteration, wave_by_wave, punch_inequalities, many_contacts
-    one load on any number of contacts: Newton's method on their edges, where it starts, and which are missing
+pair_sums, punch_forces, punches
+    any number of contacts or gaps with given edges, by fast sums and conjugate gradients
+punch_edges, edge_iteration, punch_inequalities, many_contacts
+    one load on any number of contacts or gaps: Newton's method on their edges, and which are missing
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
 error_model, candidates, method

@@ -12,13 +12,15 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.defect_correction import Refined, refine
+from weier.methods.patches.defect_correction import refine
 from weier.methods.patches.fields import ContactState, complementary_residual, expand
 from weier.methods.patches.inequalities import NegativeIntervals, find_missing_segments, find_negative_intervals
 from weier.methods.patches.initial_guess import (
     COARSE_TOLERANCE,
     InitialGuess,
+    Intervals,
     hertz_density,
+    intervals_of,
     keep_segments,
     transfer_density,
 )
@@ -120,7 +122,7 @@ def solve_on_many_nodes(
     for _ in range(MAX_NODE_ROUNDS):
         refined = refine(coarse, count, series, load, dual, tolerance)
         steps += refined.steps
-        if not refined.converged:
+        if refined.status != NewtonStatus.converged:
             break
         state = _state_of(refined, dual, load)
         more = increase_node_count(state.segments, state.coefficient, load, tolerance)
@@ -130,7 +132,7 @@ def solve_on_many_nodes(
     return None, steps, refined.step_size
 
 
-def _state_of(result: NewtonResult | Refined, dual: bool, load: float) -> ContactState:
+def _state_of(result: NewtonResult, dual: bool, load: float) -> ContactState:
     """The state, unchecked, that solves the equations."""
     coefficient = expand(result.segments, result.phi)
     unknowns = result.approach, result.segments, result.phi, coefficient, result.sensitivity
@@ -143,8 +145,8 @@ def _with_nodes(
     """A guess with so many nodes on each segment."""
     if np.any(node_count > MAX_NODES):
         raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", step_size)
-    few, state = coarse.segments, _state_of(coarse, dual, load)
-    return transfer_density(surface, state, few.crest, few.centre, few.half_width, node_count=node_count)[0]
+    state = _state_of(coarse, dual, load)
+    return transfer_density(surface, state, intervals_of(coarse.segments), node_count=node_count)[0]
 
 
 def _correct_inequalities(surface: Surface, state: ContactState, tolerance: float) -> InitialGuess | None:
@@ -160,12 +162,10 @@ def _correct_inequalities(surface: Surface, state: ContactState, tolerance: floa
     negative = find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside)))
     if missing.y.size == 0 and negative.segment.size == 0:
         return None
-    crest, centre, half_width = _cut_segments(state.segments, negative)
-    old_count = crest.size
-    crest = np.concatenate([crest, missing.crest])
-    centre = np.concatenate([centre, missing.y])
-    half_width = np.concatenate([half_width, missing.half_width])
-    guess, order = transfer_density(surface, state, crest, centre, half_width, tolerance)
+    left = _cut_segments(state.segments, negative)
+    old_count, new = left.crest.size, (missing.crest, missing.y, missing.half_width)
+    both = Intervals(*(np.concatenate(parts) for parts in zip(left, new, strict=True)))
+    guess, order = transfer_density(surface, state, both, tolerance)
     for j in np.flatnonzero(order >= old_count):
         here = slice(guess.segments.first_node[j], guess.segments.first_node[j + 1])
         curvature = missing.curvature[order[j] - old_count]
@@ -173,8 +173,8 @@ def _correct_inequalities(surface: Surface, state: ContactState, tolerance: floa
     return guess
 
 
-def _cut_segments(old: Segments, negative: NegativeIntervals) -> tuple[Indices, Array, Array]:
-    """Crests, centres and half-widths of what is left of each segment without its negative intervals."""
+def _cut_segments(old: Segments, negative: NegativeIntervals) -> Intervals:
+    """What is left of each segment without its negative intervals."""
     crest, centre, half_width = [], [], []
     for j in range(old.centre.size):
         here = negative.segment == j
@@ -183,7 +183,7 @@ def _cut_segments(old: Segments, negative: NegativeIntervals) -> tuple[Indices, 
                 crest.append(old.crest[j])
                 centre.append(old.centre[j] + old.half_width[j] * 0.5 * (a + b))
                 half_width.append(old.half_width[j] * 0.5 * (b - a))
-    return np.array(crest, np.int64), np.array(centre), np.array(half_width)
+    return Intervals(np.array(crest, np.int64), np.array(centre), np.array(half_width))
 
 
 def _pieces(start: Array, end: Array) -> list[tuple[float, float]]:
@@ -206,7 +206,7 @@ def remove_or_merge(surface: Surface, state: ContactState, meeting: Flags, vanis
     leftmost = np.flatnonzero(~np.roll(meeting, 1))
     half_width = _merged_half_widths(old, meeting, leftmost, surface.heights.period)
     centre = old.centre[leftmost] + (half_width - old.half_width[leftmost])
-    return transfer_density(surface, state, old.crest[leftmost], centre, half_width)[0]
+    return transfer_density(surface, state, Intervals(old.crest[leftmost], centre, half_width))[0]
 
 
 def _merged_half_widths(old: Segments, meeting: Flags, leftmost: Indices, period: float) -> Array:

@@ -8,14 +8,12 @@ of the error as the density has in the faster modes.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches.chebyshev import expansion_coefficients
-from weier.methods.patches.newton import Factors, NewtonResult, back_substitute, relative_step
+from weier.methods.patches.newton import Factors, NewtonResult, NewtonStatus, back_substitute, relative_step
 from weier.methods.patches.products import change_of, products, residuals
 from weier.methods.patches.segments import Segments, make_segments, move_segments
 from weier.methods.patches.surface import CosineSeries
@@ -27,28 +25,14 @@ SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections wou
 MAX_RESISTANCE_CHANGE = 1e-8  # of it by the last correction, where rounding ends them
 
 
-class Refined(NamedTuple):
-    """The unknowns on many nodes, in the order of `collocation`, and how they were found.
-
-    converged : whether the steps fell below the tolerance, or to rounding
-    steps : corrections of the solution and of its sensitivity
-    step_size : as in `NewtonResult`
-    segments, phi, approach, sensitivity : as in `ContactState`
-    """
-
-    converged: bool
-    steps: int
-    step_size: float
-    segments: Segments
-    phi: Array
-    approach: float
-    sensitivity: Array
-
-
 def refine(
     coarse: NewtonResult, node_count: Indices, series: CosineSeries, load: float, dual: bool, tolerance: float
-) -> Refined:
-    """Solve on so many nodes of each segment, from the solution on few."""
+) -> NewtonResult:
+    """Solve on so many nodes of each segment, from the solution on few: its result with the unknowns on many nodes.
+
+    The steps are corrections of the solution and of its sensitivity. The status is `converged` if they fell below the
+    tolerance, or to rounding.
+    """
     few = coarse.segments
     segments = make_segments(few.crest, few.origin, few.centre, few.half_width, node_count, series.period)
     phi = prolong_density(coarse.phi, few.first_node, segments.first_node, np.zeros(segments.node.size))
@@ -73,7 +57,15 @@ def refine(
     if converged:
         sensitivity, more, converged = _sensitivity(coarse, segments, phi, series, load, dual)
         steps += more
-    return Refined(converged, steps, step_size, segments, phi, approach, sensitivity)
+    return coarse._replace(
+        status=NewtonStatus.converged if converged else NewtonStatus.stalled,
+        steps=steps,
+        step_size=step_size,
+        segments=segments,
+        phi=phi,
+        approach=approach,
+        sensitivity=sensitivity,
+    )
 
 
 def _sensitivity(

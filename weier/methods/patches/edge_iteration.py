@@ -1,4 +1,7 @@
-"""Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way."""
+"""Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way.
+
+All that is said of contacts holds for gaps (dual), with the gap in place of the pressure.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.fields import series_values
 from weier.methods.patches.punch_edges import (
     EdgeMoves,
     distances,
@@ -24,11 +28,12 @@ from weier.methods.patches.punches import (
     Forces,
     Punches,
     expansion,
+    forces_of_expansion,
     make_punches,
     regular_part,
     solve_forces_on_contacts,
 )
-from weier.theory.profile import Profile
+from weier.methods.patches.surface import CosineSeries
 
 MIN_GAP_LEFT = 0.1  # of a gap, in one step: one that would lose more in two steps running is merged
 MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
@@ -37,6 +42,23 @@ SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their e
 NODES_PER_RADIAN = 0.8  # of the finest wave on a half-width
 MIN_DISTANCE, MAX_DISTANCE = 1e-4, 1e6  # of a neighbour over the half-width, for the estimate of the nodes
 NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
+
+
+class Problem(NamedTuple):
+    """What is solved: contacts that carry a mean pressure, or gaps in the tension of full contact (dual).
+
+    series : the heights, in g_0, or the tensions (dual), in p_0*
+    load : mean pressure, in p_0*
+    dual : whether gaps are solved for
+    """
+
+    series: CosineSeries
+    load: float
+    dual: bool
+
+    def forcing(self, x: Array) -> Array:
+        """The height or, dual, the tension of full contact at x."""
+        return series_values(self.series, x) - (self.load if self.dual else 0.0)
 
 
 class Stage(NamedTuple):
@@ -94,24 +116,32 @@ class Step(NamedTuple):
         return self.moves.largest < SETTLED_MOVE and not np.any(self.vanishing | self.merging | self.tight)
 
 
-def make_guess(profile: Profile, left: Array, right: Array, stage: Stage) -> Guess:
-    """A guess from edges alone."""
-    period = float(profile.period)
+def make_guess(problem: Problem, left: Array, right: Array, carried: Array | None, stage: Stage) -> Guess:
+    """A guess from edges, and from the force that each contact carries if that is known, shape (contacts,)."""
+    period = problem.series.period
     turn = period * np.floor(left / period)
     order = np.argsort(left - turn)
     left, right = (left - turn)[order], (right - turn)[order]
-    count = estimate_nodes(profile, left, right, stage)
-    return Guess(0.5 * (left + right), 0.5 * (right - left), count, np.zeros(count.sum()), np.zeros(left.size, bool))
+    half_width, count = 0.5 * (right - left), estimate_nodes(problem, left, right, stage)
+    force = np.zeros(count.sum())
+    if carried is not None:
+        b = (carried[order] / half_width)[:, None] * np.array([1.0, 0.0, -1.0]) / np.pi  # of Hertz's pressure
+        for each in np.unique(count):
+            here = np.flatnonzero(count == each)
+            nodes = (np.cumsum(count) - count)[here][:, None] + np.arange(each)
+            force[nodes] = forces_of_expansion(b[here], half_width[here], int(each), problem.dual)
+    return Guess(0.5 * (left + right), half_width, count, force, np.zeros(left.size, bool))
 
 
-def estimate_nodes(profile: Profile, left: Array, right: Array, stage: Stage) -> Indices:
+def estimate_nodes(problem: Problem, left: Array, right: Array, stage: Stage) -> Indices:
     """Nodes for the waves within each contact and for the singularities at the edges of its neighbours."""
-    half_width, gap = 0.5 * (right - left), distances(left, right, float(profile.period))
+    half_width, gap = 0.5 * (right - left), distances(left, right, problem.series.period)
     nearest = np.clip(np.minimum(gap, np.roll(gap, 1)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
     ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
-    wavenumber = 2 * np.pi * profile.waves_per_period[-1] / float(profile.period)
     return round_up_nodes(
-        stage.base_nodes + NODES_PER_RADIAN * wavenumber * half_width + stage.nodes_per_neighbour / ln_rho
+        stage.base_nodes
+        + NODES_PER_RADIAN * problem.series.wavenumber[-1] * half_width
+        + stage.nodes_per_neighbour / ln_rho
     )
 
 
@@ -121,12 +151,12 @@ def round_up_nodes(count: NDArray[np.float64]) -> Indices:
     return np.minimum(np.ceil(count / step) * step, MAX_NODES).astype(np.int64)
 
 
-def take_step(profile: Profile, load: float, guess: Guess, stage: Stage) -> Step:
+def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     """Solve for the pressure on the contacts of a guess, and see how their edges must move."""
-    period = float(profile.period)
-    punches = make_punches(guess.centre, guess.half_width, guess.node_count, period)
-    height = profile.height(punches.position)
-    forces = solve_forces_on_contacts(punches, height, load * period, guess.force, stage.bounds)
+    period = problem.series.period
+    punches = make_punches(guess.centre, guess.half_width, guess.node_count, period, problem.dual)
+    forcing = problem.forcing(punches.position)
+    forces = solve_forces_on_contacts(punches, forcing, problem.load * period, guess.force, stage.bounds)
     b = expansion(punches, forces.force)
     a = regular_part(punches, b)
     moves = edge_moves(punches, b, a)
@@ -141,13 +171,13 @@ def take_step(profile: Profile, load: float, guess: Guess, stage: Stage) -> Step
     return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
 
 
-def next_guess(profile: Profile, step: Step, stage: Stage, more_nodes: Array | None = None) -> Guess:
+def next_guess(problem: Problem, step: Step, stage: Stage, more_nodes: Array | None = None) -> Guess:
     """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
     left, right = _moved_edges(step)
     moved = moved_expansion(step.punches, step.b, 0.5 * (left + right), 0.5 * (right - left))
     keep = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
-    merged = np.array(_merged_intervals(left, right, step)).reshape(-1, 2)
-    return rearrange(profile, step, moved, (left, right), keep, merged, stage, more_nodes)
+    merged = np.array(_merged_intervals(problem, left, right, step)).reshape(-1, 2)
+    return rearrange(problem, step, moved, (left, right), keep, merged, stage, more_nodes)
 
 
 def _moved_edges(step: Step) -> tuple[Array, Array]:
@@ -163,11 +193,11 @@ def _moved_edges(step: Step) -> tuple[Array, Array]:
     return centre - r - outward[:, 0], centre + r + outward[:, 1]
 
 
-def _merged_intervals(left: Array, right: Array, step: Step) -> list[tuple[float, float]]:
+def _merged_intervals(problem: Problem, left: Array, right: Array, step: Step) -> list[tuple[float, float]]:
     """From the first to the last of each run of contacts that merge."""
     merging, n, period = step.merging, left.size, step.punches.period
     if np.all(merging):
-        raise ConvergenceError("all gaps have closed before the load of full contact")
+        raise ConvergenceError(f"all gaps or all contacts have closed under {problem.load:.6g} p_0*")
     intervals = []
     for start in np.flatnonzero(merging & ~np.roll(merging, 1)):
         end = start
@@ -178,7 +208,7 @@ def _merged_intervals(left: Array, right: Array, step: Step) -> list[tuple[float
 
 
 def rearrange(
-    profile: Profile, step: Step, b: Array, edges: tuple[Array, Array], keep: Flags, added: NDArray[np.float64],
+    problem: Problem, step: Step, b: Array, edges: tuple[Array, Array], keep: Flags, added: NDArray[np.float64],
     stage: Stage, more_nodes: Array | None = None,
 ) -> Guess:  # fmt: skip
     """A guess of the contacts that are kept, with the expansions b, and of added intervals, shape (added, 2)."""
@@ -192,13 +222,14 @@ def rearrange(
     order = np.argsort(left - turn)
     left, right, origin, tight = (left - turn)[order], (right - turn)[order], origin[order], tight[order]
     centre, half_width = 0.5 * (left + right), 0.5 * (right - left)
-    count = estimate_nodes(profile, left, right, stage)
+    count = estimate_nodes(problem, left, right, stage)
     if more_nodes is not None:
         count = np.where(origin >= 0, round_up_nodes(more_nodes[origin]), count)
     force = transfer_forces(step.punches, b, origin, half_width, count)
     first, old = np.concatenate([[0], np.cumsum(count)]), step.punches
-    sample_forces(
-        old.centre, old.half_width, old.first_node, step.b, period,
-        centre, half_width, first, np.flatnonzero(origin < 0), force,
-    )  # fmt: skip
+    if not problem.dual:  # a new gap lies in contact, where it starts from nothing
+        sample_forces(
+            old.centre, old.half_width, old.first_node, step.b, period,
+            centre, half_width, first, np.flatnonzero(origin < 0), force,
+        )  # fmt: skip
     return Guess(centre, half_width, count, force, tight)

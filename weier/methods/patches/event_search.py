@@ -27,7 +27,7 @@ from weier.methods.patches.fields import (
     density,
     gap_from_slope,
 )
-from weier.methods.patches.initial_guess import transfer_density
+from weier.methods.patches.initial_guess import intervals_of, transfer_density
 from weier.methods.patches.newton import NewtonStatus
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
@@ -246,8 +246,7 @@ class _Search(NamedTuple):
         """The contacts of `start` under another load, as if none were born or merged in between."""
         if load == start.load:
             return start
-        old = start.segments
-        guess, _ = transfer_density(self.surface, start, old.crest, old.centre, old.half_width)
+        guess, _ = transfer_density(self.surface, start, intervals_of(start.segments))
         coarse = solve_on_few_nodes(self.surface, guess, load, True)
         state = None
         if coarse.status == NewtonStatus.converged:

@@ -18,6 +18,7 @@ from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
 
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
+EVERYTHING = slice(None)
 OWN_ROUNDS = 2  # of finding each segment's density under the others
 
 
@@ -30,11 +31,22 @@ class InitialGuess(NamedTuple):
     approach: float
 
 
+class Intervals(NamedTuple):
+    """Intervals by the index of a crest, centre from there and half-width, each of shape (intervals,)."""
+
+    crest: Indices
+    centre: Array
+    half_width: Array
+
+
+def intervals_of(segments: Segments, which: Flags | Indices | slice = EVERYTHING) -> Intervals:
+    """The intervals of some segments."""
+    return Intervals(segments.crest[which], segments.centre[which], segments.half_width[which])
+
+
 def sort_segments(
     series: CosineSeries,
-    crest: Indices,
-    centre: Array,
-    half_width: Array,
+    intervals: Intervals,
     tolerance: float = COARSE_TOLERANCE,
     node_count: Indices | None = None,
 ) -> tuple[Segments, Indices]:
@@ -42,6 +54,7 @@ def sort_segments(
 
     They have so many nodes, or else as many as a density within the tolerance is expected to need.
     """
+    crest, centre, half_width = intervals
     if not np.all(half_width > 0):
         raise ConvergenceError("a contact or a gap has lost its width")
     origin = series.crest_position[crest]
@@ -53,31 +66,30 @@ def sort_segments(
 
 
 def contacts_guess(
-    surface: Surface, middle: Array, half_width: Array, force: Array, load: float, tolerance: float
+    surface: Surface, middle: Array, half_width: Array, force: Array, tolerance: float
 ) -> InitialGuess:
-    """A guess on contacts, or on the gaps between them if these need clearly fewer nodes.
+    """A guess on contacts, or on the gaps between them if these need clearly fewer nodes; the density is rough.
 
     middle, half_width : of the contacts, in lambda_0, shape (contacts,)
     force : that each carries, in p_0* lambda_0, shape (contacts,)
     """
-    contacts, order = sort_segments(surface.heights, *nearest_crests(surface.heights, middle), half_width)
+    contacts, order = sort_segments(surface.heights, Intervals(*nearest_crests(surface.heights, middle), half_width))
     distance = distances_to_next(contacts, surface.heights.period)
     if np.all(distance > 0):
         end = contacts.origin + (contacts.centre + contacts.half_width)
         gaps = nearest_crests(surface.tensions, end + 0.5 * distance)
-        segments, _ = sort_segments(surface.tensions, *gaps, 0.5 * distance)
+        segments, _ = sort_segments(surface.tensions, Intervals(*gaps, 0.5 * distance))
         needed = [
             estimate_node_count(each.origin, each.centre, each.half_width, series, tolerance).sum()
             for each, series in ((contacts, surface.heights), (segments, surface.tensions))
         ]
         if needed[1] < MAX_NODE_RATIO * needed[0]:
-            return _settled(surface, InitialGuess(True, segments, np.zeros(segments.node.size), 0.0), load)
+            return InitialGuess(True, segments, np.zeros(segments.node.size), 0.0)
     phi = 2 / np.pi * force[order] / contacts.half_width
-    guess = InitialGuess(False, contacts, np.repeat(phi, np.diff(contacts.first_node)), 0.0)
-    return _settled(surface, guess, load)
+    return InitialGuess(False, contacts, np.repeat(phi, np.diff(contacts.first_node)), 0.0)
 
 
-def _settled(surface: Surface, guess: InitialGuess, load: float) -> InitialGuess:
+def refine_density(surface: Surface, guess: InitialGuess, load: float) -> InitialGuess:
     """The guess with the density that each segment takes under those of the others."""
     series = surface.series(guess.dual)
     for _ in range(OWN_ROUNDS):
@@ -89,17 +101,15 @@ def _settled(surface: Surface, guess: InitialGuess, load: float) -> InitialGuess
 def transfer_density(
     surface: Surface,
     state: ContactState,
-    crest: Indices,
-    centre: Array,
-    half_width: Array,
+    intervals: Intervals,
     tolerance: float = COARSE_TOLERANCE,
     node_count: Indices | None = None,
 ) -> tuple[InitialGuess, Indices]:
     """A guess on other segments from the density of a state, and the permutation that sorted the segments."""
     series = surface.series(state.dual)
-    if crest.size == 0:
+    if intervals.crest.size == 0:
         raise ConvergenceError(f"no contact is left under the mean pressure {state.load:.6g} p_0*")
-    new, order = sort_segments(series, crest, centre, half_width, tolerance, node_count)
+    new, order = sort_segments(series, intervals, tolerance, node_count)
     phi = sample_density(state, series, new)
     for j in range(new.centre.size):  # the Jacobian of a segment without any density would be singular
         here = slice(new.first_node[j], new.first_node[j + 1])
@@ -110,8 +120,7 @@ def transfer_density(
 
 def keep_segments(surface: Surface, state: ContactState, keep: Flags) -> InitialGuess:
     """A guess on some of the segments of a state."""
-    old = state.segments
-    return transfer_density(surface, state, old.crest[keep], old.centre[keep], old.half_width[keep])[0]
+    return transfer_density(surface, state, intervals_of(state.segments, keep))[0]
 
 
 @kernel

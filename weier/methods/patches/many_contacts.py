@@ -1,9 +1,9 @@
-"""One load on any number of contacts, without a dense matrix of all of them: in memory O(contacts).
+"""One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
 
-The contacts start wave by wave. Newton's method on their edges solves for the pressure by conjugate gradients, and
-the set of contacts is corrected in bulk where the inequalities of contact do not hold: first roughly, then to the
-tolerance. The solution is checked at other nodes with a fresh operator, and on a few contacts by direct sums of
-closed forms that share nothing with the fast ones.
+Newton's method on the edges solves for the pressure, or for the gaps (dual), by conjugate gradients, and the set of
+segments is corrected in bulk where the inequalities of contact do not hold: first roughly, then to the tolerance. The
+solution is checked at other nodes with a fresh operator, and on a few segments by direct sums of closed forms that
+share nothing with the fast ones.
 """
 
 from __future__ import annotations
@@ -16,14 +16,16 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.edge_iteration import Stage, Step, make_guess, next_guess, rearrange, take_step
+from weier.methods.patches.edge_iteration import Problem, Stage, Step, make_guess, next_guess, rearrange, take_step
 from weier.methods.patches.fields import ContactState, complementary_residual
 from weier.methods.patches.inequalities import NegativeIntervals, find_negative_intervals
+from weier.methods.patches.initial_guess import InitialGuess
 from weier.methods.patches.punch_edges import transfer_forces
-from weier.methods.patches.punch_inequalities import find_missing_contacts
+from weier.methods.patches.punch_inequalities import find_missing
 from weier.methods.patches.punches import (
     MAX_NODES,
     Bounds,
+    chebyshev_rule,
     displacement,
     expansion_of_regular_part,
     make_punches,
@@ -31,10 +33,8 @@ from weier.methods.patches.punches import (
 )
 from weier.methods.patches.segments import make_segments
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
-from weier.methods.patches.wave_by_wave import wave_by_wave
-from weier.theory.profile import Profile
 
-MIN_CONTACTS = 64  # from here on this is faster than a dense matrix, whose unknowns are some twenty for each
+MIN_SEGMENTS = 64  # from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 8 to 25 are usual
 MIN_TOLERANCE = 1e-10  # in g_0, of the residual: what comes out is mostly a hundredth, where rounding begins
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
@@ -55,79 +55,77 @@ Edges = tuple[Array, Array]  # left and right ones, each of shape (contacts,)
 
 
 class _Limits(NamedTuple):
-    """A gap below -gap, in g_0, is a violation, and a pressure below -tension times the largest of its contact."""
+    """A gap below -outside, in g_0, is a violation, and a pressure below -inside times the largest of its contact.
 
-    gap: float
-    tension: float
-
-
-def solve_if_many(
-    profile: Profile, surface: Surface, load: float, tolerance: float
-) -> tuple[ContactState, int] | None:
-    """The state under one load and Newton's steps, if a dense matrix of all contacts takes longer; else None.
-
-    None, too, where this method fails: near full contact the gaps are few, and the dense matrix is theirs.
+    Or (dual) a pressure below -outside, in p_0*, and a gap below -inside times the largest of its interval.
     """
-    if profile.waves_per_period[-1] < MIN_CONTACTS:
-        return None
-    try:
-        start = wave_by_wave(profile, load, _rough_stage(profile, _target(profile, load, tolerance)))
-        return (
-            solve_many_contacts(profile, surface, load, tolerance, start) if start[0].size >= MIN_CONTACTS else None
-        )
-    except ConvergenceError:
-        return None
+
+    outside: float
+    inside: float
 
 
-def _rough_stage(profile: Profile, target: float) -> Stage:
-    return Stage(8.0, 5.0, Bounds(REDUCTION, target, _rough_tolerance(profile)))
+def _stages(problem: Problem, target: float) -> tuple[Stage, Stage]:
+    """A rough one, before the set of contacts is right, and a fine one."""
+    rough = ROUGH_TOLERANCE * abs(float(problem.series.amplitude[-1]))
+    if problem.dual:  # a wave of this pressure has the height of its pressure over the waves in lambda_0
+        rough *= 2 * np.pi / float(problem.series.wavenumber[-1])
+    return (
+        Stage(8.0, 5.0, Bounds(REDUCTION, target, rough)),
+        Stage(12.0, 9.0, Bounds(REDUCTION, 0.1 * target, rough)),
+    )
 
 
-def _fine_stage(profile: Profile, target: float) -> Stage:
-    return Stage(12.0, 9.0, Bounds(REDUCTION, 0.1 * target, _rough_tolerance(profile)))
-
-
-def _rough_tolerance(profile: Profile) -> float:
-    return ROUGH_TOLERANCE * float(profile.amplitude[-1])
-
-
-def _target(profile: Profile, load: float, tolerance: float) -> float:
-    return max(TARGET * max(tolerance, MIN_TOLERANCE), ROUNDING * load * float(profile.period))
+def _limits(problem: Problem, stage: Stage, fine: bool) -> _Limits:
+    tension = MAX_TENSION if fine else ROUGH_TENSION
+    if problem.dual:
+        return _Limits(tension * problem.load, tension)
+    return _Limits(stage.bounds.least * 10 if fine else stage.bounds.most, tension)
 
 
 def solve_many_contacts(
-    profile: Profile, surface: Surface, load: float, tolerance: float, start: Edges | None = None
+    surface: Surface, guess: InitialGuess, load: float, tolerance: float
 ) -> tuple[ContactState, int]:
-    """The state under one load, in partial contact, and the steps of Newton's method.
+    """The state under one load, in partial contact, from a guess, and the steps of Newton's method.
 
-    It starts from left and right edges of contact; they are found wave by wave if None. ConvergenceError is raised if
-    a contact needs more nodes than a matrix of its own should hold, as near full contact, if corrections do not end,
-    or if the state fails a check.
+    ConvergenceError is raised if a contact needs more nodes than a matrix of its own should hold, if corrections do
+    not end, or if the state fails a check.
     """
-    target = _target(profile, load, tolerance)
-    rough, fine = _rough_stage(profile, target), _fine_stage(profile, target)
-    stage, limits = rough, _Limits(_rough_tolerance(profile), ROUGH_TENSION)
-    guess = make_guess(profile, *(wave_by_wave(profile, load, rough) if start is None else start), rough)
+    problem = Problem(surface.series(guess.dual), load, guess.dual)
+    target = max(TARGET * max(tolerance, MIN_TOLERANCE), ROUNDING * load * problem.series.period)
+    rough, fine = _stages(problem, target)
+    stage = rough
+    now = make_guess(problem, *_edges_of_guess(guess), None if guess.dual else _carried(guess), rough)
     for steps in range(1, MAX_STEPS + 1):
-        step = take_step(profile, load, guess, stage)
+        step = take_step(problem, now, stage)
         if not (_converged(step, target) if stage is fine else step.settled):
-            guess = next_guess(profile, step, stage, _node_counts(step, target) if stage is fine else None)
+            now = next_guess(problem, step, stage, _node_counts(step, target) if stage is fine else None)
             continue
-        state = contact_state(surface, step, load)
-        added, keep = _corrections(profile, step, state, limits)
+        state = contact_state(problem, step)
+        added, keep = _corrections(problem, step, state, _limits(problem, stage, stage is fine))
         if not np.all(keep) or len(added) > 0:
             counts = step.punches.node_count.astype(float) if stage is fine else None
-            guess = rearrange(profile, step, step.b, _edges(step), keep, added, stage, counts)
+            now = rearrange(problem, step, step.b, _edges(step), keep, added, stage, counts)
         elif stage is rough:
-            stage, limits = fine, _Limits(target, MAX_TENSION)
-            guess = next_guess(profile, step, stage)
+            stage = fine
+            now = next_guess(problem, step, stage)
         else:
-            residual = _residuals_at_other_nodes(profile, step)
+            residual = _residuals_at_other_nodes(problem, step)
             if not np.any(short := (residual > MIN_TOLERANCE) & (step.punches.node_count < MAX_NODES)):
-                return _checked_state(surface, step, state, float(residual.max()), tolerance), steps
+                return _checked_state(problem, step, state, float(residual.max()), tolerance), steps
             counts = np.where(short, _increase(step.punches.node_count), step.punches.node_count)
-            guess = next_guess(profile, step, stage, counts)
+            now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
+
+
+def _edges_of_guess(guess: InitialGuess) -> Edges:
+    centre, r = guess.segments.origin + guess.segments.centre, guess.segments.half_width
+    return centre - r, centre + r
+
+
+def _carried(guess: InitialGuess) -> Array:
+    """The force on each contact of a guess, in p_0* lambda_0."""
+    segments = guess.segments
+    return np.asarray(np.add.reduceat(segments.weight * guess.phi, segments.first_node[:-1]) * segments.half_width)
 
 
 def _edges(step: Step) -> Edges:
@@ -152,13 +150,13 @@ def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
 
 
 def _corrections(
-    profile: Profile, step: Step, state: ContactState, limits: _Limits
+    problem: Problem, step: Step, state: ContactState, limits: _Limits
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Intervals of contact to add, shape (added, 2), and which contacts stay as they are."""
-    negative = find_negative_intervals(state, np.full(step.punches.centre.size, limits.tension))
+    """Segments to add, shape (added, 2), and which of those that are there stay as they are."""
+    negative = find_negative_intervals(state, np.full(step.punches.centre.size, limits.inside))
     keep = np.ones(step.punches.centre.size, bool)
     keep[negative.segment] = False
-    missing = find_missing_contacts(profile, step, limits.gap)
+    missing = find_missing(problem, step, limits.outside)
     return np.concatenate([_cut_contacts(step, negative), missing]), keep
 
 
@@ -176,40 +174,46 @@ def _cut_contacts(step: Step, negative: NegativeIntervals) -> NDArray[np.float64
     return np.array(pieces).reshape(-1, 2)
 
 
-def contact_state(surface: Surface, step: Step, load: float) -> ContactState:
+def contact_state(problem: Problem, step: Step) -> ContactState:
     """A step as a state of contact, whose pressure vanishes at all edges; without resistance and residual."""
-    punches, series = step.punches, surface.heights
+    punches, series = step.punches, problem.series
     crest, y = nearest_crests(series, punches.centre)
     segments = make_segments(crest, punches.centre - y, y, punches.half_width, punches.node_count, series.period)
     phi = np.empty(step.a.size)
     for rule, _, node in punches.groups:
-        count = rule.node.size
-        angle = np.arange(1, count + 1) * (np.pi / (count + 1))
-        phi[node] = step.a[node] @ (np.sin(np.arange(1, count + 1)[:, None] * angle) / np.sin(angle))
-    approach = series.maximum - step.forces.plane
-    return ContactState(False, load, approach, segments, phi, step.a, np.zeros(1), np.nan)
+        phi[node] = step.a[node] @ chebyshev_rule(rule.node.size, True).polynomial[:, ::-1]  # which ascend
+    approach = (0.0 if problem.dual else series.maximum) - step.forces.plane
+    return ContactState(problem.dual, problem.load, approach, segments, phi, step.a, np.zeros(1), np.nan)
 
 
-def _residuals_at_other_nodes(profile: Profile, step: Step) -> Array:
-    """The largest gap on each contact, without sign, at other nodes than those solved at, in g_0."""
-    punches = step.punches
+def _residuals_at_other_nodes(problem: Problem, step: Step) -> Array:
+    """The largest gap on each contact, without sign, at other nodes than those solved at, in g_0.
+
+    A pressure in a gap (dual) counts by its displacement over the gap's width.
+    """
+    punches, r = step.punches, step.punches.half_width
     count, everyone = punches.node_count + OTHER_NODES, np.arange(punches.centre.size)
-    other = make_punches(punches.centre, punches.half_width, count, punches.period)
+    other = make_punches(punches.centre, r, count, punches.period, problem.dual)
     b = expansion_of_regular_part(punches, step.a)
-    force = transfer_forces(punches, b, everyone, punches.half_width, count)
-    gap = step.forces.plane + displacement(other, force) - profile.height(other.position)
-    return np.asarray(np.maximum.reduceat(np.abs(gap), other.first_node[:-1]))
+    force = transfer_forces(punches, b, everyone, r, count)
+    off = displacement(other, force) - problem.forcing(other.position)
+    off += 0.0 if problem.dual else step.forces.plane
+    return np.asarray(np.maximum.reduceat(np.abs(off), other.first_node[:-1])) * (2 * r if problem.dual else 1.0)
 
 
 def _checked_state(
-    surface: Surface, step: Step, state: ContactState, residual: float, tolerance: float
+    problem: Problem, step: Step, state: ContactState, residual: float, tolerance: float
 ) -> ContactState:
     """The state with resistance and residual; ConvergenceError if it fails a check."""
-    punches, period = step.punches, step.punches.period
-    direct = float(np.abs(_gaps_by_direct_sums(state, surface.heights, _sample_of(state))).max())
-    carried = 0.5 * np.pi * float(punches.half_width @ step.a[punches.first_node[:-1]])
-    residual = max(residual, direct)
-    relative = max(residual / state.approach, abs(carried / (state.load * period) - 1))
+    punches, period, dual = step.punches, step.punches.period, problem.dual
+    sample = _sample_of(state)
+    direct = np.abs(_residuals_by_direct_sums(state, problem.series, sample))
+    direct *= 2 * np.repeat(punches.half_width, punches.node_count)[sample] if dual else 1.0
+    first = 0.5 * np.pi * punches.half_width * step.a[punches.first_node[:-1]]
+    residual = max(residual, float(direct.max()), float(np.abs(first).max()) if dual else 0.0)
+    relative = residual / (state.load * period if dual else state.approach)
+    if not dual:
+        relative = max(relative, abs(float(first.sum()) / (state.load * period) - 1))
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(
             f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
@@ -217,8 +221,10 @@ def _checked_state(
             relative,
         )
     none = np.zeros(punches.position.size)
-    rate = solve_forces_on_contacts(punches, none, period, none, Bounds(RATE_REDUCTION, 0.0, np.inf))
-    return state._replace(sensitivity=np.array([-rate.plane]), residual=residual)
+    bounds = Bounds(RATE_REDUCTION, 0.0, np.inf)
+    rate = solve_forces_on_contacts(punches, none + float(dual), period, none, bounds)
+    resistance = rate.plane if dual else -rate.plane
+    return state._replace(sensitivity=np.array([resistance]), residual=residual)
 
 
 def _sample_of(state: ContactState) -> Indices:
@@ -228,11 +234,11 @@ def _sample_of(state: ContactState) -> Indices:
 
 
 @kernel
-def _gaps_by_direct_sums(state: ContactState, series: CosineSeries, which: Indices) -> Array:
-    """The gap on contacts at some nodes of the state, in g_0."""
-    gap, segments = np.empty(which.size), state.segments
+def _residuals_by_direct_sums(state: ContactState, series: CosineSeries, which: Indices) -> Array:
+    """The gap on contacts, in g_0, or the pressure in gaps (dual), in p_0*, at some nodes of the state."""
+    off, segments = np.empty(which.size), state.segments
     for i in range(which.size):
         j = np.searchsorted(segments.first_node, which[i], side="right") - 1
         y = segments.centre[j] + segments.half_width[j] * segments.node[which[i]]
-        gap[i] = complementary_residual(state, series, segments.crest[j], y)
-    return gap
+        off[i] = complementary_residual(state, series, segments.crest[j], y)
+    return off

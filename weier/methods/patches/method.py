@@ -13,6 +13,7 @@ from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.candidates import candidates
 from weier.methods.patches.punch_forces import MAX_DENSE, invert_punches
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import surface_of
 from weier.theory.profile import Profile
 
@@ -39,7 +40,10 @@ def _seconds(profile: Profile, loads: Array) -> float:
 
 def _solve_without_matrix() -> None:
     """A few contacts by what serves thousands, and the forces of as many punches as only these have."""
-    many_contacts.solve_many_contacts(THREE_WAVES, surface_of(THREE_WAVES), 0.3, TOLERANCE)
+    surface = surface_of(THREE_WAVES)
+    for load in (0.3, 0.9 * surface.full_contact_load):  # contacts, and gaps
+        guess = list(Starts(THREE_WAVES, surface, TOLERANCE).guesses(load))[-1]
+        many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
     centre = np.arange(2.0 * MAX_DENSE)
     invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
 

@@ -6,6 +6,10 @@ Far from it, two closed forms tell more. A contact much narrower than the gaps b
 squared follows from psi exactly. And a gap much narrower than the contacts beside it, where the pressure would be a
 parabola of tension, has p = |x| (K + kappa (x^2-b^2)/2)/sqrt(x^2-b^2), so that k_0 and k_1 at one edge tell the width
 squared which it should have; no gap is left where that is negative.
+
+The slope of a gap with given edges (dual) has the same form, and so have the rules: a narrow gap in a parabola of
+tension is like Hertz's contact, and beside a narrow contact dw/dx = (K + kappa (x^2-b^2))/sqrt(x^2-b^2). Only the
+signs differ, for the slope is negative where a gap closes on its right.
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches.punches import Punches, forces_of_expansion, regular_part
+from weier.methods.patches.punches import Punches, chebyshev_rule, forces_of_expansion, regular_part
 
 Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)
 
@@ -54,12 +58,13 @@ def distances(left: Array, right: Array, period: float) -> Array:
 
 def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     """The moves from the coefficients of psi in T_k and of its regular part in U_k."""
-    r, psi = punches.half_width, singular_parts(punches, b)
+    r, outward_sign = punches.half_width, np.array([1.0, -1.0 if punches.dual else 1.0])
+    psi = outward_sign * singular_parts(punches, b)
     gap = distances(punches.centre - r, punches.centre + r, punches.period)
-    phi = _end_sums(punches, a, lambda k: k + 1)
-    inward_fall = -_end_sums(punches, b, np.square)
+    phi = outward_sign * _end_sums(punches, a, lambda k: k + 1)
+    inward_fall = -outward_sign * _end_sums(punches, b, np.square)
     by_contact = _moves_by_contact(r, psi, phi)
-    by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall)
+    by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
     room = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
     return EdgeMoves(outward, closing, float(np.max(np.abs(outward) / room[:, None])))
@@ -89,11 +94,17 @@ def _growth_of_square(linear: Array) -> Array:
     return np.asarray(np.sqrt(np.clip(1 + 2 * linear, MIN_SQUARE, MAX_SQUARE)) - 1)
 
 
-def _moves_by_gap(r: Array, gap: Array, psi: Sides, inward_fall: Sides) -> tuple[Sides, Flags, NDArray[np.bool_]]:
-    """Outward moves by the gaps beside; which right gaps close; and at which edges the gap is the narrower."""
+def _moves_by_gap(
+    r: Array, gap: Array, psi: Sides, inward_fall: Sides, share_of_k_0: float
+) -> tuple[Sides, Flags, NDArray[np.bool_]]:
+    """Outward moves by the gaps beside; which right gaps close; and at which edges the gap is the narrower.
+
+    For gaps between contacts kappa b^2 is in proportion to b k_1 - 3 k_0/4, and for contacts between gaps (dual) to
+    b k_1 + k_0/4, with b the half-width of what lies between.
+    """
     width = np.stack([np.roll(gap, 1), gap], axis=1) / 2
     k_0, k_1 = psi * np.sqrt(r / 2)[:, None], (inward_fall + psi / 4) * np.sqrt(0.5 / r)[:, None]
-    curvature = width * k_1 - 0.75 * k_0
+    curvature = width * k_1 + share_of_k_0 * k_0
     safe = np.where(curvature > 0, curvature, 1.0)
     growth = np.where(curvature > 0, -2 * k_0 / safe, np.where(k_0 > 0, -1.0, 1.0))
     left, right = growth[:, 1], np.roll(growth[:, 0], -1)  # of the gap on the right, from both of its ends
@@ -109,14 +120,16 @@ def _moves_by_gap(r: Array, gap: Array, psi: Sides, inward_fall: Sides) -> tuple
 
 
 def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array) -> Array:
-    """Coefficients of psi when the contacts have moved: to second order the solution, if Newton's step moved them.
+    """Coefficients of psi when the segments have moved: to second order the solution, if Newton's step moved them.
 
     With w = (dc + t dr)/r, psi + w [(1-t^2) phi' - t phi].
     """
     a, moved = regular_part(punches, b), np.empty(b.size)
     r = punches.half_width
-    for rule, contact, node in punches.groups:
-        t, count = rule.node, rule.node.size
+    for group in punches.groups:
+        contact, node, count = group.contact, group.node, group.rule.node.size
+        rule = chebyshev_rule(count, False)
+        t = rule.node
         k = np.arange(1, count)[:, None]
         bracket = -k * rule.polynomial[1:]  # (1-t^2) U_k' - t U_k = -(k+1) T_(k+1)
         shift, growth = (centre - punches.centre)[contact, None], (half_width - r)[contact, None]
@@ -128,14 +141,16 @@ def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array
 
 
 def transfer_forces(punches: Punches, b: Array, origin: Indices, half_width: Array, node_count: Indices) -> Array:
-    """The forces on other contacts, each of which is the old one `origin`, or new where that is -1: then 0."""
+    """The forces on other segments, each of which is the old one `origin`, or new where that is -1: then 0."""
     first = np.concatenate([[0], np.cumsum(node_count)])
     force, kept = np.zeros(first[-1]), np.flatnonzero(origin >= 0)
     counts = np.stack([punches.node_count[origin[kept]], node_count[kept]], axis=1)
     for old, new in np.unique(counts, axis=0):
         here = kept[(counts[:, 0] == old) & (counts[:, 1] == new)]
         rows = b[punches.first_node[origin[here]][:, None] + np.arange(old)]
-        force[first[here][:, None] + np.arange(new)] = forces_of_expansion(rows, half_width[here], int(new))
+        force[first[here][:, None] + np.arange(new)] = forces_of_expansion(
+            rows, half_width[here], int(new), punches.dual
+        )
     return force
 
 

@@ -1,4 +1,4 @@
-"""Contacts that are missing between those of a solution, by the gap at many points at once."""
+"""Contacts that are missing between those of a solution, by the gap at many points at once; gaps, by the pressure."""
 
 from __future__ import annotations
 
@@ -6,29 +6,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
-from weier.methods.patches.edge_iteration import Step
-from weier.methods.patches.log_sums import log_potential
+from weier.methods.patches.edge_iteration import Problem, Step
+from weier.methods.patches.inequalities import MAX_NEW_WIDTH, NEW_CONTACT_WIDTH, NEW_GAP_WIDTH
+from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.punch_edges import distances
-from weier.theory.profile import Profile
 
 PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each gap
 MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
-NEW_CONTACT_WIDTH = 0.5  # of the overlap that it replaces
-MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
 
 
-def gap_at(profile: Profile, step: Step, x: Array) -> Array:
-    """The gap at ascending points, in g_0; negative where the surfaces overlap."""
-    punches, forces = step.punches, step.forces
-    potential = log_potential(punches.matrix.tree, forces.force, x, punches.period)
-    return np.asarray(forces.plane - 2 * potential - profile.height(x))
+def gap_or_pressure(problem: Problem, step: Step, x: Array) -> Array:
+    """The gap or, dual, the pressure at ascending points off the segments; negative where a segment is missing."""
+    punches, forces, dual = step.punches, step.forces, problem.dual
+    total = potential(punches.matrix.tree, forces.force, x, punches.period, dual)
+    if dual:
+        return np.asarray(-0.5 / punches.period**2 * total - problem.forcing(x))
+    return np.asarray(forces.plane - 2 * total - problem.forcing(x))
 
 
-def find_missing_contacts(profile: Profile, step: Step, tolerance: float) -> NDArray[np.float64]:
-    """Left and right edges for contacts where the gap has a minimum below -tolerance, shape (missing, 2)."""
-    x, gap_before = _probes(profile, step)
-    value = gap_at(profile, step, x)
+def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.float64]:
+    """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2)."""
+    x, gap_before = _probes(problem, step)
+    value = gap_or_pressure(problem, step, x)
     lowest = 1 + np.flatnonzero(
         (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (gap_before[:-2] == gap_before[2:])
     )
@@ -40,21 +40,22 @@ def find_missing_contacts(profile: Profile, step: Step, tolerance: float) -> NDA
     if not np.any(some):
         return np.empty((0, 2))
     low, middle, high, interval = low[some], middle[some], high[some], gap_before[lowest[some]]
-    centre, depth, curvature = _minima(profile, step, low, middle, high)
+    centre, depth, curvature = _minima(problem, step, low, middle, high)
     missing = depth < -tolerance
     centre, depth, curvature, interval = centre[missing], depth[missing], curvature[missing], interval[missing]
     room = _room(step, centre, interval)
-    half_width = NEW_CONTACT_WIDTH * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
+    widening = NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH
+    half_width = widening * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
     half_width = np.minimum(half_width, MAX_NEW_WIDTH * room)
     return np.stack([centre - half_width, centre + half_width], axis=1)
 
 
-def _probes(profile: Profile, step: Step) -> tuple[Array, Indices]:
+def _probes(problem: Problem, step: Step) -> tuple[Array, Indices]:
     """Points in each gap, closer at its ends, and the index of the contact on the left of each."""
     punches = step.punches
     right = punches.centre + punches.half_width
     gap = distances(punches.centre - punches.half_width, right, punches.period)
-    per_length = PROBES_PER_WAVE * profile.waves_per_period[-1] / punches.period
+    per_length = PROBES_PER_WAVE * problem.series.wavenumber[-1] / (2 * np.pi)
     count = MIN_PROBES + np.ceil(per_length * gap).astype(np.int64)
     before = np.repeat(np.arange(gap.size), count)
     number = np.arange(before.size) - np.repeat(np.cumsum(count) - count, count)
@@ -62,13 +63,13 @@ def _probes(profile: Profile, step: Step) -> tuple[Array, Indices]:
     return right[before] + gap[before] * 0.5 * (1 - np.cos(angle)), before
 
 
-def _minima(profile: Profile, step: Step, low: Array, middle: Array, high: Array) -> tuple[Array, Array, Array]:
+def _minima(problem: Problem, step: Step, low: Array, middle: Array, high: Array) -> tuple[Array, Array, Array]:
     """Position, value and curvature of the minimum between low and high, by Newton's method on differences."""
     stencil = FIRST_STENCIL * (high - low)
     for _ in range(REFINEMENTS):
         points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
         order, value = np.argsort(points, axis=None), np.empty(points.size)
-        value[order] = gap_at(profile, step, points.ravel()[order])
+        value[order] = gap_or_pressure(problem, step, points.ravel()[order])
         below, here, above = value.reshape(-1, 3).T
         slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
         shift = -slope / np.where(curvature > 0, curvature, np.inf)

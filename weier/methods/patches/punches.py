@@ -1,4 +1,4 @@
-"""Contacts whose edges are given: a symmetric problem for any number of them, by conjugate gradients.
+"""Segments whose edges are given: a symmetric problem for any number of them, by conjugate gradients.
 
 On contacts with given edges, the pressure under which the surface z is flat is p = psi(t)/sqrt(1-t^2), with singular
 edges like that of a punch. At the zeros t_i of T_K, psi is known by the forces f_i = (pi/K) r psi_i. Then
@@ -10,6 +10,16 @@ over its nodes is replaced by int T_k(s)/sqrt(1-s^2) ln|t-s| ds = -(pi/k) T_k(t)
 symmetric, positive definite on forces of sum 0, and diagonal on each contact in the basis T_k, k > 0. This diagonal
 and the forces between contacts taken as punches (`punch_forces`) are the preconditioner. It leaves 10 to 30 steps of
 conjugate gradients to eight digits, whether there are 30 contacts or 27 000.
+
+Gaps with given edges (dual) are cracks: w = sqrt(1-t^2) W(t) is the gap that frees them of the pressure of full
+contact. At the zeros t_i of U_K, with the weights w_i of Gauss's quadrature, W is known by f_i = r w_i W_i, and
+
+    (C f)_i = -1/(2 L^2) sum_j f_j/sin^2(pi (x_i - x_j)/L),   C f = -(pressure of full contact),   d = sum f/L.
+
+On the gap of i itself, the finite part of int sqrt(1-s^2) U_k(s)/(t-s)^2 ds = -pi (k+1) U_k(t) stands for the sum.
+So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps feel
+each other only as dipoles do, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
+the form of the pressure on a contact, so that the same expansions and the same moves of the edges serve both.
 """
 
 from __future__ import annotations
@@ -22,7 +32,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.log_sums import LogMatrix, log_sums, make_log_matrix
+from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
 from weier.methods.patches.punch_forces import Inverse, invert_punches, solve_forces
 
 Table = NDArray[np.float64]  # shape (contacts, nodes of each) or (nodes, nodes)
@@ -32,20 +42,22 @@ MAX_STEPS = 300  # of conjugate gradients
 
 
 class Rule(NamedTuple):
-    """The zeros of T_K and what is known at them.
+    """The zeros of T_K or, dual, of U_K, and what is known at them.
 
     node : t, ascending, shape (K,)
-    polynomial : T_k at the nodes, one k a row, shape (K, K)
-    own_log : what the closed form adds to sum_j f_j ln|t_i - t_j|, i != j, shape (K, K)
+    weight : pi/K or, dual, that for int sqrt(1-t^2) W dt, shape (K,)
+    polynomial : T_k or, dual, U_k at the nodes, one k a row, shape (K, K)
+    own : what the closed form adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, i != j, shape (K, K)
     """
 
     node: Array
+    weight: Array
     polynomial: Table
-    own_log: Table
+    own: Table
 
 
 class Group(NamedTuple):
-    """The contacts that have the same number of nodes.
+    """The segments that have the same number of nodes.
 
     contact : their indices, shape (contacts,)
     node : the indices of their nodes, shape (contacts, K)
@@ -57,14 +69,15 @@ class Group(NamedTuple):
 
 
 class Punches(NamedTuple):
-    """Contacts in order round the period, with the nodes of all of them in a row.
+    """Contacts or, dual, gaps in order round the period, with the nodes of all of them in a row.
 
     centre, half_width : in lambda_0, shape (contacts,)
     node_count, first_node : nodes of each contact; index of its first and, last, the number of all
     groups : the contacts by their number of nodes
     position : of the nodes, ascending, in lambda_0
     period : L, in lambda_0
-    matrix : ln|2 sin(pi (x_i - x_j)/L)| between all nodes
+    matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes
+    dual : whether these are gaps
     """
 
     centre: Array
@@ -74,15 +87,16 @@ class Punches(NamedTuple):
     groups: list[Group]
     position: Array
     period: float
-    matrix: LogMatrix
+    matrix: PairMatrix
+    dual: bool
 
 
 class Forces(NamedTuple):
     """A solution.
 
-    force : f at the nodes, in p_0* lambda_0
-    plane : z - A f on the contacts, which is the mean gap, in g_0
-    residual : largest deviation from that, in g_0
+    force : f at the nodes, in p_0* lambda_0 or, dual, g_0 lambda_0
+    plane : the mean gap, in g_0
+    residual : largest deviation of z - A f from it or, dual, of the pressure from 0 times the gap's width, in g_0
     steps : of conjugate gradients
     """
 
@@ -101,96 +115,134 @@ class Bounds(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def chebyshev_rule(count: int) -> Rule:
+def chebyshev_rule(count: int, dual: bool) -> Rule:
     """The rule of so many nodes."""
-    angle = np.pi - (np.arange(count) + 0.5) * (np.pi / count)
-    node, k = np.cos(angle), np.arange(1, count)
-    polynomial = np.cos(np.arange(count)[:, None] * angle)
+    if dual:
+        angle = np.pi - np.arange(1, count + 1) * (np.pi / (count + 1))
+        degree = np.arange(1, count + 1)
+        polynomial = np.sin(degree[:, None] * angle) / np.sin(angle)
+        weight = np.pi / (count + 1) * np.sin(angle) ** 2
+        closed_form = -2 * (polynomial.T * degree) @ polynomial
+    else:
+        angle = np.pi - (np.arange(count) + 0.5) * (np.pi / count)
+        polynomial = np.cos(np.arange(count)[:, None] * angle)
+        weight = np.full(count, np.pi / count)
+        closed_form = -np.log(2) - 2 * (polynomial[1:].T / np.arange(1, count)) @ polynomial[1:]
+    node = np.cos(angle)
     distance = np.abs(node[:, None] - node)
-    np.fill_diagonal(distance, 1.0)
-    closed_form = -np.log(2) - 2 * (polynomial[1:].T / k) @ polynomial[1:]
-    return Rule(node, polynomial, closed_form - np.log(distance))
+    np.fill_diagonal(distance, np.inf if dual else 1.0)
+    kernel = distance**-2 if dual else np.log(distance)
+    return Rule(node, weight, polynomial, closed_form - kernel)
 
 
-def make_punches(centre: Array, half_width: Array, node_count: Indices, period: float) -> Punches:
-    """Contacts in order, which must not overlap, with so many nodes each."""
+def make_punches(centre: Array, half_width: Array, node_count: Indices, period: float, dual: bool = False) -> Punches:
+    """Segments in order, which must not overlap, with so many nodes each."""
     first = np.concatenate([[0], np.cumsum(node_count)])
-    position, groups = np.empty(first[-1]), []
+    offset, groups = np.empty(first[-1]), []
     for count in np.unique(node_count):
-        rule, contact = chebyshev_rule(int(count)), np.flatnonzero(node_count == count)
+        rule, contact = chebyshev_rule(int(count), dual), np.flatnonzero(node_count == count)
         node = first[contact][:, None] + np.arange(count)
-        position[node] = centre[contact][:, None] + half_width[contact][:, None] * rule.node
+        offset[node] = half_width[contact][:, None] * rule.node
         groups.append(Group(rule, contact, node))
-    left, right = centre - half_width, centre + half_width
+    origin = np.repeat(centre, node_count)
+    position, left, right = origin + offset, centre - half_width, centre + half_width
     if not (np.all(np.diff(position) > 0) and np.all(np.append(left[1:], left[0] + period) > right)):
-        raise ConvergenceError("two contacts overlap, or lie closer to each other than a number tells")
-    return Punches(centre, half_width, node_count, first, groups, position, period, make_log_matrix(position, period))
+        raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
+    matrix = make_pair_matrix(origin, offset, period, dual)
+    return Punches(centre, half_width, node_count, first, groups, position, period, matrix, dual)
 
 
 def displacement(punches: Punches, force: Array) -> Array:
-    """A f at the nodes, in g_0."""
-    total = log_sums(punches.matrix, force)
-    log_width = np.log(2 * np.pi / punches.period * punches.half_width)
+    """A f, in g_0, or C f, in p_0*, at the nodes."""
+    total, period = pair_sums(punches.matrix, force), punches.period
+    angle = np.pi / period * punches.half_width
     for rule, contact, node in punches.groups:
-        own = force[node]
-        total[node] += own @ rule.own_log + log_width[contact][:, None] * own
-    return -2 * total
+        own, r = force[node], angle[contact][:, None]
+        if punches.dual:  # 1/sin^2(y) = 1/y^2 + 1/3 + ..., and the rest is 0 at y = 0
+            total[node] += own @ rule.own / r**2 + own / 3
+        else:
+            total[node] += own @ rule.own + np.log(2 * r) * own
+    return total * (-0.5 / period**2 if punches.dual else -2.0)
 
 
-def _precondition(punches: Punches, inverse: Inverse, height: Array) -> Array:
-    """The forces that the heights ask for if contacts see each other as punches only."""
-    mean = np.add.reduceat(height, punches.first_node[:-1]) / punches.node_count
+def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
+    """The forces that make up for a residual if contacts see each other as punches only, and gaps not at all."""
+    if inverse is None:
+        return _precondition_gaps(punches, residual)
+    mean = np.add.reduceat(residual, punches.first_node[:-1]) / punches.node_count
     force = np.repeat(solve_forces(inverse, mean) / punches.node_count, punches.node_count)
     for rule, _, node in punches.groups:
         count = rule.node.size
-        higher = height[node] @ rule.polynomial[1:].T * (np.arange(1, count) / count**2)
+        higher = residual[node] @ rule.polynomial[1:].T * (np.arange(1, count) / count**2)
         force[node] += higher @ rule.polynomial[1:]
     return force
 
 
-def solve_forces_on_contacts(punches: Punches, height: Array, total: float, start: Array, bounds: Bounds) -> Forces:
-    """z - A f = d and sum f = total, by conjugate gradients that keep the sum.
+def _precondition_gaps(punches: Punches, residual: Array) -> Array:
+    force = np.empty(residual.size)
+    for rule, contact, node in punches.groups:
+        width = 2 * punches.half_width[contact][:, None]
+        modes = (residual[node] * rule.weight) @ rule.polynomial.T / np.arange(1, rule.node.size + 1)
+        force[node] = width**2 * rule.weight * (modes @ rule.polynomial)
+    return force
 
-    The heights and forces are at the nodes, in g_0 and p_0* lambda_0.
+
+def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, start: Array, bounds: Bounds) -> Forces:
+    """z - A f = d and sum f = total, by conjugate gradients that keep the sum; dual, C f = forcing.
+
+    The forcing, at the nodes, is the height z, in g_0, or, dual, the tension of full contact, in p_0*.
     """
-    inverse = invert_punches(punches.centre, punches.half_width, punches.period)
-    even = _precondition(punches, inverse, np.ones(start.size))  # the forces that raise all contacts alike
-    force = start + even * ((total - start.sum()) / even.sum())
-    residual = height - displacement(punches, force)
-    plane, energy, direction, enough = 0.0, 1.0, np.zeros(start.size), -1.0
-    for step in range(MAX_STEPS):
+    dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)
+    scale = 2 * np.repeat(punches.half_width, punches.node_count) if dual else np.ones(start.size)
+    if not dual:
+        inverse = invert_punches(punches.centre, punches.half_width, punches.period)
+        even = _precondition(punches, inverse, np.ones(start.size))  # the forces that raise all contacts alike
+        force = start + even * ((total - start.sum()) / even.sum())
+    residual = forcing - displacement(punches, force)
+    plane, energy, direction, enough, size = 0.0, 1.0, np.zeros(start.size), -1.0, np.inf
+    for step in range(MAX_STEPS + 1):
         change = _precondition(punches, inverse, residual)
-        shift = float(change.sum() / even.sum())
-        change -= shift * even
-        residual -= shift
-        plane += shift
-        size = float(np.abs(residual).max())
+        if not dual:
+            shift = float(change.sum() / even.sum())
+            change -= shift * even
+            residual -= shift
+            plane += shift
+        size = float(np.abs(scale * residual).max())
         enough = max(bounds.least, min(bounds.most, bounds.reduction * size)) if enough < 0 else enough
-        if size <= enough:
-            return Forces(force, plane, size, step)
+        if size <= enough or step == MAX_STEPS:
+            break
         last_energy, energy = energy, float(residual @ change)
         direction = change + (energy / last_energy if step > 0 else 0.0) * direction
         product = displacement(punches, direction)
         length = energy / float(direction @ product)
         force = force + length * direction
         residual -= length * product
-    return Forces(force, plane, size, MAX_STEPS)
+    return Forces(force, float(force.sum()) / punches.period if dual else plane, size, step)
 
 
 def expansion(punches: Punches, force: Array) -> Array:
-    """Coefficients of psi in T_k, contact by contact, shape (nodes,)."""
+    """Coefficients of psi in T_k, segment by segment, shape (nodes,); gaps leave out the last that they have.
+
+    With w = sum c_k sin((k+1) theta), psi = -(1/r) sum (k+1) c_k T_(k+1).
+    """
     b = np.empty(force.size)
     for rule, contact, node in punches.groups:
         b[node] = force[node] @ rule.polynomial.T * (2 / np.pi / punches.half_width[contact])[:, None]
-        b[node[:, 0]] *= 0.5
+        if punches.dual:
+            slope = b[node] * np.arange(1, rule.node.size + 1) / -punches.half_width[contact][:, None]
+            b[node] = np.concatenate([np.zeros((contact.size, 1)), slope[:, :-1]], axis=1)
+        else:
+            b[node[:, 0]] *= 0.5
     return b
 
 
-def forces_of_expansion(b: Table, half_width: Array, count: int) -> Table:
-    """The forces at so many nodes of each of some contacts, from coefficients in T_k, as many a row as there are."""
-    rule = chebyshev_rule(count)
+def forces_of_expansion(b: Table, half_width: Array, count: int, dual: bool) -> Table:
+    """The forces at so many nodes of each of some segments, from as many coefficients of psi in T_k as there are."""
+    rule, r = chebyshev_rule(count, dual), half_width[:, None]
+    if dual:
+        b = -r * b[:, 1:] / np.arange(1, b.shape[1])
     kept = min(count, b.shape[1])
-    return np.asarray(b[:, :kept] @ rule.polynomial[:kept] * (np.pi / count * half_width)[:, None])
+    return np.asarray(b[:, :kept] @ rule.polynomial[:kept] * rule.weight * r)
 
 
 def regular_part(punches: Punches, b: Array) -> Array:

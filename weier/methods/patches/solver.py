@@ -15,6 +15,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.active_set import TooLargeError, solve_active_set
 from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
+from weier.methods.patches.initial_guess import refine_density
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
@@ -187,19 +188,15 @@ def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = T
 
 
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
-    """The state under one load, None in full contact, and the steps to it; it depends on no other load.
-
-    Many contacts are solved without a dense matrix, if that does not fail: near full contact many are joined.
-    """
+    """The state under one load, None in full contact, and the steps to it; it depends on no other load."""
     if load >= starts.surface.full_contact_load:
         return None, 0
     failure = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*")
     for guess in starts.guesses(load):
-        if guess.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            solved = many_contacts.solve_if_many(starts.profile, starts.surface, load, starts.tolerance)
-            if solved is not None:
-                return solved
         try:
+            if guess.segments.centre.size >= many_contacts.MIN_SEGMENTS:
+                return many_contacts.solve_many_contacts(starts.surface, guess, load, starts.tolerance)
+            guess = refine_density(starts.surface, guess, load)
             return solve_active_set(starts.surface, guess, load, starts.tolerance)
         except TooLargeError:
             raise

@@ -13,7 +13,7 @@ from weier.kernels.loads_done import counted_as
 from weier.methods.bem import subgrid_solver
 from weier.methods.bem.continuum import Continuum, make_continuum
 from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
-from weier.methods.patches.initial_guess import InitialGuess, contacts_guess, hertz_density, sort_segments
+from weier.methods.patches.initial_guess import InitialGuess, Intervals, contacts_guess, hertz_density, sort_segments
 from weier.methods.patches.surface import CosineSeries, Surface
 from weier.theory.profile import Profile
 
@@ -63,7 +63,7 @@ class Starts:
             found = subgrid_solver.solve_loads(hierarchy, start, np.array([load]), continuum).contacts
         here = slice(found.first[0], found.first[0] + found.number[0])
         left, right, force = found.left[here], found.right[here], found.force[here]
-        return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, load, self.tolerance)
+        return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, self.tolerance)
 
 
 def lone_contacts(series: CosineSeries, load: float) -> InitialGuess | None:
@@ -138,7 +138,7 @@ def _lone_guess(
     series: CosineSeries, dual: bool, crest: Indices, half_width: Array, curvature: Array, approach: float
 ) -> InitialGuess:
     """Hertz's density on segments in the middle of crests; `curvature` is that of all crests."""
-    segments, order = sort_segments(series, crest, np.zeros(crest.size), half_width)
+    segments, order = sort_segments(series, Intervals(crest, np.zeros(crest.size), half_width))
     count, bend = np.diff(segments.first_node), curvature[crest][order]
     phi = [hertz_density(dual, bend[j], segments.half_width[j], count[j]) for j in range(crest.size)]
     return InitialGuess(dual, segments, np.concatenate(phi), approach)

@@ -1,4 +1,6 @@
-"""Sums of f_b ln|2 sin(pi (x_a - x_b)/L)| over many points in the time O(points): a fast multipole method on a line.
+"""Sums over many points of forces times a periodic kernel, in the time O(points): a fast multipole method on a line.
+
+The kernel is ln|2 sin(pi (x_a - x_b)/L)|, of contacts, or 1/sin^2(pi (x_a - x_b)/L), of gaps (dual).
 
 The points, in order, are halved again and again: a binary tree whose nodes know the interval that their points span.
 Between two nodes whose distance is at least the wider one's width, the kernel is a polynomial in either place to
@@ -32,6 +34,7 @@ class Tree(NamedTuple):
     """Points on a line in a binary tree, whose node i has the children 2 i + 1 and 2 i + 2.
 
     position : of the points, ascending, within one period, shape (points,)
+    origin, offset : two parts of the position; the differences of points with the same origin have all their digits
     depth : of the leaves, all of which have the same
     low, high : first and last point of each node, shape (nodes,)
     to_parent : the interpolation from a parent's Chebyshev points to those of the node, shape (nodes, ORDER, ORDER)
@@ -39,6 +42,8 @@ class Tree(NamedTuple):
     """
 
     position: Array
+    origin: Array
+    offset: Array
     depth: int
     low: Array
     high: Array
@@ -46,8 +51,8 @@ class Tree(NamedTuple):
     at_points: NDArray[np.float64]
 
 
-class LogMatrix(NamedTuple):
-    """The matrix ln|2 sin(pi (x_a - x_b)/L)|, with 0 on its diagonal, in parts.
+class PairMatrix(NamedTuple):
+    """The matrix of the kernel between all points, with 0 on its diagonal, in parts.
 
     far, near : unordered pairs of nodes that are far from each other, and of leaves that are not
     far_block : the kernel between the Chebyshev points of far nodes
@@ -72,6 +77,15 @@ def log_sine(d: float, period: float) -> float:
     series = 1 / 467775 + q * (691 / 3831077250 + q * (2 / 127702575))
     series = 1 / 6 + q * (1 / 180 + q * (1 / 2835 + q * (1 / 37800 + q * series)))
     return np.log(abs(2 * y)) - q * series
+
+
+@kernel
+def pair_kernel(d: float, period: float, dual: bool) -> float:
+    """ln|2 sin(pi d/L)| or, dual, 1/sin^2(pi d/L)."""
+    if dual:
+        sine = np.sin(np.pi / period * d)
+        return 1 / (sine * sine)
+    return log_sine(d, period)
 
 
 @kernel
@@ -124,9 +138,9 @@ def interval(tree: Tree, node: int) -> tuple[float, float]:
 
 
 @kernel
-def make_tree(position: Array) -> Tree:
-    """The tree of ascending points."""
-    depth = 0
+def make_tree(origin: Array, offset: Array) -> Tree:
+    """The tree of points at origin + offset, which are ascending."""
+    position, depth = origin + offset, 0
     while (position.size >> depth) > LEAF_POINTS:
         depth += 1
     nodes = (2 << depth) - 1
@@ -136,7 +150,8 @@ def make_tree(position: Array) -> Tree:
             node = (1 << level) - 1 + k
             low[node] = position[(position.size * k) >> level]
             high[node] = position[((position.size * (k + 1)) >> level) - 1]
-    tree = Tree(position, depth, low, high, np.empty((nodes, ORDER, ORDER)), np.empty((position.size, ORDER)))
+    to_parent, at_points = np.empty((nodes, ORDER, ORDER)), np.empty((position.size, ORDER))
+    tree = Tree(position, origin, offset, depth, low, high, to_parent, at_points)
     _fill_interpolations(tree)
     return tree
 
@@ -205,39 +220,52 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 
 
 @kernel
-def make_log_matrix(position: Array, period: float) -> LogMatrix:
-    """The matrix for ascending points within one period."""
-    tree = make_tree(position)
+def _fill_far_block(one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: Blocks) -> None:
+    """The kernel between the Chebyshev points of two nodes."""
+    point = chebyshev_points()
+    middle, half = interval(one, a)
+    other_middle, other_half = interval(other, b)
+    for i in range(ORDER):
+        for j in range(ORDER):
+            d = (middle - other_middle) + (half * point[i] - other_half * point[j])
+            block[i, j] = pair_kernel(d, period, dual)
+
+
+@kernel
+def distance_between(one: Tree, a: int, other: Tree, b: int) -> float:
+    """From point b of one tree to point a of another."""
+    return (one.origin[a] - other.origin[b]) + (one.offset[a] - other.offset[b])
+
+
+@kernel
+def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) -> PairMatrix:
+    """The matrix for points at origin + offset, ascending and within one period."""
+    tree = make_tree(origin, offset)
     far, near = pair_nodes(tree, tree, period, True)
     far_block = np.empty((far.shape[0], ORDER, ORDER))
-    point = chebyshev_points()
     for pair in range(far.shape[0]):
-        middle, half = interval(tree, far[pair, 0])
-        other_middle, other_half = interval(tree, far[pair, 1])
-        for i in range(ORDER):
-            for j in range(ORDER):
-                d = (middle - other_middle) + (half * point[i] - other_half * point[j])
-                far_block[pair, i, j] = log_sine(d, period)
+        _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], period, dual, far_block[pair])
     near_start = np.zeros(near.shape[0] + 1, np.int64)
     for pair in range(near.shape[0]):
         start, end = points_of_leaf(tree, near[pair, 0])
         other_start, other_end = points_of_leaf(tree, near[pair, 1])
         near_start[pair + 1] = near_start[pair] + (end - start) * (other_end - other_start)
-    matrix = LogMatrix(tree, far, near, far_block, np.empty(near_start[-1]), near_start)
-    _fill_near_blocks(matrix, period)
+    matrix = PairMatrix(tree, far, near, far_block, np.empty(near_start[-1]), near_start)
+    _fill_near_blocks(matrix, period, dual)
     return matrix
 
 
 @kernel
-def _fill_near_blocks(matrix: LogMatrix, period: float) -> None:
-    x = matrix.tree.position
+def _fill_near_blocks(matrix: PairMatrix, period: float, dual: bool) -> None:
+    tree = matrix.tree
     for pair in range(matrix.near.shape[0]):
-        start, end = points_of_leaf(matrix.tree, matrix.near[pair, 0])
-        other_start, other_end = points_of_leaf(matrix.tree, matrix.near[pair, 1])
+        start, end = points_of_leaf(tree, matrix.near[pair, 0])
+        other_start, other_end = points_of_leaf(tree, matrix.near[pair, 1])
         at = matrix.near_start[pair]
         for a in range(start, end):
             for b in range(other_start, other_end):
-                matrix.near_block[at] = log_sine(x[a] - x[b], period) if a != b else 0.0
+                d = distance_between(tree, a, tree, b)
+                matrix.near_block[at] = pair_kernel(d, period, dual) if a != b else 0.0
                 at += 1
 
 
@@ -288,8 +316,8 @@ def _add_block(row: Array, f: Array, total: Array, f_of_row: float) -> float:
 
 
 @kernel
-def log_sums(matrix: LogMatrix, f: Array) -> Array:
-    """The sum over all other points b of f_b ln|2 sin(pi (x_a - x_b)/L)|, shape (points,)."""
+def pair_sums(matrix: PairMatrix, f: Array) -> Array:
+    """The sum over all other points b of f_b times the kernel between a and b, shape (points,)."""
     tree, total = matrix.tree, np.zeros(f.size)
     moment = _moments(tree, f)
     field = np.zeros_like(moment)
@@ -310,23 +338,21 @@ def log_sums(matrix: LogMatrix, f: Array) -> Array:
 
 
 @kernel
-def log_potential(source: Tree, f: Array, x: Array, period: float) -> Array:
-    """The sum over the points s of f_s ln|2 sin(pi (x - x_s)/L)| at other ascending points x within one period."""
-    target, point = make_tree(x), chebyshev_points()
+def potential(source: Tree, f: Array, x: Array, period: float, dual: bool) -> Array:
+    """The sum over the points s of f_s times the kernel between x and s, at other ascending x within one period."""
+    target, block = make_tree(np.zeros(x.size), x), np.empty((ORDER, ORDER))
     far, near = pair_nodes(target, source, period, False)
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(x.size)
     for pair in range(far.shape[0]):
-        middle, half = interval(target, far[pair, 0])
-        other_middle, other_half = interval(source, far[pair, 1])
+        _fill_far_block(target, far[pair, 0], source, far[pair, 1], period, dual, block)
         for i in range(ORDER):
             for j in range(ORDER):
-                d = (middle - other_middle) + (half * point[i] - other_half * point[j])
-                field[far[pair, 0], i] += log_sine(d, period) * moment[far[pair, 1], j]
+                field[far[pair, 0], i] += block[i, j] * moment[far[pair, 1], j]
     for pair in range(near.shape[0]):
         start, end = points_of_leaf(target, near[pair, 0])
         other_start, other_end = points_of_leaf(source, near[pair, 1])
         for a in range(start, end):
             for s in range(other_start, other_end):
-                total[a] += log_sine(x[a] - source.position[s], period) * f[s]
+                total[a] += pair_kernel(distance_between(target, a, source, s), period, dual) * f[s]
     _add_local_fields(target, field, total)
     return total
