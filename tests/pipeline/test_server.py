@@ -152,3 +152,20 @@ def _wait(process, until):
         assert time.monotonic() < end
         assert process.poll() is None
         time.sleep(0.02)
+
+
+PREPARED = """
+import gc
+from weier import scene
+from weier.pipeline import server
+server._prepare(".", "batch", "test.yaml", "one-0")
+frozen = gc.get_freeze_count()
+print("batches" in vars(scene.load("test.yaml")), frozen > len(gc.get_objects()))
+"""
+
+
+def test_a_job_finds_the_batches_of_its_scene_made_and_out_of_the_collectors_way(scene_file):
+    environment = os.environ | {"PYTHONPATH": os.getcwd()}
+    command = [sys.executable, "-c", PREPARED]
+    done = subprocess.run(command, cwd=scene_file.parent, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "True True\n"

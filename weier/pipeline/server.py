@@ -7,6 +7,7 @@ place. Where there is no server, or one of another Python, the job does its work
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import signal
@@ -151,7 +152,10 @@ def _fork(listener: socket.socket, main: Callable[[], None]) -> None:
 
 
 def _prepare(folder: str, command: str, *arguments: str) -> None:
-    """Import what a command needs, and load the scene that it names first: the process that is forked has both."""
+    """Import what a command needs, and load the scene that it names first: the process that is forked has both.
+
+    So a job of a large scene takes the time and the memory of its own cases.
+    """
     for name in IMPORTS[command]:
         import_module(name)
     if command in SOLVING and not jit.disabled():
@@ -159,7 +163,8 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
     with suppress(OSError, ValueError):  # for the process to tell
         os.chdir(folder)
         for path in [argument for argument in arguments if argument.endswith(".yaml")][:1]:
-            import_module("weier.scene").load(path)
+            _ = import_module("weier.scene").load(path).batches  # found once for all jobs
+    gc.freeze()  # or the collector of a job would write to, and so copy, all that it shares with this process
 
 
 def _run(
