@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -50,14 +51,21 @@ def kinds() -> dict[str, FigureKind]:
     modules = sorted((path for folder in __path__ for path in Path(folder).glob("*.py")), key=lambda path: path.stem)
     found = {}
     for path in modules:
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        words = _text_constants(tree)
-        if "CAPTION" in words:
-            command, variable = words.get("COMMAND", ""), words.get("VARIABLE", "")
-            found[path.stem] = FigureKind(
-                words["CAPTION"], command, variable, "grouping" in _parameters_of_draw(tree)
-            )
+        kind = _kind(path.read_text(encoding="utf-8"))
+        if kind:
+            found[path.stem] = kind
     return found
+
+
+@cache  # a scene asks for the caption of each of its figures
+def _kind(module: str) -> FigureKind | None:
+    """The kind of figure that a module of this text draws, if it draws any."""
+    tree = ast.parse(module)
+    words = _text_constants(tree)
+    if "CAPTION" not in words:
+        return None
+    command, variable = words.get("COMMAND", ""), words.get("VARIABLE", "")
+    return FigureKind(words["CAPTION"], command, variable, "grouping" in _parameters_of_draw(tree))
 
 
 def _parameters_of_draw(tree: ast.Module) -> list[str]:

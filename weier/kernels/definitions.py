@@ -61,8 +61,7 @@ def definitions(*names: str, without: Collection[str] = ()) -> dict[str, str]:
 def modules_of(package: str) -> list[str]:
     """The names of all modules in a folder of the package, sorted."""
     folder = PACKAGE.parent.joinpath(*package.split("."))
-    paths = (path.relative_to(PACKAGE.parent).with_suffix("").parts for path in folder.rglob("*.py"))
-    return sorted(".".join(parts[:-1] if parts[-1] == "__init__" else parts) for parts in paths)
+    return sorted(map(_module_of, folder.rglob("*.py")))
 
 
 @cache
@@ -70,24 +69,29 @@ def _split(name: str) -> tuple[str, str]:
     """The module that a dotted name begins with, and the rest: empty where there is no such module."""
     parts = name.split(".")
     for count in range(len(parts), 0, -1):
-        if _path(".".join(parts[:count])):
+        if ".".join(parts[:count]) in _paths():
             return ".".join(parts[:count]), ".".join(parts[count:])
     return "", name
 
 
 @cache
-def _path(module: str) -> Path | None:
-    base = PACKAGE.parent.joinpath(*module.split("."))
-    paths = (base.with_suffix(".py"), base / "__init__.py")
-    return next((path for path in paths if PACKAGE in path.parents and path.is_file()), None)
+def _paths() -> dict[str, Path]:
+    """The file of each module, by its name: they are listed once, which is faster than to look for each."""
+    return {_module_of(path): path for path in PACKAGE.rglob("*.py")}
+
+
+def _module_of(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 @cache
 def _parsed(module: str) -> Module:
-    path = _path(module)
-    tree = ast.parse(path.read_text(encoding="utf-8") if path else "")
-    made = Module({}, dict(_imports(tree)), [])
-    for statement in tree.body:
+    text = _paths()[module].read_text(encoding="utf-8")
+    lines, made = text.split("\n"), Module({}, {}, [])
+    for statement in ast.parse(text).body:
+        if any("import" in line for line in lines[statement.lineno - 1 : statement.end_lineno]):  # few have any
+            made.imports.update(_imports(statement))
         defined = _defined(statement)
         for name in defined:
             made.definitions.setdefault(name, []).append(statement)
