@@ -1,0 +1,179 @@
+"""What the documentation takes from the program: tables of variables, of keys and figures of scenes, docstrings."""
+
+import os
+import re
+from pathlib import Path
+
+from cycler import cycler
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from weier import scene
+from weier.data import markdown
+from weier.data.provenance import VERSION
+from weier.data.variables import VARIABLES
+from weier.figures import kinds, style
+from weier.figures.captions import caption
+from weier.methods.registry import PLOTTED
+from weier.scene.file import schema
+
+ROOT = Path(__file__).resolve().parents[1]
+COLON = "\ue000"  # of a private range: no text has it
+
+
+class SceneFigures(SphinxDirective):
+    """The figures of a scene with their captions, as the pipeline left them."""
+
+    required_arguments = 1
+
+    def run(self):
+        """A figure node for each."""
+        loaded = scene.load(ROOT / f"config/scenes/{self.arguments[0]}.yaml")
+        return [self.picture(loaded, name) for name in loaded.figures]
+
+    def picture(self, loaded, name):
+        """Picture and caption."""
+        title, text, alternative = caption(loaded, name)
+        path = Path(self.config.scene_figures, f"{name}.png")
+        words = nodes.caption("", "", nodes.strong("", f"{title}. "), nodes.Text(text))
+        return nodes.figure(
+            "", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=alternative, width="28em"), words
+        )
+
+
+class TableOfVariables(SphinxDirective):
+    """All variables of the data, from their one table."""
+
+    def run(self):
+        """A table with a row for each."""
+        head = ["variable", "what it is", "symbol", "normalised by or unit", "dimensions"]
+        return self.parse_text_to_nodes(markdown.table(head, map(self.row, VARIABLES.items())))
+
+    @staticmethod
+    def row(variable):
+        """Its cells, as Markdown."""
+        name, entry = variable
+        cells = entry.long_name, entry.symbol, entry.unit, ", ".join(entry.dims)
+        return [f"`{name}`", *map(markdown.plain, cells)]
+
+
+class SceneKeys(SphinxDirective):
+    """Every key of a scene, a study, a profile, a figure and a range, from the schema of scenes."""
+
+    parts = ("", "study", "profile", "figure", "range")
+
+    def run(self):
+        """A table for each."""
+        known = schema()
+        made = []
+        for part in self.parts:
+            within = known["$defs"][part] if part else known
+            caption = f"Keys of a {part}" if part else "Keys of a scene"
+            needed = within.get("required", [])
+            rows = [self.row(known, name, of, name in needed) for name, of in within["properties"].items()]
+            made.append(nodes.rubric("", caption))
+            made += self.parse_text_to_nodes(markdown.table(["key", "what it says", "value"], rows))
+        return made
+
+    def row(self, known, name, of, needed):
+        """Its cells, as Markdown."""
+        says = f"{of.get('description', '')}{' Required.' if needed else ''}"
+        return [f"`{name}`", markdown.plain(says), markdown.plain(self.kind(known, of))]
+
+    def kind(self, known, of):
+        """What a value may be, in words."""
+        name = of.get("$ref", "").rpartition("/")[2]
+        if name:
+            own = {"axis": "number, text, range, or list of these", "line": "text", "name": "name", "names": "names"}
+            of = known["$defs"][name]
+            return own.get(name) or (", ".join(of["enum"]) if "enum" in of else self.kind(known, of))
+        if "enum" in of:
+            return ", ".join(of["enum"])
+        if "anyOf" in of:
+            return " or ".join(dict.fromkeys(self.kind(known, each) for each in of["anyOf"]))
+        if of.get("type") == "array":
+            return f"list of {self.kind(known, of['items'])}"
+        kind = of.get("type", "mapping")
+        words = kind if isinstance(kind, list) else [kind]
+        return " or ".join("mapping" if word == "object" else word for word in words)
+
+
+class FigureKinds(SphinxDirective):
+    """Every kind of figure, by its caption."""
+
+    def run(self):
+        """A table with a row for each."""
+        rows = [[f"`{name}`", *self.cells(kind)] for name, kind in kinds().items()]
+        head = ["draw", "what it shows", "takes parameters", "drawn from"]
+        return self.parse_text_to_nodes(markdown.table(head, rows))
+
+    def cells(self, kind):
+        """Its cells after the name, as Markdown."""
+        text = " ".join(kind.caption.replace("{methods}", "").split())
+        file = f"the file of `weier {kind.command}`" if kind.command else "studies"
+        return markdown.plain(text), "yes" if kind.grouped else "", file
+
+
+def before_napoleon(app, what, name, obj, options, lines):
+    """Docstrings are plain text: |k|, p_0* and (13) are no markup, nor does a colon end the type of a property."""
+    plain = [re.sub(r"^( *)(\()|([|*])", r"\1\\\2\3", line) for line in lines]
+    if what == "property":
+        plain = [line.replace(":", COLON) for line in plain]
+    lines[:] = with_fields(plain) if what == "class" else plain
+
+
+def with_fields(lines):
+    """What a class holds, `name : meaning` line by line ahead of any section, as a list."""
+    section = False
+    for line in lines:
+        section = section or line.startswith("---")
+        name, colon, meaning = line.partition(" : ")
+        if not section and colon and re.fullmatch(r"\w+(, \w+)*", name):
+            yield f"* ``{name}`` : {meaning}"
+        else:
+            yield line if section or not line.startswith("    ") else f"  {line.strip()}"
+
+
+def after_napoleon(app, what, name, obj, options, lines):
+    """The colons again."""
+    lines[:] = [line.replace(COLON, ":") for line in lines]
+
+
+def skip_fields(app, what, name, obj, skip, options):
+    """The fields of a NamedTuple stand in its own docstring; Python says of each that it is an alias for a number."""
+    return True if (obj.__doc__ or "").startswith("Alias for field number") else None
+
+
+def mark_numbers(app, doctree):
+    """Numbers in tables have a class, for the style sheet."""
+    for entry in doctree.findall(nodes.entry):
+        if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?|inf|nan", entry.astext()):
+            entry["classes"].append("number")
+
+
+def configure(app, config):
+    """What the configuration takes from weier: its version, and how figures look."""
+    config.version = config.release = VERSION
+    lines = [style.line(method) for method in PLOTTED]
+    cycle = cycler(color=[line["color"] for line in lines], linestyle=[line["linestyle"] for line in lines])
+    config.plot_rcparams = style.RC | {
+        "figure.figsize": (style.WIDTH, style.HEIGHT),
+        "figure.constrained_layout.use": True,
+        "axes.prop_cycle": cycle,
+    }
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """What Sphinx asks of an extension."""
+    app.connect("config-inited", configure)
+    app.add_config_value("scene_figures", str(ROOT / "results/paper/figures"), "env", str)
+    app.add_directive("scene-figures", SceneFigures)
+    app.add_directive("table-of-variables", TableOfVariables)
+    app.add_directive("scene-keys", SceneKeys)
+    app.add_directive("figure-kinds", FigureKinds)
+    app.connect("autodoc-skip-member", skip_fields)
+    app.connect("doctree-read", mark_numbers)
+    app.connect("autodoc-process-docstring", before_napoleon, priority=100)
+    app.connect("autodoc-process-docstring", after_napoleon, priority=900)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
