@@ -88,6 +88,7 @@ RANGES = {
 }  # fmt: skip
 
 
+SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
 
 
@@ -234,6 +235,8 @@ class Interface:
         if unit not in self._units:
             return variable.dims, variable.values, dict(variable.attrs)
         factor, attributes["units"] = self._units[unit]
+        if "symbol" in attributes:
+            attributes["symbol"] = SI_SYMBOLS.get(attributes["symbol"], attributes["symbol"])
         limits = {name: attributes[name] * factor for name in ("valid_min", "valid_max") if name in attributes}
         return variable.dims, _scaled(variable.values, factor), attributes | limits
 
