@@ -1,11 +1,14 @@
 """One thread for all programs, then the command line."""
 
-import os
+from benchmarks.threads import use_one_thread
 
-# These are set before NumPy is imported, because its BLAS reads them once.
-for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[threads] = "1"
 
-from benchmarks.command import main  # noqa: E402 - it imports NumPy
+def run() -> None:
+    """The command line, which imports NumPy, and that reads the number of threads."""
+    use_one_thread()
+    from benchmarks.command import main
 
-main()
+    main()
+
+
+run()

@@ -58,10 +58,13 @@ def fourier(points: int, period: float) -> Array:
 def examine(problem: Problem, height: Array, eigenvalue: Array, load: float, pressure: Array) -> Examination:
     """Apply the operator afresh: |gap| where there is pressure, penetration elsewhere, tension as its own deflection.
 
-    The rigid plane rests at the mean height of the surface under pressure.
+    The rigid plane rests at the mean height of the surface under pressure. Where there is none, or no number, nothing
+    is solved.
     """
     deformed = height - np.fft.irfft(eigenvalue * np.fft.rfft(pressure), problem.points)
     contact = pressure > 0
+    if not contact.any():
+        return Examination(np.nan, np.inf, 1.0)
     plane = deformed[contact].mean()
     gap = plane - deformed
     node = np.fft.irfft(eigenvalue, problem.points)[0]

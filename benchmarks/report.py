@@ -21,6 +21,7 @@ HEIGHT = 2.0  # inches a panel
 LOOKS: dict[str, dict[str, Any]] = {
     "weier": {"color": style.BLACK, "linestyle": style.DASHES[0], "marker": "o"},
     "weier_resistance": {"color": style.GREEN, "linestyle": style.DASHES[3], "marker": "s"},
+    "weier_between": {"color": style.PURPLE, "linestyle": style.DASHES[0], "marker": "*"},
     "tamaas": {"color": style.VERMILLION, "linestyle": style.DASHES[1], "marker": "D"},
     "contact_mechanics": {"color": style.BLUE, "linestyle": style.DASHES[2], "marker": "^"},
     "slippy": {"color": style.ORANGE, "linestyle": style.DASHES[5], "marker": "x"},

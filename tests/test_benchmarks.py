@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, measure, parts, programs, report
+from benchmarks import command, measure, parts, programs, report, to_error
 from benchmarks.problem import Problem, Reference, examine, fourier, linear_elements
 from benchmarks.programs import PROGRAMS
 from benchmarks.solvers import slippy
@@ -100,6 +100,68 @@ def test_the_file_holds_everything(compared, tmp_path: Path):
         xr.testing.assert_equal(read.load(), compared)
         for name in ("tolerance", "threads", "packages", "machine", "discretisation", "reference_method"):
             assert read.attrs[name] == compared.attrs[name]
+
+
+@pytest.fixture
+def one_wave(monkeypatch: pytest.MonkeyPatch) -> to_error.Exact:
+    """Westergaard's curve in the place of the three waves."""
+    monkeypatch.setattr(to_error, "PROFILE", PROFILE)
+    monkeypatch.setattr(to_error, "LOADS", LOADS)
+    return to_error.Exact(westergaard.compliance(LOADS), westergaard.resistance(LOADS), 1.0)
+
+
+@pytest.mark.parametrize(("name", "of_R"), [("dense", 0.2), ("weier", 0.2), ("weier_between", 1e-4)])
+def test_errors_of_both_quantities(name: str, of_R: float, one_wave: to_error.Exact):
+    """The dense inversion stands for those that know no resistance; on 64 nodes a step of the load is 3 % of it."""
+    at = (64, 1e-10, one_wave)
+    assert 1e-9 < to_error.attempt(name, "h", *at).error < 1e-2
+    tried = to_error.attempt(name, "R", *at)
+    assert 1e-9 < tried.error < of_R
+    assert tried.how.startswith("differences by" if name == "dense" else "")
+
+
+def test_the_smallest_grid_is_found(monkeypatch, capsys):
+    tried = []
+
+    def second_order(name, quantity, points, residual, reference):
+        tried.append(points)
+        return to_error.Attempt((points / 100) ** -2.0, lambda: int)
+
+    monkeypatch.setattr(to_error, "attempt", second_order)
+    reached = to_error.smallest("weier", "h", 1e-4, None)
+    assert reached.points == next(size for size in to_error.SIZES if size >= 10_000)
+    assert 1 < len(tried) < len(to_error.SIZES) / 2
+    assert to_error.smallest("weier", "h", 1e-6, None) is None
+    assert "h within 1e-06 by weier: 65536 nodes leave" in capsys.readouterr().err
+
+
+def test_a_table_of_times_says_what_is_not_reached():
+    found = {
+        (name, quantity, target): to_error.Reached(400, seconds, "")
+        for name, seconds in ((to_error.OURS, 0.01), ("tamaas", 1.0))
+        for quantity, targets in to_error.TARGETS.items()
+        for target in targets
+    }
+    found["tamaas", "R", 1e-3] = None
+    *_, ours, tamaas = to_error.table(found, [to_error.OURS, "tamaas"]).splitlines()
+    assert ours.startswith("| weier, edges between nodes | 0.01 s, 400 nodes |")
+    assert tamaas.startswith("| tamaas | 100 times, 1 s, 400 nodes |")
+    assert tamaas.endswith("| not reached |")
+
+
+def test_the_figure_of_errors_is_written(monkeypatch, tmp_path: Path):
+    tried = to_error.Attempt(1e-3, lambda: int)
+    monkeypatch.setattr(to_error, "attempt", lambda *arguments: tried)
+    to_error.draw(["weier", "tamaas", "slippy"], None, tmp_path / "to_error.pdf")
+    assert {path.suffix for path in tmp_path.iterdir()} == {".pdf", ".svg", ".png"}
+
+
+def test_nothing_is_solved_where_no_pressure_is():
+    problem = Problem(PROFILE, LOADS, 32, TOLERANCE)
+    for pressure in (np.zeros(32), np.full(32, np.nan)):
+        found = examine(problem, problem.height, linear_elements(32, 1.0), 0.1, pressure)
+        assert np.isnan(found.compliance)
+        assert found.residual == np.inf
 
 
 def test_a_missing_program_is_named_with_how_to_install_it(monkeypatch, capsys):

@@ -71,6 +71,11 @@ def version(package: str) -> str:
     return f"{package} {worker().ask('version')}"
 
 
+def processor_seconds() -> float:
+    """Processor seconds of slippy's process so far."""
+    return float(worker().ask("processor_seconds"))
+
+
 class PolonskyKeer:
     """A planned convolution and the solver."""
 
@@ -80,7 +85,7 @@ class PolonskyKeer:
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """From the pressure given; slippy's tolerance is the change of the pressure in a step, relative."""
-        begin = None if start is None else _plain(start)
+        begin = None if start is None or not np.isfinite(start).all() else _plain(start)
         pressure, pairs, converged = worker().ask("solve", float(load), begin, float(tolerance), ITERATIONS)
         return Step(np.array(pressure), pairs, converged)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import pickle
 import sys
 from array import array
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -50,12 +51,22 @@ def version() -> str:
     return str(slippy.__version__)
 
 
+def processor_seconds() -> float:
+    """Processor seconds of this process so far."""
+    return process_time()
+
+
 def serve() -> None:
     """Answer until the input ends."""
     # slippy prints; its words must not get among the answers.
     answers, sys.stdout = sys.stdout.buffer, sys.stderr
     solver = PolonskyKeer()
-    requests = {"version": version, "begin": solver.begin, "solve": solver.solve}
+    requests = {
+        "version": version,
+        "begin": solver.begin,
+        "solve": solver.solve,
+        "processor_seconds": processor_seconds,
+    }
     while True:
         try:
             name, arguments = pickle.load(sys.stdin.buffer)
