@@ -1,4 +1,4 @@
-"""Expected errors of planned curves against their true errors: `python -m benchmarks.planned [COUNT]`.
+"""Expected errors and seconds of planned curves against the true ones: `python -m benchmarks.planned [COUNT]`.
 
 COUNT random finite series are compared with contact patches, and a fifth as many infinite series with more terms of
 themselves, at loads from 1e-12 p_0*.
@@ -11,6 +11,8 @@ import sys
 import numpy as np
 
 from tests.verification import Verified, verify, verify_infinite
+
+MIN_SECONDS = 1e-3
 
 
 def main() -> None:
@@ -27,6 +29,7 @@ def main() -> None:
         for methods in sorted({each.methods for each in found}):
             for quantity in ("compliance", "resistance"):
                 report(methods, quantity, [e for e in found if e.methods == methods and e.quantity == quantity])
+        report_seconds(found)
 
 
 def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> None:
@@ -37,6 +40,17 @@ def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> No
         low, middle, high = np.quantile(width, [0, 0.5, 0.9])
         names = ", ".join(methods)
         print(f"{quantity} by {names}: {len(found)} curves, too wide by {low:.2g} to {high:.2g}, median {middle:.2g}")
+
+
+def report_seconds(found: list[Verified]) -> None:
+    """Print by which factors curves took longer than planned, where that can be measured."""
+    ratio = np.array([each.seconds / each.planned_seconds for each in found if each.planned_seconds > MIN_SECONDS])
+    within = (np.mean((ratio > 1 / factor) & (ratio < factor)) for factor in (3, 10))
+    print(f"seconds of {ratio.size} curves within a factor of 3: {{:.0%}}, of 10: {{:.0%}}".format(*within))
+    low, middle, high = np.quantile(ratio, [0.05, 0.5, 0.95])
+    print(
+        f"took over planned: median {middle:.2g}, 5 % below {low:.2g}, 5 % above {high:.2g}, most {ratio.max():.2g}"
+    )
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,7 +43,8 @@ class Check(NamedTuple):
 class Verified(NamedTuple):
     """One planned curve: what it was to be, its errors, and the methods it took, from the lightest load up.
 
-    `points` is the finest grid, NaN without any.
+    `points` is the finest grid, NaN without any. `planned_seconds` and `seconds` are what the plan expected and what
+    the solvers took, in processor time.
 
     The resistance of an infinite series is None, because there is no reference for it.
     """
@@ -54,6 +56,8 @@ class Verified(NamedTuple):
     resistance: Check | None
     methods: tuple[str, ...]
     points: float
+    planned_seconds: float
+    seconds: float
 
     @property
     def inside(self) -> bool:
@@ -117,28 +121,35 @@ def _phases(
 
 
 def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: float) -> Verified:
-    exact, found = patches.curve(profile, loads, REFERENCE_TOLERANCE), _planned(profile, loads, tolerance, quantity)
+    exact = patches.curve(profile, loads, REFERENCE_TOLERANCE)
+    found, seconds = _planned(profile, loads, tolerance, quantity)
     slack = error_model.RESIDUAL_FACTOR * exact.residual + error_model.COMPLIANCE_ROUNDING * profile.total_amplitude
     h = _check(found.compliance - exact.compliance, found.compliance_error, slack)
     scale = np.maximum(exact.resistance, 1)
     uncertainty = np.full(loads.size, patches.error_model.error(REFERENCE_TOLERANCE, "resistance"))
     R = _check((found.resistance - exact.resistance) / scale, found.resistance_error / scale, uncertainty)
-    return Verified(profile, quantity, tolerance, h, R, *_methods(found))
+    return Verified(profile, quantity, tolerance, h, R, *_methods(found), found.planned_seconds, seconds)
 
 
 def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Verified:
     """The infinite series lies within [h_k, h_k + 2 G_k], and below full contact."""
-    kept, found = _longest(profile), _planned(profile, loads, tolerance)
+    kept, (found, seconds) = _longest(profile), _planned(profile, loads, tolerance)
     points = bem.error_model.MIN_POINTS_PER_WAVE * kept.waves_per_period[-1]
     h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False, edges="nodes").compliance
     low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
     slack = (high - low) / 2 + bem.error_model.compliance_error(kept, points)
     check = _check(found.compliance - (low + high) / 2, found.compliance_error, slack)
-    return Verified(profile, "compliance", tolerance, check, None, *_methods(found))
+    return Verified(profile, "compliance", tolerance, check, None, *_methods(found), found.planned_seconds, seconds)
 
 
-def _planned(profile: Profile, loads: Array, *wanted: Any) -> Curve:
-    return find_method(PLANNED).solve(profile, loads, *wanted)
+def _planned(profile: Profile, loads: Array, *wanted: Any) -> tuple[Curve, float]:
+    """The planned curve, and the seconds of the processor that it took beside those of the plan."""
+    plan(profile, loads, *wanted)  # contacts are counted once
+    start = process_time()
+    plan(profile, loads, *wanted)
+    planned = process_time()
+    curve = find_method(PLANNED).solve(profile, loads, *wanted)
+    return curve, process_time() - planned - (planned - start)
 
 
 def _check(off: Array, expected: Array, slack: Array) -> Check:

@@ -19,6 +19,7 @@ LOADS = np.geomspace(0.1, 10, 23)
 ITERATED = (
     2 * error_model.RESIDUAL_FACTOR * bem.error_model.PLANNED_RESIDUAL
 )  # g_0: of two solutions whose residuals are below the tolerance
+RATE = 1e-6  # of a resistance: its residual is 1e-3 of itself, and its error the square
 NEWTON = 2 * newton.TOLERANCE  # g_0: each load starts from the one before; the slope loses three digits
 CHORDS = ITERATED / 1e-4  # of a bound on the resistance: compliances over what no two loads are closer than
 
@@ -35,7 +36,7 @@ CASES = [
     ("hybrid", LONG, {"terms": 2}, NEWTON, 1e3 * NEWTON),
     ("bem", SHORT, {"points": 2000}, ITERATED, 10 * ITERATED),  # an edge moves by the residual over the gap's rate
     ("patches", SHORT, {}, ITERATED, 2 * patches.error_model.error(1e-10, "resistance")),
-    ("planned", SHORT, {"tolerance": 1e-2}, ITERATED, ITERATED),
+    ("planned", SHORT, {"tolerance": 1e-2}, ITERATED, RATE),
     ("planned", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}, ITERATED, CHORDS),
     ("planned", LONG, {"tolerance": 0.02}, ITERATED, ITERATED),
     ("planned", LONG, {"tolerance": 0.3}, ITERATED, ITERATED),

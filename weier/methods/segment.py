@@ -93,8 +93,8 @@ class Segment(NamedTuple):
         return self.seconds_start + float(self.seconds_load.sum())
 
     def fails_like(self, other: Segment) -> bool:
-        """Whether this will not do where the other did not: the same, or bounds from no more terms."""
-        if np.any(other.truncation > 0) and np.any(self.truncation > 0):
+        """Whether this will not do where the other did not: the same, or chords from no more terms."""
+        if self.other_loads is not None and other.other_loads is not None:
             return self.terms <= other.terms
         return (self.method, self.terms, self.settings) == (other.method, other.terms, other.settings)
 

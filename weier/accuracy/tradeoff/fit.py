@@ -65,8 +65,9 @@ class Term(NamedTuple):
 class Fit(NamedTuple):
     """The constants of a method, and which samples they are measured on; seconds count from those of a start."""
 
+    method: str
     used: Callable[[Sample], bool]
-    errors: tuple[Term, ...]
+    errors: tuple[Term, ...] = ()
     seconds: tuple[Term, ...] = ()
     start: float = 0.0
 
@@ -80,8 +81,8 @@ def constants(data: xr.Dataset) -> list[Constant]:
         As `weier.accuracy.tradeoff.measure` returns it.
     """
     found = []
-    for name, fit in FITS.items():
-        samples = [sample for sample in _samples(data, name) if fit.used(sample)]
+    for fit in FITS:
+        samples = [sample for sample in _samples(data, fit.method) if fit.used(sample)]
         found += [Constant(term.name, term.shipped, _largest(term, samples), True) for term in fit.errors]
         fitted = zip(fit.seconds, _least_squares(fit, samples), strict=True)
         found += [Constant(term.name, term.shipped, float(value), False) for term, value in fitted]
@@ -127,16 +128,9 @@ def _grid_compliance(sample: Sample) -> float:
     return float(sample.compliance_error.max() / missed)
 
 
-def _grid_resistance(sample: Sample) -> float:
-    """At the loads for which there is an error model."""
-    modelled = sample.loads >= bem.error_model.light_load(sample.profile, int(sample.points))
-    return float(sample.resistance_error[modelled].max(initial=0.0)) * sample.points / sample.waves
-
-
 def _grid_nodes(sample: Sample) -> float:
-    """Nodes times pairs of FFTs; a start takes as long as so many of the heaviest loads."""
-    pairs = bem.error_model.fft_pairs(sample.contacts)
-    return float(sample.points * (pairs.sum() + bem.error_model.START_LOADS * pairs[-1]))
+    """Nodes times pairs of FFTs, with those of a start."""
+    return float(sample.points * (bem.error_model.fft_pairs(sample.contacts).sum() + bem.error_model.START_PAIRS))
 
 
 def _in_tolerances(error: Array, sample: Sample) -> float:
@@ -156,20 +150,23 @@ def _estimate(sample: Sample) -> float:
 
 
 GRID, CONTACTS = bem.error_model, patches.error_model
-FITS = {
-    bem.METHOD.name: Fit(
+FITS = (
+    Fit(
+        bem.METHOD.name,
         _has_settings(bem.METHOD.name, "points", edges="nodes"),
-        (
-            Term("BEM_COMPLIANCE", GRID.COMPLIANCE, _grid_compliance),
-            Term("BEM_RESISTANCE", GRID.RESISTANCE, _grid_resistance),
-        ),
-        (
-            Term("SECONDS_LOAD bem", GRID.SECONDS_LOAD, lambda sample: sample.loads.size + GRID.START_LOADS),
+        (Term("BEM_COMPLIANCE", GRID.COMPLIANCE, _grid_compliance),),
+    ),
+    Fit(
+        bem.METHOD.name,
+        _has_settings(bem.METHOD.name, "points"),
+        seconds=(
+            Term("SECONDS_LOAD bem", GRID.SECONDS_LOAD, lambda sample: sample.loads.size),
             Term("SECONDS_NODE bem", GRID.SECONDS_NODE, _grid_nodes),
         ),
-        GRID.SECONDS_START,
+        start=GRID.SECONDS_START,
     ),
-    patches.METHOD.name: Fit(
+    Fit(
+        patches.METHOD.name,
         lambda sample: sample.settings["tolerance"] in CONTACTS.TOLERANCES,
         (
             Term("PATCHES_COMPLIANCE", CONTACTS.COMPLIANCE_FACTOR, lambda s: _in_tolerances(s.compliance_error, s)),
@@ -183,10 +180,14 @@ FITS = {
         ),
         CONTACTS.SECONDS_START,
     ),
-    layer.METHOD.name: Fit(
-        _has_settings(layer.METHOD.name), (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)
+    Fit(
+        layer.METHOD.name,
+        _has_settings(layer.METHOD.name),
+        (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),),
     ),
-    demelio.METHOD.name: Fit(
-        _has_settings(demelio.METHOD.name), (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)
+    Fit(
+        demelio.METHOD.name,
+        _has_settings(demelio.METHOD.name),
+        (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),),
     ),
-}
+)

@@ -13,42 +13,60 @@ from weier.theory.profile import Profile
 
 Number = TypeVar("Number", float, Array)
 
-# Times sum g_n (waves_n/points)^2: a crest half a node off the grid is missed by z'' dx^2/8, where z'' is at most
-# sum g_n k_n^2. That is the error at first touch; at no load was one larger.
+# With edges on nodes: times sum g_n (waves_n/points)^2. A crest half a node off the grid is missed by z'' dx^2/8,
+# where z'' is at most sum g_n k_n^2. That is the error at first touch; at no load was one larger.
 COMPLIANCE = math.pi**2 / 2
-# Times waves/points. Order 1: edges of contact move by whole nodes. It is not for the very load of a birth, where a
-# grid has a contact of a node too many or too few.
-RESISTANCE = 18.0
-# At lighter loads contacts have a few nodes, half a contact sqrt(p/missed)/pi of them at one crest, where missed is
-# sum g_n (waves_n/points)^2; and a crest that the grid takes for lower than it is touches too late.
-LIGHT_LOAD = 3000.0  # times missed: contacts of 35 nodes
-NARROW_CONTACT = 0.002  # times sum g_n (waves_n/waves of the finest)^2, on any grid: a 35th of the finest wave
-NEW_CONTACT = 5.0  # g_0/p_0*: -2 ln(pi a), the resistance of a contact of half-width a = 0.03, wide for a new one
-EVENT_SHARE = 0.25  # of the error of a resistance, left to births and mergers that a grid sees at other loads
-# Of an error, for a grid by itself. Near births and mergers a resistance needs more room, or else a finer grid.
-GRID_SHARES = {"compliance": (1.0,), "resistance": (1 - EVENT_SHARE, EVENT_SHARE)}
+# With edges between the nodes, of the errors that a solution states (docs/subgrid.md), at 95 % of the loads: times
+# the same sum, and times waves/points; and what is added to each for every contact of a wave. The errors themselves
+# are far smaller. A solution that states more than this, as next to births, is not taken if it is too much.
+STATED_COMPLIANCE, COMPLIANCE_CROWDING = 0.07, 0.12
+STATED_RESISTANCE, RESISTANCE_CROWDING = 0.03, 0.45
+LONE_SHARE = 0.01  # of these where there is one contact, which has no neighbours that bear on it
 
-MIN_POINTS_PER_WAVE = 12  # fewer were not measured
+MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
 COARSEST_POINTS_PER_WAVE = 8  # of the coarsest of the nested grids, at least
 MAX_POINTS = 2**21  # a load then takes a second
+# Of the grids that plans choose from, with edges between the nodes: fewer were not measured.
+PLANNED_POINTS_PER_WAVE = tuple(points * 2**doubling for doubling in range(12) for points in (16, 24))
 PLANNED_RESIDUAL = 1e-10  # g_0, at which boundary elements of a plan stop
 
-SECONDS_START, SECONDS_LOAD = 3e-4, 2e-5
-SECONDS_NODE = 8e-9  # of each load and node, for a pair of FFTs, of which there are more for more contacts
-PAIRS, PAIRS_CONTACT = 20, 15  # and this times the square root of their number
-START_LOADS = 3  # a start takes as long as so many of the heaviest loads
+SECONDS_START, SECONDS_LOAD = 5e-4, 8e-5
+SECONDS_NODE = 1.3e-8  # of each load and node, for a pair of FFTs, of which there are more for more contacts
+PAIRS = 14  # times the square root of the contacts
+START_PAIRS = 15  # as many take as long as a start
 BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
 
 
 def compliance_error(profile: Profile, points: int) -> float:
-    """Error of h on `points` nodes, in g_0: COMPLIANCE sum g_n (waves_n/points)^2."""
-    return COMPLIANCE * curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
+    """Error of h on `points` nodes, in g_0, with edges of contact on nodes: COMPLIANCE sum g_n (waves_n/points)^2."""
+    return COMPLIANCE * _missed(profile, points)
 
 
 def solution_error(profile: Profile, points: int, residual: Number) -> Number:
-    """Error of h on `points` nodes by a solution with these residuals, in g_0, of the shape of `residual`."""
+    """The same of a solution with these residuals, of the shape of `residual`."""
     return compliance_error(profile, points) + RESIDUAL_FACTOR * residual
+
+
+def fewest_points(profile: Profile, error: float) -> int:
+    """Fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
+    needed = math.sqrt(COMPLIANCE * curvature(profile) / error)
+    needed = min(max(needed, MIN_POINTS_PER_WAVE), MAX_POINTS_PER_WAVE)
+    halvings = 2 ** int(math.log2(needed / COARSEST_POINTS_PER_WAVE))
+    return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
+
+
+def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) -> Array:
+    """Error that a solution with edges between the nodes states at most loads with so many contacts, of their shape.
+
+    It is in g_0 of a compliance, in the larger of itself and 1 of a resistance.
+    """
+    waves = profile.waves_per_period[-1]
+    crowding, lone = contacts / waves, np.where(contacts < 1.5, LONE_SHARE, 1.0)
+    if quantity == "compliance":
+        share = STATED_COMPLIANCE + COMPLIANCE_CROWDING * crowding
+        return np.asarray(lone * share * _missed(profile, points) + PLANNED_RESIDUAL)
+    return np.asarray(lone * (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) * waves / points)
 
 
 def curvature(profile: Profile) -> float:
@@ -59,57 +77,19 @@ def curvature(profile: Profile) -> float:
     return float(np.sum(profile.amplitude * share**2))
 
 
-def light_load(profile: Profile, points: int) -> float:
-    """Mean pressure below which `points` nodes do not tell the resistance, in p_0*."""
-    return curvature(profile) * max(LIGHT_LOAD * (profile.waves_per_period[-1] / points) ** 2, NARROW_CONTACT)
-
-
-def resistance_error(profile: Profile, points: int, mean_pressure: Array) -> Array:
-    """Error of the resistance, shape (loads,): RESISTANCE waves/points; inf at light loads."""
-    resolved = mean_pressure >= light_load(profile, points)
-    return np.where(resolved, RESISTANCE * profile.waves_per_period[-1] / points, np.inf)
-
-
-def neighbouring_loads(profile: Profile, points: int, mean_pressure: Array) -> Array:
-    """A lighter and a heavier load beside each, shape (loads, 2): between them a grid sees what happens at the load.
-
-    The heights of a crest and of the plane are off by the error of the compliance each, and under more load a crest
-    nears the plane at a rate t. Its contact then lowers the resistance by t^2 over NEW_CONTACT or more: by less than
-    the grid is off anyway, if t is smaller than sqrt(NEW_CONTACT error).
-    """
-    slowest = math.sqrt(NEW_CONTACT * RESISTANCE * profile.waves_per_period[-1] / points)
-    shift = np.minimum(2 * compliance_error(profile, points) / slowest, mean_pressure / 2)
-    return np.column_stack([mean_pressure - shift, mean_pressure + shift])
-
-
-def light_resistance_error(profile: Profile, points: int, mean_pressure: Array, resistance: Array) -> Array:
-    """Error of the resistance at light loads, in g_0/p_0*, shape (loads,).
-
-    All of it, since the true one is no less than 0; and L ln(light load/p) more, L the period: so grows that of one
-    contact, -2 L ln a, whose half-width a is as sqrt(p), where that of a single node stands still.
-    """
-    lighter = np.log(light_load(profile, points)) - np.log(mean_pressure)
-    return np.asarray(resistance + profile.period * np.maximum(lighter, 0))
-
-
-def fewest_points(profile: Profile, error: float, quantity: str) -> int:
-    """Fewest nodes in a period that keep within this error, and can be halved to nested grids."""
-    by_compliance = quantity == "compliance"
-    needed = math.sqrt(COMPLIANCE * curvature(profile) / error) if by_compliance else RESISTANCE / error
-    needed = min(max(needed, MIN_POINTS_PER_WAVE), MAX_POINTS_PER_WAVE)
-    halvings = 2 ** int(math.log2(needed / COARSEST_POINTS_PER_WAVE))
-    return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
+def _missed(profile: Profile, points: int) -> float:
+    return curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
 
 
 def seconds(points: float, contacts: Array) -> tuple[float, Array]:
     """Seconds to start on so many nodes, and for each load with so many contacts."""
-    load = SECONDS_LOAD + SECONDS_NODE * points * fft_pairs(contacts)
-    return SECONDS_START + START_LOADS * float(load[-1]), load
+    pair = SECONDS_NODE * points
+    return SECONDS_START + START_PAIRS * pair, SECONDS_LOAD + pair * fft_pairs(contacts)
 
 
 def fft_pairs(contacts: Array) -> Array:
-    """Pairs of FFTs that a load and its resistance take."""
-    return np.asarray(PAIRS + PAIRS_CONTACT * np.sqrt(contacts))
+    """Pairs of FFTs that a load takes for both numbers."""
+    return np.asarray(PAIRS * np.sqrt(contacts))
 
 
 def memory(points: int) -> float:

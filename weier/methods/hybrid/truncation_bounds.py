@@ -49,7 +49,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     kept = profile.truncated(terms)
     tail = kept.tail_amplitude
     allowed, residual = BOUND_SHARE * tail, RESIDUAL_SHARE * tail
-    points = bem.error_model.fewest_points(kept, allowed, "compliance")
+    points = bem.error_model.fewest_points(kept, allowed)
     if points > MAX_POINTS:
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
     loads = checked_loads(mean_pressure)

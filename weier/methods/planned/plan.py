@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +27,7 @@ from weier.theory.tables import html_table, text_table
 
 TOLERANCE = 1e-3
 MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
+SECONDS_SEGMENT = 1.5e-4  # to put together what a segment gives, by whichever method
 SUGGESTED = [10.0**exponent for exponent in range(-13, 1)]  # where a tolerance is out of reach: the least that is not
 
 
@@ -46,7 +48,7 @@ class Plan:
     @property
     def seconds(self) -> float:
         """Expected seconds of all segments together, on one core."""
-        return sum(segment.seconds for segment in self.segments)
+        return sum(segment.seconds + SECONDS_SEGMENT for segment in self.segments)
 
     @property
     def memory(self) -> float:
@@ -81,10 +83,14 @@ def _row(segment: Segment) -> list[str]:
     parts = (segment.error, segment.truncation, segment.discretisation, segment.estimate)
     return [
         *(f"{p.size}", f"{p[0]:.3g}", f"{p[-1]:.3g}", segment.method, f"{segment.terms:g}"),
-        ", ".join(f"{name} {value:g}" for name, value in segment.settings.items()),
+        ", ".join(f"{name} {_short(value)}" for name, value in segment.settings.items()),
         *(f"{part.max():.1e}" if part.max() else "0" for part in parts),
         *(f"{segment.seconds:.2g}", f"{segment.memory / 1e6:.2g}", segment.why),
     ]
+
+
+def _short(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
 
 
 def plan(

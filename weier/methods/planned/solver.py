@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.error_model import COMPLIANCE_ROUNDING
-from weier.methods.errors import OutOfReachError
+from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.plan import Plan, plan
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
@@ -20,6 +20,9 @@ from weier.theory.profile import Profile
 
 ROUNDING = 1e-9  # of a tolerance: expected errors and those found are sums that may be rounded differently
 METHOD_NAME = VARIABLES["planned_method"].dtype
+
+
+UNSOLVED = SegmentSolution(*(np.full(1, value) for value in (np.nan, np.nan, np.inf, np.inf)))
 
 
 class SolvedLoads(NamedTuple):
@@ -80,19 +83,16 @@ def curve(
     ------
     OutOfReachError
         If no method meets the tolerance, as expected or as found.
-    ConvergenceError
-        If a solver misses its own tolerance.
 
     Notes
     -----
     The numbers of a load do not depend on the other loads, but for what iterations leave within their residuals.
-    The error of a compliance is that of the discretisation, by the error model of the method or from the residual
-    that it left, and half of what the bounds theorem leaves open between h_k and full contact. The error of a
-    resistance is that of the method where all terms are modelled, or what the chords of a concave curve within the
-    errors of the compliance allow, if that is less: those to no load, and to the loads that a plan for the resistance
-    solves beside each one that it was asked for. A grid sees births and mergers of contacts at other loads than they
-    happen: as much as the resistance changes within that distance is added to its error, and a load at which that is
-    too much is solved by contact patches. A plan for the compliance solves no other loads, and has no such error.
+    The error of a compliance is what the method states of its own solution, and half of what the bounds theorem
+    leaves open between h_k and full contact. The error of a resistance is that of the method where all terms are
+    modelled, or what the chords of a concave curve within the errors of the compliance allow, if that is less: those
+    to no load, and to the loads that a plan for the resistance of a long series solves beside each one that it was
+    asked for. A load whose solution states more than the tolerance, as next to births of contacts, is planned and
+    solved again without what left that error: on a finer grid, by contact patches or with more terms.
     """
     made = plan(profile, mean_pressure, methods, tolerance, quantity)
     return Curve(*_run_within(made, methods, ()), made.seconds, made.error)
@@ -102,7 +102,7 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
     """Run a plan; where errors are found above the tolerance, plan and run again without what left them."""
     solved = []
     for segment in made.segments:
-        values = run(made.profile, (segment,))
+        values = _attempt(made.profile, segment)
         error = values.compliance_error if made.quantity == COMPLIANCE else _relative_error(values)
         exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
         if exceeding.any():
@@ -116,21 +116,32 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
     return _joined(solved)
 
 
+def _attempt(profile: Profile, segment: Segment) -> SolvedLoads:
+    """Run a segment; loads that its solver gives up have infinite errors, and the others are solved without them."""
+    try:
+        return run(profile, (segment,))
+    except ConvergenceError:
+        count = segment.mean_pressure.size
+        if count == 1:
+            return _solved_loads(segment, UNSOLVED)
+        halves = slice(None, count // 2), slice(count // 2, None)
+        return _joined([_attempt(profile, segment.at(half)) for half in halves])
+
+
 def _run_again(made: Plan, loads: Array, methods: Sequence[Method], failed: tuple[Segment, ...]) -> SolvedLoads:
     others = plan(made.profile, loads, methods, made.tolerance, made.quantity, failed)
     return _run_within(others, methods, failed)
 
 
 def _relative_error(solved: SolvedLoads) -> Array:
-    return solved.resistance_error / np.maximum(solved.resistance, 1)
+    return solved.resistance_error / np.fmax(solved.resistance, 1)
 
 
 def _excess_message(segment: Segment, error: Array) -> str:
     worst = error.argmax()
-    return (
-        f"{segment.method} with {segment.terms:g} terms was expected to do, and left an error of {error[worst]:.2g} "
-        f"at {segment.mean_pressure[worst]:g} p_0*"
-    )
+    left = f"left an error of {error[worst]:.2g}" if np.isfinite(error[worst]) else "stopped"
+    expected = f"{segment.method} with {segment.terms:g} terms was expected to do"
+    return f"{expected}, and {left} at {segment.mean_pressure[worst]:g} p_0*"
 
 
 def run(profile: Profile, segments: Sequence[Segment]) -> SolvedLoads:
@@ -167,11 +178,9 @@ def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
     low, high = chord_bounds(p, h[:, 0], error[:, 0], others, np.array([h[:, 1:], error[:, 1:]]))
     between = np.clip(R[:, 0], low, high)
     chord_error = np.maximum(high - between, between - low)
-    # Contacts that are born or merge between a load and one beside it may do so on the other side of the load.
-    own_error = R_error[:, 0] + np.abs(R[:, 1:] - R[:, :1]).max(axis=1, initial=0.0)
-    known = own_error <= chord_error
+    known = R_error[:, 0] <= chord_error
     return SegmentSolution(
-        h[:, 0], np.where(known, R[:, 0], between), h_error[:, 0], np.where(known, own_error, chord_error)
+        h[:, 0], np.where(known, R[:, 0], between), h_error[:, 0], np.where(known, R_error[:, 0], chord_error)
     )
 
 

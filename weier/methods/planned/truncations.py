@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.bem.error_model import MAX_POINTS, MIN_POINTS_PER_WAVE
+from weier.methods.bem.error_model import MAX_POINTS, PLANNED_POINTS_PER_WAVE
 from weier.methods.planned import forecast
 from weier.methods.segment import COMPLIANCE, RESISTANCE, Task
 from weier.theory.profile import Profile
@@ -23,7 +23,7 @@ def resolvable_lengths(profile: Profile) -> list[int]:
     """Numbers of terms whose finest waves boundary elements can still resolve."""
     lengths: list[int] = []
     while len(lengths) < profile.m:
-        if profile.truncated(len(lengths) + 1).waves_per_period[-1] * MIN_POINTS_PER_WAVE > MAX_POINTS:
+        if profile.truncated(len(lengths) + 1).waves_per_period[-1] * PLANNED_POINTS_PER_WAVE[0] > MAX_POINTS:
             break
         lengths.append(len(lengths) + 1)
     return lengths
