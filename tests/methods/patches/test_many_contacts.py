@@ -129,3 +129,50 @@ def test_an_unresolved_pressure_is_noticed(monkeypatch):
     monkeypatch.setattr(many_contacts, "_residuals_by_direct_sums", lambda *_: np.array([1e-7]))
     with pytest.raises(ConvergenceError, match="violate their conditions"):
         solve_from_grid(FOUR_WAVES, 0.3)
+
+
+@one_thread
+def test_events_are_the_same_without_the_matrix(monkeypatch):
+    low, high = 0.25, 0.6
+    dense = patches.events(THREE_WAVES, low, high)
+    assert dense.mean_pressure.size > 2
+    assert set(dense.birth) == {False, True}
+    monkeypatch.setattr(many_contacts, "MIN_SEGMENTS", 1)
+    fast = patches.events(THREE_WAVES, low, high)
+    np.testing.assert_allclose(fast.mean_pressure, dense.mean_pressure, rtol=1e-9)  # a residual of 1e-12 g_0
+    np.testing.assert_array_equal(fast.birth, dense.birth)
+    np.testing.assert_allclose(fast.x, dense.x, atol=1e-6)  # the square root of that of the load, at a minimum
+
+
+@one_thread
+def test_pressure_and_gap_among_a_thousand_contacts():
+    profile = Profile(1.25, 5, 6, np.arange(6.0))
+    solution = patches.solve_load(profile, 2.0)
+    assert solution.centre.size > 1000
+    x = np.random.default_rng(0).uniform(0, 1, 300)
+    pressure, gap = solution.pressure(x), solution.gap(x)
+    # Contact is where the edges say, and there is no overlap or tension.
+    inside = np.any(np.abs((x[:, None] - solution.centre + 0.5) % 1 - 0.5) < solution.half_width, axis=1)
+    np.testing.assert_array_equal(pressure > 0, inside)
+    np.testing.assert_array_equal(gap > 0, ~inside)
+    widest = int(np.argmax(solution.half_width))
+    near = 1e-4 * solution.half_width[widest]
+    edge = solution.centre[widest] + solution.half_width[widest]
+    # The law of the edge, with one in 1e-4 of the half-width to the next term.
+    assert solution.pressure(edge - near) == pytest.approx(solution.edge_strength[widest, 1] * near**0.5, rel=1e-2)
+
+
+@one_thread
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        # A period of 81 or 64 lambda_0, where positions are rounded to 1e-14: heights at them once were noise.
+        (Profile(1.8410904, "4/3", 5, (1.64271594, 0.4850585, 5.94681989, 3.85656693, 0.01652951)), 0.12429421),
+        pytest.param(Profile(1.25, "5/2", 7, 0.0), 0.3, marks=pytest.mark.slow),
+    ],
+)
+def test_long_periods(profile, load):
+    curve = patches.curve(profile, load)
+    assert curve.patch_count[0] > many_contacts.MIN_SEGMENTS
+    assert curve.residual[0] < 1e-10
+    assert curve.work[0] < 10

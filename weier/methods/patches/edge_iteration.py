@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.fields import series_values
 from weier.methods.patches.punch_edges import (
     EdgeMoves,
     distances,
@@ -33,7 +32,7 @@ from weier.methods.patches.punches import (
     regular_part,
     solve_forces_on_contacts,
 )
-from weier.methods.patches.surface import CosineSeries
+from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 MIN_GAP_LEFT = 0.1  # of a gap, in one step: one that would lose more in two steps running is merged
 MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
@@ -56,9 +55,13 @@ class Problem(NamedTuple):
     load: float
     dual: bool
 
-    def forcing(self, x: Array) -> Array:
-        """The height or, dual, the tension of full contact at x."""
-        return series_values(self.series, x) - (self.load if self.dual else 0.0)
+    def forcing(self, origin: Array, offset: Array | float = 0.0) -> Array:
+        """The height or, dual, the tension of full contact at origin + offset, with all digits of the offset."""
+        series = self.series
+        crest, y = nearest_crests(series, origin)
+        angle = (y + offset)[:, None] * series.wavenumber
+        waves = series.crest_cosine[crest] * np.cos(angle) - series.crest_sine[crest] * np.sin(angle)
+        return np.asarray(waves @ series.amplitude - (self.load if self.dual else 0.0))
 
 
 class Stage(NamedTuple):
@@ -155,7 +158,7 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     """Solve for the pressure on the contacts of a guess, and see how their edges must move."""
     period = problem.series.period
     punches = make_punches(guess.centre, guess.half_width, guess.node_count, period, problem.dual)
-    forcing = problem.forcing(punches.position)
+    forcing = problem.forcing(punches.matrix.tree.origin, punches.matrix.tree.offset)
     forces = solve_forces_on_contacts(punches, forcing, problem.load * period, guess.force, stage.bounds)
     b = expansion(punches, forces.force)
     a = regular_part(punches, b)

@@ -19,6 +19,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches import many_contacts
 from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
 from weier.methods.patches.fields import (
     ContactState,
@@ -246,6 +247,8 @@ class _Search(NamedTuple):
         """The contacts of `start` under another load, as if none were born or merged in between."""
         if load == start.load:
             return start
+        if start.segments.centre.size >= many_contacts.MIN_SEGMENTS:
+            return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
         guess, _ = transfer_density(self.surface, start, intervals_of(start.segments))
         coarse = solve_on_few_nodes(self.surface, guess, load, True)
         state = None

@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.edge_iteration import Problem, Stage, Step, make_guess, next_guess, rearrange, take_step
+from weier.methods.patches.edge_iteration import (
+    Guess,
+    Problem,
+    Stage,
+    Step,
+    make_guess,
+    next_guess,
+    rearrange,
+    take_step,
+)
 from weier.methods.patches.fields import ContactState, complementary_residual
 from weier.methods.patches.inequalities import NegativeIntervals, find_negative_intervals
 from weier.methods.patches.initial_guess import InitialGuess
@@ -46,6 +55,8 @@ RATE_REDUCTION = 1e-8  # of the residual of the resistance, an energy: its error
 MAX_TAIL = 0.3  # height of the last coefficients, over the target: with more, a contact needs nodes
 MORE_NODES, AT_LEAST_MORE = 1.3, 2
 OTHER_NODES = 7  # that a contact has more when the solution is checked
+MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
+MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
 MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 DIRECT_SUMS = 40  # points at which the solution is checked without fast sums
 CUT_WIDENING = 0.2  # at each end of a cut, so that the cut is sqrt(2) times the interval of tension
@@ -91,13 +102,16 @@ def solve_many_contacts(
     not end, or if the state fails a check.
     """
     problem = Problem(surface.series(guess.dual), load, guess.dual)
-    target = max(TARGET * max(tolerance, MIN_TOLERANCE), ROUNDING * load * problem.series.period)
+    target = _target(problem, tolerance)
     rough, fine = _stages(problem, target)
     stage = rough
-    now = make_guess(problem, *_edges_of_guess(guess), None if guess.dual else _carried(guess), rough)
+    now = _guess_from(problem, guess, rough)
+    last_move = np.inf
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
-        if not (_converged(step, target) if stage is fine else step.settled):
+        is_enough = step.settled if stage is rough else _converged(step, target, last_move)
+        last_move = step.moves.largest
+        if not is_enough:
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage is fine else None)
             continue
         state = contact_state(problem, step)
@@ -117,23 +131,44 @@ def solve_many_contacts(
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
-def _edges_of_guess(guess: InitialGuess) -> Edges:
-    centre, r = guess.segments.origin + guess.segments.centre, guess.segments.half_width
-    return centre - r, centre + r
+def follow_contacts(surface: Surface, start: ContactState, load: float, tolerance: float) -> ContactState:
+    """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
+    problem = Problem(surface.series(start.dual), load, start.dual)
+    target, last_move = _target(problem, tolerance), np.inf
+    _, stage = _stages(problem, target)
+    now = _guess_from(problem, start, stage)
+    for _ in range(MAX_STEPS):
+        step = take_step(problem, now, stage)
+        if np.any(step.vanishing | step.merging):
+            break
+        if _converged(step, target, last_move):
+            return contact_state(problem, step)
+        last_move = step.moves.largest
+        now = next_guess(problem, step, stage, _node_counts(step, target))
+    raise ConvergenceError(f"the contacts under {start.load:.6g} p_0* cannot be followed to {load:.6g} p_0*")
 
 
-def _carried(guess: InitialGuess) -> Array:
-    """The force on each contact of a guess, in p_0* lambda_0."""
-    segments = guess.segments
-    return np.asarray(np.add.reduceat(segments.weight * guess.phi, segments.first_node[:-1]) * segments.half_width)
+def _target(problem: Problem, tolerance: float) -> float:
+    return max(TARGET * max(tolerance, MIN_TOLERANCE), ROUNDING * problem.load * problem.series.period)
+
+
+def _guess_from(problem: Problem, start: InitialGuess | ContactState, stage: Stage) -> Guess:
+    """The edges of a guess or a state and, of contacts, the forces on them."""
+    segments, r = start.segments, start.segments.half_width
+    centre = segments.origin + segments.centre
+    carried = np.add.reduceat(segments.weight * start.phi, segments.first_node[:-1]) * r
+    return make_guess(problem, centre - r, centre + r, None if start.dual else carried, stage)
 
 
 def _edges(step: Step) -> Edges:
     return step.punches.centre - step.punches.half_width, step.punches.centre + step.punches.half_width
 
 
-def _converged(step: Step, target: float) -> bool:
-    return bool(step.singular.max() < target and step.forces.residual < target)
+def _converged(step: Step, target: float, last_move: float) -> bool:
+    """Whether the residual is small, and no edge singular or the moves so small that only rounding keeps them up."""
+    move = step.moves.largest
+    is_rounding = MIN_ROUNDING_RATIO * last_move < move < MAX_ROUNDING_MOVE
+    return step.forces.residual < target and (is_rounding or float(step.singular.max()) < target)
 
 
 def _increase(count: Indices) -> NDArray[np.float64]:
@@ -196,7 +231,8 @@ def _residuals_at_other_nodes(problem: Problem, step: Step) -> Array:
     other = make_punches(punches.centre, r, count, punches.period, problem.dual)
     b = expansion_of_regular_part(punches, step.a)
     force = transfer_forces(punches, b, everyone, r, count)
-    off = displacement(other, force) - problem.forcing(other.position)
+    tree = other.matrix.tree
+    off = displacement(other, force) - problem.forcing(tree.origin, tree.offset)
     off += 0.0 if problem.dual else step.forces.plane
     return np.asarray(np.maximum.reduceat(np.abs(off), other.first_node[:-1])) * (2 * r if problem.dual else 1.0)
 
