@@ -1,6 +1,7 @@
 """The cache of compiled kernels: named by what it was made from."""
 
 import importlib.util
+import os
 import subprocess
 import sys
 from threading import Thread
@@ -12,6 +13,8 @@ from numba import types
 from numba.core.codegen import JITCodeLibrary
 
 from weier.kernels import jit
+
+PATIENCE = 120  # seconds
 
 PROGRAM = """
 from weier.kernels.jit import kernel
@@ -159,6 +162,26 @@ def test_a_kernel_inside_another_becomes_machine_code_there_alone(folders, monke
     module.product(module.Pair(np.ones(3), np.ones(3)))
     assert "product" in translated
     assert "offset" not in translated
+
+
+WAITER = """
+import sys
+from pathlib import Path
+from weier.kernels import jit
+
+jit.folder = lambda: Path(sys.argv[1])
+import some_kernels
+print(some_kernels.count(3), sum(some_kernels.count.compiled.stats.cache_hits.values()))
+"""
+
+
+@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(folders):
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(jit.PACKAGE.parent), str(folders[0])])}
+    command = [sys.executable, "-c", WAITER, str(folders[0].parent / "cache")]
+    started = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+    said = sorted(process.communicate(timeout=PATIENCE)[0] for process in started)
+    assert said == ["3 0\n", "3 1\n", "3 1\n"]
 
 
 @pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")

@@ -8,14 +8,14 @@ through others: where kernels call each other through ten levels, that takes lon
 
 from __future__ import annotations
 
+import fcntl
 import threading
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import cache
 from typing import Any
 
 import llvmlite.binding
-import numba
 import numpy as np
 from llvmlite import ir
 from numba.core import event, types
@@ -29,7 +29,7 @@ from rocket_fft import c2r, r2c
 from weier.kernels import interruption, jit, loads_done
 from weier.kernels.transform import backward, forward
 
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+OPTIONS: dict[str, Any] = {"nopython": True, "boundscheck": None, "error_model": "numpy", "nogil": True}
 AXES = np.zeros(1, np.int64)  # along which to transform: made here, since in a kernel each product would make it anew
 _LOCK = threading.RLock()
 
@@ -77,7 +77,7 @@ def entry(function: Callable[..., Any]) -> Any:
 
 @cache
 def _entry(function: Callable[..., Any]) -> Any:
-    dispatcher: Any = numba.njit(**OPTIONS)(function)
+    dispatcher: Any = _EntryDispatcher(function, targetoptions=OPTIONS)
     try:
         dispatcher._cache = _Cache(function)
     except OSError:
@@ -93,8 +93,20 @@ def inner_type(function: Callable[..., Any]) -> Any:
 
 @cache
 def _inner(function: Callable[..., Any]) -> Any:
-    options = OPTIONS | {"nopython": True, "boundscheck": None, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     return _InnerDispatcher(function, targetoptions=options, pipeline_class=_InnerCompiler)
+
+
+class _EntryDispatcher(CPUDispatcher):
+    """What compiles a kernel for calls from Python, in one process while others wait for it and load what it made."""
+
+    def compile(self, signature: Any) -> Any:
+        """The compiled kernel, from the cache or for it."""
+        with ExitStack() as stack, jit.COMPILING.running():
+            with suppress(OSError):  # a folder that is closed to writing has no cache, either
+                name = f"{self.py_func.__module__}.{self.py_func.__qualname__}.lock"
+                fcntl.flock(stack.enter_context((jit.folder() / name).open("w")), fcntl.LOCK_EX)
+            return super().compile(signature)
 
 
 class _InnerDispatcher(CPUDispatcher):
