@@ -386,3 +386,17 @@ def test_a_matrix_that_is_not_positive_is_refused():
     right = np.ones((2, 1))
     assert solve_positive(np.array([[2.0, 1.0], [1.0, 2.0]]), right)
     assert right[:, 0] == pytest.approx([1 / 3, 1 / 3])
+
+
+@pytest.mark.parametrize(
+    ("D", "birth"), [(1.852, 0.10220486331021063), (1.758, 0.1045682219323272), (1.44, 0.11308763726439561)]
+)
+def test_a_birth_beside_a_single_contact_is_within_the_errors(D, birth):
+    """Its own errors are a millionth of what its pressure on the grid displaces other crests by."""
+    profile, loads = Profile(D, 5, 2), birth * (1 + np.array([-1e-3, -1e-5, 1e-5, 1e-4, 1e-3]))
+    exact = patches.curve(profile, loads, 1e-12)
+    for per_wave in (16, 24, 32, 64, 128):
+        found = curve(profile, loads, points=per_wave * 5)
+        assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+        assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+        assert found.resistance_error[0] < 1e-4 * exact.resistance[0]  # away from it they are not wide
