@@ -218,6 +218,20 @@ def test_errors_at_light_loads_are_known_within_a_factor_of_three(profile):
         assert np.median(share) > 1 / 3
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+def test_errors_hold_at_a_loose_tolerance(tolerance):
+    """Three contacts whose shares of the load the rate leaves open by a hundredth: R is off by 1.6e-3 of itself."""
+    profile = Profile(
+        1.0606674765067596, "8", 3, (-0.0015339807878856412, -0.01227184630308513, -0.09817477042468103)
+    )
+    load = np.array([0.04315361354401154])
+    exact = patches.curve(profile, load)
+    found = curve(profile, load, points=32 * profile.waves_per_period[-1], tolerance=tolerance)
+    assert found.patch_count == 3
+    assert np.abs(found.resistance - exact.resistance) <= found.resistance_error
+    assert np.abs(found.compliance - exact.compliance) <= found.compliance_error
+
+
 def test_the_remainder_of_a_polynomial_is_known_to_a_tenth():
     """Of a wave through nine nodes, sixteen of which it is long."""
     s, middle = np.linspace(-1, 1, polynomials.TERMS), np.linspace(-0.4, 0.4, 41)

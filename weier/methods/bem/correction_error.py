@@ -23,12 +23,19 @@ PLACE = 1.4  # times what the known shift of a contact changes
 CANCELLED = 0.25  # of terms of opposite signs
 ROUNDING = 1e-13  # of the heights
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
-# Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md):
-NEAR = np.array([0.05, 1.0])  # times (narrower run/both)^2, for contacts and gaps that bear on each other
-NEAR_ALONE = 0.25  # times its fourth power, of the resistance, for one contact and its images
-GAP = np.array([0.01, 0.05])  # times (2 pi/points a wave)^2, for gaps, whose polynomials stand for waves
-ALONE = np.array([0.2, 0.3])  # over the nodes of the narrower run, for edges without a polynomial
-SHARE = 1.0  # times how far A q is from flat, for contacts among others: it is that of their shares of the load
+# Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md).
+# Contacts and gaps that share an edge bear on each other by near = (narrower run/both)^2; wave is 2 pi/points a wave.
+NEAR_CONTACT = np.array([0.35, 0.03])  # times near wave^2, and near^2, for contacts with a polynomial
+NEAR_IMAGES = 0.25  # times near^2, of the resistance, for one contact and its images
+NEAR_LET_GO = 0.4  # times near, of the resistance, where the grid has a contact that the continuum has not
+NEAR_GAP = np.array([0.002, 0.13])  # times near, for gaps with a polynomial
+GAP = np.array([0.012, 0.03])  # times wave^2, for the same, since polynomials stand for waves
+NEAR_ALONE = np.array([0.0, 0.65])  # times near, for edges without a polynomial
+ALONE = np.array([0.45, 0.3])  # over the nodes of the narrower run, for the same
+SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others: it is that of their shares
+SEVERAL = (
+    20.0  # times the square of that, for the same: a share shifts from contact to contact with little resistance
+)
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
 LET_GO = 0.4  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not
@@ -48,11 +55,13 @@ def expected_errors(
     `angle` is 2 pi/(points a wave).
     """
     errors, flatness = _errors_of_the_solver(solution)
+    if edge.size > 4:
+        errors[1] *= SEVERAL
     errors[1] += RATE_ROUNDING / angle**2 * solution.rate
-    for run in range(edge.size - 2):
-        errors += _errors_of_an_edge(run, solution, edge, polynomial, angle, flatness)
+    let_go = False
     for at in range(used):
         if contacts.kind[at] == NARROW and not contacts.touching[at]:
+            let_go = True
             errors[0] += LET_GO * contacts.force[at] * contacts.share[at] / period
         if contacts.touching[at] and contacts.kind[at] != WIDE:
             errors += REST * _errors_of_the_polynomial(contacts, at, period)
@@ -60,6 +69,8 @@ def expected_errors(
             errors[0] += abs(contacts.share_change[at]) / period * PRESSED * contacts.pressed[at]
             if contacts.kind[at] == BIRTH:
                 errors += _errors_of_a_birth(contacts, at, period)
+    for run in range(edge.size - 2):
+        errors += _errors_of_an_edge(run, solution, edge, polynomial, angle, flatness, let_go)
     births = missed = 0.0
     uncertain = False
     for at in range(used):
@@ -69,10 +80,8 @@ def expected_errors(
                 + PRESSED * contacts.pressed[at]
                 + 2 * _rest(contacts.height_rest[at], contacts.centre[at])
             )
-            displaced = 0.0
-            if edge.size == 4:  # one contact: its own errors are too small to tell those of other crests
-                displaced = _displacement_by_moments(contacts, used, at, period / solution.contact.size, period)
-                off += displaced
+            displaced = _displacement_by_moments(contacts, used, at, period / solution.contact.size, period)
+            off += displaced
             if contacts.touching[at]:  # the more of the load it takes, the less another can take from it
                 off *= max(1 - (contacts.share[at] + contacts.share_change[at]) / period, 0.0)
             uncertain |= abs(contacts.penetration[at]) <= off
@@ -99,25 +108,27 @@ def _errors_of_the_solver(solution: GridSolution) -> tuple[Array, float]:
 
 @kernel
 def _errors_of_an_edge(
-    run: int, solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float
+    run: int, solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float, let_go: bool
 ) -> Array:
-    """What the step of the edge at which a run begins may be misjudged by."""
+    """What the step of the edge at which a run begins may be misjudged by; `let_go` is of any contact."""
     here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
     narrower = min(here, before)
     near = (narrower / (here + before)) ** 2
     contact = solution.contact[edge[run + 1] % solution.pressure.size]
     of_gap = polynomial[run - 1] if contact else polynomial[run]
     of_contact = polynomial[run] if contact else polynomial[run - 1]
-    share = NEAR * near + SHARE * flatness
     step = _step(edge[run + 1] % solution.pressure.size, solution)
     if edge.size == 4 and of_contact:  # it has the whole load, whatever the rate, and has had it from first touch on
-        off = NEAR_ALONE * near**2 * step[1]
+        off = NEAR_IMAGES * near**2 * step[1]
         return np.array([off * np.mean(solution.pressure), off])
     if of_gap:
-        share = share + GAP * angle**2
-    elif not of_contact:
-        share = share + ALONE / narrower
-    return share * step
+        share = NEAR_GAP * near + GAP * angle**2
+    elif of_contact:
+        share = NEAR_CONTACT * np.array([near * angle**2, near**2])
+        share[1] += NEAR_LET_GO * near if let_go else 0.0
+    else:
+        share = NEAR_ALONE * near + ALONE / narrower
+    return (share + SHARE * flatness) * step
 
 
 @kernel

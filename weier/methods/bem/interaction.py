@@ -113,7 +113,7 @@ def make_contacts(contacts: int, terms: int) -> Contacts:
 def redistribute(
     contacts: Contacts, used: int, plane: float, rate: float, lifted: float, period: float
 ) -> tuple[float, float]:
-    """What contacts add to compliance and resistance; `lifted` is what gaps add to the compliance."""
+    """What contacts add to compliance and resistance, or NaN; `lifted` is what gaps add to the compliance."""
     compliance = resistance = 0.0
     first = 0
     while first < used:
@@ -230,11 +230,8 @@ def _together(
         common /= weight
         if not _touch_and_let_go(contacts, first, period, common - lifted, pressed, touching, change, total):
             break
-    if not going:
-        for i in range(n):
-            touching[i] = contacts.kind[first + i] != BIRTH
-            change[i] = 0.0
-        _heights(contacts, first, plane, lifted, period, touching, change, excess, slope)
+    if not going:  # to be refused
+        return np.nan, np.nan
     _keep(contacts, first, touching, change)
     return _sums(contacts, first, plane, rate, lifted, period, mutual, touching, change, excess)
 
@@ -366,6 +363,7 @@ def _sums(
     dipoles = _dipoles(contacts, first, touching, change, np.zeros(n), period)
     softer = np.zeros(n)  # compliance that each has more than on the grid
     nearer = np.zeros(n)  # displacement by the rates of others that each has more, since it is elsewhere
+    raised = np.zeros(n)  # the same for more force, which does not change how the rates are spread
     right = np.zeros(n)
     matrix = mutual.copy()
     closing = np.zeros(n)  # rate of the plane towards a crest that the grid has not in contact
@@ -389,6 +387,7 @@ def _sums(
                 height = expansion(contacts.height[at], centre, half_width)
                 mixed, energy = contact_energy(height, others, contacts.force[at], share, compliance)
                 nearer[i] = (cross_energy(others, share) - contacts.grid_cross[at]) / share
+                raised[i] = others[0] - contacts.grid_cross[at] / share
                 softer[i] = (energy - contacts.grid_energy[at] + contacts.edge_resistance[at] * period) / share**2
                 softer[i] -= 2 * nearer[i] / share
                 shape += mixed - contacts.grid_mixed[at] + contacts.edge_compliance[at] * period
@@ -401,8 +400,8 @@ def _sums(
         if not touching[j]:  # what it carried on the grid is carried by the others
             right += mutual[:, j] * contacts.share[first + j]
     faster, slower, found = _with_sum(matrix, right, touching, lost)
-    if not found:
-        faster[:] = 0.0
+    if not found:  # to be refused
+        return np.nan, np.nan
     for i in range(n):
         if not touching[i]:
             faster[i] = -contacts.share[first + i]
@@ -427,7 +426,7 @@ def _sums(
         share = contacts.share[at]
         if touching[i]:
             tilted = dipoles.lift_rate[i] - closing[i]
-            compliance -= (share * (excess[i] - plane) - (nearer[i] + tilted) * change[i]) / (period - lost)
+            compliance -= (share * (excess[i] - plane) - (raised[i] + tilted) * change[i]) / (period - lost)
             own = softer[i] * share + nearer[i]
             resistance += (own * (share + faster[i]) + nearer[i] * share + tilted * faster[i]) / (period - lost)
         else:

@@ -27,16 +27,7 @@ def contact_edges(height: Array, force: float, centre: float, half_width: float)
     slope = derivative(height)
     curvature = derivative(slope)
     for _ in range(MAX_STEPS):
-        bend = bend_t = bend_tt = tilt = tilt_t = 0.0  # means of z'', t z'', t^2 z'', z' and t z'
-        for i in range(NODES.size):
-            t = NODES[i]
-            s = centre + half_width * t
-            here, second = value(slope, s) / NODES.size, value(curvature, s) / NODES.size
-            tilt += here
-            tilt_t += t * here
-            bend += second
-            bend_t += t * second
-            bend_tt += t * t * second
+        tilt, tilt_t, bend, bend_t, bend_tt = _means(slope, curvature, centre, half_width)
         missing = -half_width / 2 * tilt_t - force
         down, across = -half_width / 2 * bend_t, -(tilt_t + half_width * bend_tt) / 2
         centre, half_width, step = _step(tilt, missing, bend, bend_t, down, across, centre, half_width)
@@ -58,20 +49,29 @@ def gap_edges(pressure: Array, centre: float, half_width: float) -> tuple[float,
     """The same for a gap: the pressure that would close it, times 1 and t, has no mean over the nodes t."""
     slope = derivative(pressure)
     for _ in range(MAX_STEPS):
-        mean = mean_t = bend = bend_t = bend_tt = 0.0
-        for i in range(NODES.size):
-            t = NODES[i]
-            s = centre + half_width * t
-            here, second = value(pressure, s) / NODES.size, value(slope, s) / NODES.size
-            mean += here
-            mean_t += t * here
-            bend += second
-            bend_t += t * second
-            bend_tt += t * t * second
+        mean, mean_t, bend, bend_t, bend_tt = _means(pressure, slope, centre, half_width)
         centre, half_width, step = _step(mean_t, mean, bend_t, bend_tt, bend, bend_t, centre, half_width)
         if step <= CLOSE * (1 + half_width):
             return centre, half_width, half_width > 0
     return centre, half_width, False
+
+
+@kernel
+def _means(
+    polynomial: Array, slope: Array, centre: float, half_width: float
+) -> tuple[float, float, float, float, float]:
+    """Means over the Chebyshev nodes t of a polynomial and t times it, and of its slope, t times and t^2 times it."""
+    mean = mean_t = bend = bend_t = bend_tt = 0.0
+    for i in range(NODES.size):
+        t = NODES[i]
+        s = centre + half_width * t
+        here, second = value(polynomial, s) / NODES.size, value(slope, s) / NODES.size
+        mean += here
+        mean_t += t * here
+        bend += second
+        bend_t += t * second
+        bend_tt += t * t * second
+    return mean, mean_t, bend, bend_t, bend_tt
 
 
 @kernel

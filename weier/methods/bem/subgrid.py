@@ -154,11 +154,7 @@ def add_contact(
     smoothing = added_by_triangles(rate, nodes, scale)
     contacts.kind[at] = NARROW
     contacts.origin[at] = contacts.position[at]
-    contacts.scale[at] = scale * spacing
-    contacts.centre[at], contacts.half_width[at] = centre, width
-    contacts.height[at], contacts.rate[at] = height, rate
-    contacts.height_rest[at] = remainder(height, fitted[2:], degree, scale * continuum.angle)
-    contacts.rate_rest[at] = remainder(rate, fitted[2:], degree, scale * continuum.angle)
+    enter_polynomials(fitted, degree, scale, centre, width, continuum, spacing, contacts, at)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
     for i in range(nodes):
         contacts.grid_force_moment[at] += force[i] * (i - (nodes - 1) / 2) * spacing
@@ -167,6 +163,19 @@ def add_contact(
     contacts.grid_energy[at] = own + 2 * energy + np.sum(share * smoothing)
     contacts.grid_cross[at] = energy + np.sum(share * smoothing) / 2
     return True
+
+
+@kernel
+def enter_polynomials(
+    fitted: Array, degree: int, scale: float, centre: float, half_width: float, continuum: Continuum, spacing: float,
+    contacts: Contacts, at: int,
+) -> None:  # fmt: skip
+    """Enter what was fitted around a contact: heights, rates of others, and the next two terms of each."""
+    contacts.scale[at] = scale * spacing
+    contacts.centre[at], contacts.half_width[at] = centre, half_width
+    contacts.height[at], contacts.rate[at] = fitted[0], fitted[1]
+    contacts.height_rest[at] = remainder(fitted[0], fitted[2:], degree, scale * continuum.angle)
+    contacts.rate_rest[at] = remainder(fitted[1], fitted[2:], degree, scale * continuum.angle)
 
 
 @kernel
@@ -239,6 +248,7 @@ def add_crests(
 ) -> int:
     """Enter the crests of a gap that may touch between two nodes; the contacts then used."""
     points = solution.pressure.size
+    spacing = continuum.period / points
     for i in range(nodes):
         node = (start + i) % points
         if not _is_crest(node, solution):
@@ -251,19 +261,14 @@ def add_crests(
             seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
         degree = offset.size - 1
         fitted = fit_polynomials(s, with_next_terms(s, seen, degree), degree)
-        height, rate = fitted[0], fitted[1]
-        top = crest(height, 0.0, 1 / scale)
+        top = crest(fitted[0], 0.0, 1 / scale)
         contacts.kind[used] = BIRTH
-        contacts.position[used] = (node + top * scale) * continuum.period / points
+        contacts.position[used] = (node + top * scale) * spacing
         contacts.reach[used] = contacts.force[used] = contacts.share[used] = 0.0
         contacts.self_compliance[used] = 0.0
         contacts.edge_compliance[used] = contacts.edge_resistance[used] = 0.0
-        contacts.origin[used] = node * continuum.period / points
-        contacts.scale[used] = scale * continuum.period / points
-        contacts.centre[used], contacts.half_width[used] = top, 0.0
-        contacts.height[used], contacts.rate[used] = height, rate
-        contacts.height_rest[used] = remainder(height, fitted[2:], degree, scale * continuum.angle)
-        contacts.rate_rest[used] = remainder(rate, fitted[2:], degree, scale * continuum.angle)
+        contacts.origin[used] = node * spacing
+        enter_polynomials(fitted, degree, scale, top, 0.0, continuum, spacing, contacts, used)
         contacts.grid_mixed[used] = contacts.grid_energy[used] = 0.0
         used += 1
     return used

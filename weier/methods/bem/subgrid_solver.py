@@ -49,25 +49,7 @@ def blank_correction(loads: int) -> Corrected:
 
 @kernel
 def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: Continuum) -> Corrected:
-    """Solve every load from the heaviest down, as `fft.solve_loads`, and correct it.
-
-    Parameters
-    ----------
-    hierarchy : Hierarchy
-        The grids; the last one carries the solution.
-    pressure : array, shape (points of the coarsest grid,)
-        Where it is positive the search for the contact begins; overwritten.
-    loads : array, shape (loads,)
-        Mean pressures, increasing, in p_0*.
-    continuum : Continuum
-        What the correction knows of the finest grid.
-
-    Returns
-    -------
-    Corrected
-        Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
-
-    """
+    """Solve every load from the heaviest down, as `fft.solve_loads`, which see, and correct it on the finest grid."""
     corrected = blank_correction(loads.size)
     finest = grid_of(hierarchy, hierarchy.points.size - 1)
     state = fft.make_grid_state(finest.height.size)
