@@ -27,7 +27,7 @@ from weier.theory.tables import html_table, text_table
 
 TOLERANCE = 1e-3
 MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
-SECONDS_SEGMENT = 1.5e-4  # to put together what a segment gives, by whichever method
+SECONDS_PLAN, SECONDS_SEGMENT = 4e-3, 1.5e-4  # to plan, and to put together what a segment gives
 SUGGESTED = [10.0**exponent for exponent in range(-13, 1)]  # where a tolerance is out of reach: the least that is not
 
 
@@ -47,8 +47,8 @@ class Plan:
 
     @property
     def seconds(self) -> float:
-        """Expected seconds of all segments together, on one core."""
-        return sum(segment.seconds + SECONDS_SEGMENT for segment in self.segments)
+        """Expected seconds of planning and of all segments together, on one core."""
+        return SECONDS_PLAN + sum(segment.seconds + SECONDS_SEGMENT for segment in self.segments)
 
     @property
     def memory(self) -> float:
