@@ -71,7 +71,7 @@ def test_edges_alone_are_enough_to_start_from(load):
     force = np.full(solution.centre.size, load / solution.centre.size)
     guess = contacts_guess(surface, solution.centre, 1.01 * solution.half_width, force, 1e-10)
     guess = refine_density(surface, guess, load)
-    coarse = solve_on_few_nodes(surface, guess, load, False)
+    coarse = solve_on_few_nodes(surface, guess, load)
     assert coarse.status == NewtonStatus.converged
     assert coarse.steps <= 4
     state, _, _ = solve_on_many_nodes(surface, coarse, guess.dual, load, 1e-10)

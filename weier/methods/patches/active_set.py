@@ -39,9 +39,6 @@ MAX_ROUNDS = 16
 MAX_TOPOLOGY_ROUNDS = 6  # in a row that only merge and remove segments: the initial guess was no good
 MAX_UNKNOWNS = 8000  # on few nodes, a dense matrix of 0.5 GB, and 15 s for each step
 MAX_NODE_ROUNDS = 6  # of adding nodes
-# Of widths: at the load of its birth, few nodes may make up a contact so narrow that many find none. It is left out,
-# and comes back if it is missing.
-MIN_WIDTH_RATIO = 1e-3
 MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 # Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
 # itself, and h by its square.
@@ -62,9 +59,9 @@ def solve_active_set(
     ConvergenceError is raised if Newton's method stalls, if corrections go on for too many rounds, or if the state
     does not meet the contact conditions in the end.
     """
-    steps, topology_rounds, step_size, single, dropped = 0, 0, float("nan"), True, False
+    steps, topology_rounds, step_size = 0, 0, float("nan")
     for _ in range(MAX_ROUNDS):
-        coarse = solve_on_few_nodes(surface, guess, load, single)
+        coarse = solve_on_few_nodes(surface, guess, load)
         steps, step_size = steps + coarse.steps, coarse.step_size
         topology_rounds = topology_rounds + 1 if coarse.status == NewtonStatus.topology else 0
         if coarse.status == NewtonStatus.stalled or topology_rounds > MAX_TOPOLOGY_ROUNDS:
@@ -75,28 +72,20 @@ def solve_active_set(
         state, more, step_size = solve_on_many_nodes(surface, coarse, guess.dual, load, tolerance)
         steps += more
         if state is None:
-            narrow = coarse.segments.half_width < MIN_WIDTH_RATIO * coarse.segments.half_width.max()
-            if np.any(narrow) and not dropped:
-                guess, dropped = keep_segments(surface, _state_of(coarse, guess.dual, load), ~narrow), True
-                continue
             count = np.diff(coarse.segments.first_node)
-            guess = _with_nodes(surface, coarse, guess.dual, load, count if single else 2 * count, step_size)
-            single = False
+            guess = _with_nodes(surface, coarse, guess.dual, load, 2 * count, step_size)
             continue
         corrected = _correct_inequalities(surface, state, tolerance)
         if corrected is None:
             return _with_residual(surface, state, tolerance), steps
-        guess, single = corrected, False
+        guess = corrected
     raise ConvergenceError(
         f"no set of contacts was found that meets all conditions under the mean pressure {load:.6g} p_0*", step_size
     )
 
 
-def solve_on_few_nodes(surface: Surface, guess: InitialGuess, load: float, single: bool) -> NewtonResult:
-    """Newton's method on the segments of a guess and so few nodes that its matrix is cheap.
-
-    `single` allows its factors in single precision, which are too rough where a gap is very narrow.
-    """
+def solve_on_few_nodes(surface: Surface, guess: InitialGuess, load: float) -> NewtonResult:
+    """Newton's method on the segments of a guess and so few nodes that its matrix is cheap."""
     unknowns = guess.phi.size + 2 * guess.segments.centre.size + 1
     if unknowns > MAX_UNKNOWNS:
         raise TooLargeError(
@@ -105,9 +94,7 @@ def solve_on_few_nodes(surface: Surface, guess: InitialGuess, load: float, singl
         )
     series = surface.series(guess.dual)
     try:
-        return newton_iteration(
-            guess.segments, guess.phi, guess.approach, series, load, guess.dual, COARSE_TOLERANCE, single
-        )
+        return newton_iteration(guess.segments, guess.phi, guess.approach, series, load, guess.dual, COARSE_TOLERANCE)
     except np.linalg.LinAlgError:
         raise ConvergenceError(f"the equations are singular under the mean pressure {load:.6g} p_0*") from None
 

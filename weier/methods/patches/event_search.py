@@ -250,7 +250,7 @@ class _Search(NamedTuple):
         if start.segments.centre.size >= many_contacts.MIN_SEGMENTS:
             return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
         guess, _ = transfer_density(self.surface, start, intervals_of(start.segments))
-        coarse = solve_on_few_nodes(self.surface, guess, load, True)
+        coarse = solve_on_few_nodes(self.surface, guess, load)
         state = None
         if coarse.status == NewtonStatus.converged:
             state = solve_on_many_nodes(self.surface, coarse, start.dual, load, self.starts.tolerance)[0]

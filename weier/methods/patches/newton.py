@@ -30,10 +30,6 @@ MAX_DOUBLE_ROOT = 1e-3  # of a width or distance at the start: one that Newton g
 MIN_HALVING = 0.3  # of a width or distance in one step, from which on it counts as being halved
 MAX_ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, as in a contact that has just been born
 MIN_ROUNDING_RATIO = 0.3  # of a step over the one before: free of rounding, Newton's steps shrink far more
-MAX_REUSE_STEP = 1e-5  # steps below this change the matrix so little that its last factors serve, with refinement
-MIN_SINGLE_UNKNOWNS = 300  # from here on factors in single precision take half the time
-MAX_REFINEMENTS = 3
-REFINEMENT_TOLERANCE = 1e-13  # of the sensitivities: the change that one more refinement would make
 
 
 class NewtonStatus(IntEnum):
@@ -76,18 +72,14 @@ def newton_iteration(
     load: float,
     dual: bool,
     tolerance: float,
-    single: bool = False,
 ) -> NewtonResult:
-    """Solve for phi, the centres, the half-widths and the approach; LinAlgError if the equations are singular.
-
-    `single` allows factors in single precision.
-    """
+    """Solve for phi, the centres, the half-widths and the approach; LinAlgError if the equations are singular."""
     start = _Layout(distances_to_next(segments, series.period), segments.half_width)
     step_size, topology_steps, status, steps, factors = np.inf, 0, NewtonStatus.stalled, 0, NO_FACTORS
     limits = _StepLimits(1.0, np.inf, *np.zeros((2, segments.centre.size), bool))
     while status == NewtonStatus.stalled and steps < MAX_STEPS:
         jacobian, right_side = assemble(segments, phi, approach, series, load, dual)
-        solution, factors = _solve(jacobian, right_side, factors if step_size < MAX_REUSE_STEP else None, single)
+        solution, factors = _solve(jacobian, right_side)
         steps += 1
         limits = _step_limits(segments, solution[:, 0], series.period, start)
         previous_size = step_size
@@ -122,32 +114,17 @@ def _small_enough(step_size: float, previous_size: float, tolerance: float) -> b
     return step_size < tolerance or (step_size < MAX_ROUNDING_STEP and step_size > MIN_ROUNDING_RATIO * previous_size)
 
 
-def _solve(matrix: Array, right_side: Array, near: Factors | None, single: bool) -> tuple[Array, Factors]:
-    """The solution and the factors used: those of a nearby matrix with iterative refinement, if that converges."""
-    if near is not None:
-        solution, first = back_substitute(near, right_side), 1.0
-        for refinement in range(MAX_REFINEMENTS):
-            correction = back_substitute(near, right_side - matrix @ solution)
-            solution += correction
-            ratio = np.abs(correction[:, 1]).max() / np.abs(solution[:, 1]).max()
-            ratio = max(ratio, abs(correction[-1, 1] / solution[-1, 1]))
-            first = ratio if refinement == 0 else first
-            if ratio * first < REFINEMENT_TOLERANCE:
-                return solution, near
-    single = single and matrix.shape[0] > MIN_SINGLE_UNKNOWNS
-    lapack = scipy.linalg.lapack
-    factorise = lapack.sgetrf if single else lapack.dgetrf
-    lu, pivot, singular = factorise(matrix.T, overwrite_a=not single)  # LAPACK's columns are numpy's rows
+def _solve(matrix: Array, right_side: Array) -> tuple[Array, Factors]:
+    """The solution and the factors used."""
+    lu, pivot, singular = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)  # LAPACK's columns are numpy's rows
     if singular:
         raise np.linalg.LinAlgError
     return back_substitute((lu, pivot), right_side), (lu, pivot)
 
 
 def back_substitute(factors: Factors, right_side: Array) -> Array:
-    """Solve with factors, in the precision that they have."""
-    lapack = scipy.linalg.lapack
-    substitute = lapack.sgetrs if factors[0].dtype == np.float32 else lapack.dgetrs
-    return np.asarray(substitute(*factors, right_side, trans=1)[0], float)
+    """Solve with factors."""
+    return np.asarray(scipy.linalg.lapack.dgetrs(*factors, right_side, trans=1)[0])
 
 
 def relative_step(segments: Segments, phi: Array, step: Array) -> float:

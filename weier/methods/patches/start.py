@@ -22,7 +22,7 @@ MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for t
 MAX_LONE_CONTACTS = 64  # of those whose forces are found from Hertz's theory
 MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
 FORCE_TOLERANCE = 1e-10
-POINTS_PER_WAVE = (16, 32, 128)  # of the grids that are tried in this order
+POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
 GRID_TOLERANCE = 1e-6  # in g_0: the residual of boundary elements that Newton's method improves on
 
 
