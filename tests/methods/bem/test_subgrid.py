@@ -8,7 +8,8 @@ from scipy.special import zeta
 from tests.reference import REFERENCES
 from weier import ConvergenceError, Profile, random_phases, solve
 from weier.methods import bem, patches, westergaard
-from weier.methods.bem import curve, polynomials, subgrid, subgrid_solver, windows
+from weier.methods.bem import curve, polynomials, solver, subgrid, subgrid_solver, windows
+from weier.methods.bem.contact_list import ContactTable
 from weier.methods.bem.interaction import solve_positive
 from weier.methods.bem.narrow_contacts import contact_edges, gap_edges, plane_height
 from weier.methods.bem.solver import full_contact_load
@@ -165,6 +166,14 @@ def test_listed_contacts_carry_the_load_between_their_edges():
         assert each.force.sum() == pytest.approx(load * profile.period, rel=1e-6)
         assert each.share.sum() == pytest.approx(profile.period, rel=1e-6)
         assert np.all(np.diff(each.centre) > 0)
+
+
+def test_the_room_behind_the_listed_contacts_may_hold_anything():
+    """Memory there is not initialised: the difference of two infinities was a warning in some runs."""
+    left, right = np.array([0.1, 0.2, 0.5, np.inf]), np.array([0.3, 0.25, 0.6, np.inf])
+    number = np.array([1, 2])
+    table = ContactTable(np.array([0, 1]), number, left, right, left, right, number > 0)
+    np.testing.assert_allclose(solver._total_width(table), [0.2, 0.15])
 
 
 def test_a_contact_that_may_be_born_or_not_is_told():

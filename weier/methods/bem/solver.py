@@ -246,7 +246,8 @@ def full_contact_pressure(height: Array, period: float) -> Array:
 
 def _total_width(table: ContactTable) -> Array:
     """Width of all contacts at each load, shape (loads,), in lambda_0."""
-    width = np.concatenate([[0.0], np.cumsum((table.right - table.left)[: int(table.number.sum())])])
+    filled = slice(int(table.number.sum()))  # behind it the table has room, which holds anything
+    width = np.concatenate([[0.0], np.cumsum(table.right[filled] - table.left[filled])])
     return np.asarray(width[table.first + table.number] - width[table.first])
 
 
