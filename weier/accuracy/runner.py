@@ -22,7 +22,7 @@ from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.theory.profile import Profile
 
-REPEAT = 3  # and keep the least: what disturbs a run only adds to its time, even to its processor time,
+REPEAT = 5  # and keep the median: other programs lengthen a run, and the clock of a virtual machine may lose a part,
 MAX_REPEATED = 0.5  # but a run of so many seconds is long enough to be its own mean
 STATED = ("compliance_error", "resistance_error")
 UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that do not exist helps nobody
@@ -75,13 +75,13 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     return Run(h, R, h_error, R_error, solution_error, outcome, seconds, values)
 
 
-def fastest_run(variant: Variant, profile: Profile, loads: Array) -> Run:
-    """The curve of a variant with the least seconds of some runs; raises what `weier.solve` raises."""
+def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:
+    """The curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
     run(variant, profile, loads[:1])  # loads compiled code
     runs = [run(variant, profile, loads)]
     while len(runs) < REPEAT and runs[-1].seconds <= MAX_REPEATED:
         runs.append(run(variant, profile, loads))
-    return min(runs, key=lambda each: each.seconds)
+    return sorted(runs, key=lambda each: each.seconds)[len(runs) // 2]
 
 
 def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:

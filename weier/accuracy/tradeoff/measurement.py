@@ -13,7 +13,7 @@ from weier.accuracy import comparison
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import deviation
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.runner import fastest_run
+from weier.accuracy.runner import median_run
 from weier.data.dataset import Status
 from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Variable, variables_of_file
 from weier.methods import registry
@@ -72,7 +72,7 @@ def variants(profile: Profile) -> list[Variant]:
 def _measure(each: Comparison, variant: Variant) -> dict[str, Any]:
     profile, loads = each.case.profile, each.loads
     try:
-        result = fastest_run(variant, profile, loads)
+        result = median_run(variant, profile, loads)
     except ConvergenceError as error:
         print(f"{profile.describe()}, {variant.name}: {error}", file=sys.stderr)
         return {"status": Status.not_converged}

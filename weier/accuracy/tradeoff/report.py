@@ -26,7 +26,7 @@ g\\_0, that of the resistance R is relative to the larger of R and 1 g\\_0/p\\_0
 largest error over the loads: the median over the profiles, and the worst of them. Between them stand three ranges of
 load p, with the largest error of h within each range, as the median over the profiles.
 
-Milliseconds are processor time on one core, the least of three runs. A finer grid is run on fewer profiles, so
+Milliseconds are processor time on one core, the median of five runs. A finer grid is run on fewer profiles, so
 compare rows that have equally many."""
 NOTE_ON_CONSTANTS = (
     "The measured constant of an error is the largest over all profiles, settings and loads; the shipped one must "
