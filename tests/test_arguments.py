@@ -46,14 +46,14 @@ SOUND = {
     "phases": 0.5, "seed": 7, "low": 0.05, "high": 0.3, "tolerance": 1e-3, "quantity": "compliance", "points": 64,
     "path": "there/is/none.nc", "x": [0.1, 0.2], "terms": 1, "normalised": [0.1, 0.2],
     "radii": [1e-6], "contour_radius": 1e-5, "modulus": 1e9, "compliance_slope": 1e-9,
-    "contact_edges": True, "data": contact().data, "phase": 1.0, "solution_method": "bem", **vars(INTERFACE),
+    "contact_edges": True, "data": contact().data, "solution_method": "bem", **vars(INTERFACE),
 }  # fmt: skip
 OWN = {
     "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
     "fields": {"mean_pressure": 0.1, "method": "patches"},
     "Profile.sampled_height": {"terms": 2},
-    "Contact.sel": {"mean_pressure": 0.1, "seed": None, "study": None},
+    "Contact.sel": {"phases": 1.0, "mean_pressure": 0.1, "seed": None, "study": None},
     "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio")},
 }
 
@@ -124,7 +124,7 @@ NOT_NUMBERS = {
 TEXT_TOO = {"gamma"}
 NONE_TOO = {
     "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
-    "Contact.sel": {"D", "gamma", "m", "phase", "seed", "study", "mean_pressure", "solution_method"},
+    "Contact.sel": {"D", "gamma", "m", "phases", "seed", "study", "mean_pressure", "solution_method"},
 }  # fmt: skip
 
 

@@ -247,7 +247,7 @@ def test_a_tolerance_may_be_written_as_people_do(tmp_path, text):
 
 def test_the_readme_of_the_configuration_explains_every_key():
     text = Path("config/README.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"`([a-z_ ]+)`", text))
+    named = set(re.findall(r"`([a-z0-9_ ]+)`", text))
     known = schema()
     keys = {*known["properties"], *known["$defs"]["study"]["properties"], *known["$defs"]["figure"]["properties"]}
     keys |= yaml.safe_load(Path("config/config.schema.json").read_text())["properties"].keys()

@@ -22,6 +22,7 @@ from weier.theory.profile import Profile
 
 MAX_RUN_SECONDS = 60.0  # that a method may take for an extreme, as one curve and then once more, load by load
 MIN_NODES, MAX_NODES = 3, 2**20
+MAX_DENSE_NODES = 2000  # a solution takes a quarter of a second on them, and a curve some hundred solutions
 DISTANCES = (1e-12, 1e-8, 1e-4)  # of loads from an event, relative to it
 EVENT_STEP = 3  # of the births and merges, one in so many
 
@@ -88,7 +89,8 @@ def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tupl
     """Each algorithm with all its settings: the default, and others where a reference for them is in reach.
 
     Those may be slow, as dense matrices are, and nothing tells the seconds that they take: they have the coarsest of
-    the settings that the trade compares.
+    the settings that the trade compares, and are left out where this has more nodes than a dense matrix solves in
+    time.
     """
     default, *others = method.algorithms
     yield default, default
@@ -96,8 +98,9 @@ def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tupl
         if not resolvable(profile):
             yield algorithm, algorithm
         elif is_in_reach(profile, loads):
-            coarsest = next(iter(method.all_variants(profile)))
-            yield algorithm, {**coarsest.settings, **algorithm}
+            coarsest = next(iter(method.all_variants(profile))).settings
+            if coarsest.get("points", 0) <= MAX_DENSE_NODES:
+                yield algorithm, {**coarsest, **algorithm}
 
 
 def _name(method: Method, algorithm: Settings) -> str:
