@@ -423,3 +423,24 @@ def test_a_birth_beside_a_single_contact_is_within_the_errors(D, birth):
         assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
         assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
         assert found.resistance_error[0] < 1e-4 * exact.resistance[0]  # away from it they are not wide
+
+
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
+@pytest.mark.parametrize("per_wave", [256, 655])
+def test_errors_hold_on_fine_grids_where_the_rate_is_most_of_them(per_wave, tolerance):
+    profile, loads = Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.array([0.1148, 0.1306, 0.2077])
+    exact = patches.curve(profile, loads)
+    found = curve(profile, loads, points=per_wave * 25, tolerance=tolerance)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+    assert found.compliance_error.max() < 100 * tolerance + 1e-6 * (64 / per_wave) ** 2
+
+
+@pytest.mark.parametrize("per_wave", [16, 32, 64])
+def test_errors_hold_where_the_load_has_just_begun_to_be_shared(per_wave):
+    """Two contacts of one node each: reciprocity with the shares of the grid leaves 6e-9 g_0."""
+    profile = Profile(1.777929476636348, 6, 3, (2.9635930375732027, 1.721023880494151, 0.04453668362788412))
+    loads = np.geomspace(1.7e-4, 2e-3, 6)
+    exact, found = patches.curve(profile, loads), curve(profile, loads, points=per_wave * 36)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)

@@ -33,9 +33,10 @@ GAP = np.array([0.012, 0.03])  # times wave^2, for the same, since polynomials s
 NEAR_ALONE = np.array([0.0, 0.65])  # times near, for edges without a polynomial
 ALONE = np.array([0.45, 0.3])  # over the nodes of the narrower run, for the same
 SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others: it is that of their shares
-SEVERAL = (
-    20.0  # times the square of that, for the same: a share shifts from contact to contact with little resistance
-)
+# Times the square of that, of the resistance: a share shifts from contact to contact, or from the middle of one to its
+# edges, with little resistance.
+SHIFTED = 60.0
+UNFLAT = 3e-3  # times that, of what the rate makes of the load: what it leaves of the compliance on any grid
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
 LET_GO = 0.4  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not
@@ -55,8 +56,8 @@ def expected_errors(
     `angle` is 2 pi/(points a wave).
     """
     errors, flatness = _errors_of_the_solver(solution)
-    if edge.size > 4:
-        errors[1] *= SEVERAL
+    if not _is_lone_with_polynomial(solution, edge, polynomial):
+        errors[0] += UNFLAT * flatness * solution.rate * np.mean(solution.pressure)
     errors[1] += RATE_ROUNDING / angle**2 * solution.rate
     let_go = False
     for at in range(used):
@@ -66,7 +67,8 @@ def expected_errors(
         if contacts.touching[at] and contacts.kind[at] != WIDE:
             errors += REST * _errors_of_the_polynomial(contacts, at, period)
             errors[1] += PLACE * _errors_of_the_place(contacts, at, period)
-            errors[0] += abs(contacts.share_change[at]) / period * PRESSED * contacts.pressed[at]
+            shifted = abs(contacts.share_change[at]) / period * contacts.pressed[at]  # at most: reciprocity is linear
+            errors += np.array([shifted, shifted / np.mean(solution.pressure)])
             if contacts.kind[at] == BIRTH:
                 errors += _errors_of_a_birth(contacts, at, period)
     for run in range(edge.size - 2):
@@ -103,7 +105,15 @@ def _errors_of_the_solver(solution: GridSolution) -> tuple[Array, float]:
         else:
             residual = max(residual, solution.deformed[i] - solution.plane)
     share = min(flatness / solution.rate, 1.0) if solution.rate > 0 else 0.0  # in full contact both are rounding
-    return np.array([residual + ROUNDING * abs(solution.plane), share * flatness]), share
+    return np.array([residual + ROUNDING * abs(solution.plane), SHIFTED * share * flatness]), share
+
+
+@kernel
+def _is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Flags) -> bool:
+    """Whether one contact has the whole load, whatever the rate, and has had it from first touch on."""
+    if edge.size != 4:
+        return False
+    return bool(polynomial[0] if solution.contact[edge[1] % solution.pressure.size] else polynomial[1])
 
 
 @kernel
@@ -118,7 +128,7 @@ def _errors_of_an_edge(
     of_gap = polynomial[run - 1] if contact else polynomial[run]
     of_contact = polynomial[run] if contact else polynomial[run - 1]
     step = _step(edge[run + 1] % solution.pressure.size, solution)
-    if edge.size == 4 and of_contact:  # it has the whole load, whatever the rate, and has had it from first touch on
+    if _is_lone_with_polynomial(solution, edge, polynomial):
         off = NEAR_IMAGES * near**2 * step[1]
         return np.array([off * np.mean(solution.pressure), off])
     if of_gap:

@@ -8,8 +8,7 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 
 MAX_RATE_TOLERANCE = 1e-2  # of the rate: what corrections at 16 points a wave are off themselves
-RATE_EXPONENT = 0.5  # of the residual: 1e-8 g_0 goes with 1e-2, 1e-10 g_0 with 1e-3
-RATE_FACTOR = 100.0
+RATE_FACTOR = 1e6  # per g_0 of the residual: 1e-8 goes with 1e-2, 1e-10 with 1e-4
 
 
 @kernel
@@ -18,7 +17,7 @@ def rate_tolerance(residual: float) -> float:
 
     The resistance holds the square of it; of the correction it is about the share that is lost.
     """
-    return min(MAX_RATE_TOLERANCE, RATE_FACTOR * residual**RATE_EXPONENT)
+    return min(MAX_RATE_TOLERANCE, RATE_FACTOR * residual)
 
 
 class GridSolution(NamedTuple):
