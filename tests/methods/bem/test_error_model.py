@@ -61,11 +61,11 @@ def test_most_loads_state_what_plans_expect_of_them_and_not_by_far_less(per_wave
         lone += list(found.patch_count == 1)
     share, lone = np.array(stated) / expected, np.array(lone)
     assert np.mean(share <= 1) > 0.85
-    assert 0.1 < np.median(share[~lone]) < 1
+    assert 0.05 < np.median(share[~lone]) < 1  # what solutions state at one load and another differs a hundredfold
     assert np.mean(share[lone] <= 1) > 0.85
 
 
-@pytest.mark.parametrize(("tolerance", "fewest", "most"), [(1e-4, 16, 16), (1e-5, 16, 48), (1e-6, 16, 128)])
+@pytest.mark.parametrize(("tolerance", "fewest", "most"), [(1e-4, 16, 24), (1e-5, 16, 48), (1e-6, 16, 96)])
 def test_a_compliance_takes_few_points(tolerance, fewest, most):
     """With edges on nodes, 1e-5 g_0 took 384 points a wave."""
     points = [part.settings["points"] // 25 for part in plan(THREE_WAVES, [1e-6, 0.01, 0.1, 1], tolerance).segments]

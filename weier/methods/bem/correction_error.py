@@ -33,8 +33,8 @@ GAP = np.array([0.012, 0.03])  # times wave^2, for the same, since polynomials s
 NEAR_ALONE = np.array([0.0, 0.65])  # times near, for edges without a polynomial
 ALONE = np.array([0.45, 0.3])  # over the nodes of the narrower run, for the same
 SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others: it is that of their shares
-# Times the square of that, of the resistance: a share shifts from contact to contact, or from the middle of one to its
-# edges, with little resistance.
+# Times the square of that, of the resistance: a share shifts from contact to contact, or from the middle of one to
+# its edges, with little resistance.
 SHIFTED = 60.0
 UNFLAT = 3e-3  # times that, of what the rate makes of the load: what it leaves of the compliance on any grid
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly

@@ -16,12 +16,15 @@ Number = TypeVar("Number", float, Array)
 # With edges on nodes: times sum g_n (waves_n/points)^2. A crest half a node off the grid is missed by z'' dx^2/8,
 # where z'' is at most sum g_n k_n^2. That is the error at first touch; at no load was one larger.
 COMPLIANCE = math.pi**2 / 2
-# With edges between the nodes, of the errors that a solution states (docs/subgrid.md), at 95 % of the loads: times
-# the same sum, and times waves/points; and what is added to each for every contact of a wave. The errors themselves
-# are far smaller. A solution that states more than this, as next to births, is not taken if it is too much.
-STATED_COMPLIANCE, COMPLIANCE_CROWDING = 0.07, 0.12
-STATED_RESISTANCE, RESISTANCE_CROWDING = 0.03, 0.45
-LONE_SHARE = 0.01  # of these where there is one contact, which has no neighbours that bear on it
+# With edges between the nodes, of the errors that a solution states (docs/subgrid.md), at 90 % of the loads. Of the
+# compliance, times the same sum over the points a wave, and what is added for every contact of a wave; of the
+# resistance, over the square of the points a wave, and over them by the square of the contacts of a wave, since these
+# bear on each other in pairs. The errors themselves are far smaller. A solution that states more than this, as next
+# to births, is not taken if it is too much.
+STATED_COMPLIANCE, COMPLIANCE_CROWDING = 2.0, 7.0
+STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.2, 2.0, 0.2
+LONE_SHARE = 1e-3  # of these where there is one contact, which has no neighbours that bear on it
+RATE_SHARE = 1e-7  # what the rate leaves on any grid: a third of it of the compliance, in g_0
 
 MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
@@ -61,12 +64,13 @@ def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) 
 
     It is in g_0 of a compliance, in the larger of itself and 1 of a resistance.
     """
-    waves = profile.waves_per_period[-1]
-    crowding, lone = contacts / waves, np.where(contacts < 1.5, LONE_SHARE, 1.0)
+    per_wave = points / profile.waves_per_period[-1]
+    crowding, lone = contacts / profile.waves_per_period[-1], np.where(contacts < 1.5, LONE_SHARE, 1.0)
     if quantity == "compliance":
-        share = STATED_COMPLIANCE + COMPLIANCE_CROWDING * crowding
-        return np.asarray(lone * share * _missed(profile, points) + PLANNED_RESIDUAL)
-    return np.asarray(lone * (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) * waves / points)
+        share = (STATED_COMPLIANCE + COMPLIANCE_CROWDING * crowding) / per_wave
+        return np.asarray(lone * (share * _missed(profile, points) + RATE_SHARE / 3) + PLANNED_RESIDUAL)
+    share = (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) / per_wave + RESISTANCE_PAIRS * crowding**2
+    return np.asarray(lone * share / per_wave + RATE_SHARE)
 
 
 def curvature(profile: Profile) -> float:
