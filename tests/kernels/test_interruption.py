@@ -54,6 +54,44 @@ def test_ctrl_c_stops_a_solve_and_leaves_the_program_as_it_was(method, terms, se
     assert said == "stopped True\n"
 
 
+# Nothing but a kernel that returns a tuple of arrays, again and again.
+KERNEL_ALONE = """
+import threading, time
+import numpy as np
+from weier.kernels.interruption import interruptible
+from weier.methods.patches.pair_sums import make_pair_matrix
+
+origin, offset = np.arange(30_000) / 30_000, np.zeros(30_000)
+
+@interruptible
+def endure():
+    print("ready", flush=True)
+    while True:
+        make_pair_matrix(origin, offset, 1.0, False)
+
+make_pair_matrix(origin, offset, 1.0, False)
+try:
+    endure()
+except KeyboardInterrupt:
+    while threading.active_count() > 1:
+        time.sleep(0.02)
+    print("stopped", flush=True)
+"""
+
+
+def test_a_kernel_is_not_interrupted_while_it_returns():
+    """There numba would crash the process."""
+    with subprocess.Popen([sys.executable, "-c", KERNEL_ALONE], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        try:
+            said, _ = process.communicate(timeout=PATIENCE)
+        finally:
+            process.kill()
+    assert (said, process.returncode) == ("stopped\n", 0)
+
+
 def test_a_function_is_as_it_was():
     @interruptible
     def ratio(a, *, b):

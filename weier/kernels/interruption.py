@@ -1,7 +1,9 @@
 """Ctrl-C in the midst of a solve: Python sees it between two of its own steps, and a kernel may take minutes.
 
 What the main thread would solve, another one solves, while the main thread waits and can be interrupted. It then asks
-all solves of the process to stop: kernels look at a flag, and Python code is interrupted where it stands.
+all solves of the process to stop: kernels look at a flag, and Python code is interrupted where it stands. A kernel is
+not interrupted so: numba makes Python objects of what it returns, and an exception that comes from there crashes the
+process.
 """
 
 from __future__ import annotations
@@ -68,7 +70,7 @@ class _Solves:
 
 
 _SOLVES = _Solves()
-_WITHIN = threading.local()  # a solve, which may begin others
+_WITHIN = threading.local()  # a solve, which may begin others, and what is locked while it runs a kernel
 ask_to_stop = _SOLVES.ask_to_stop
 
 
@@ -86,6 +88,18 @@ def interruptible(solve: Callable[Given, Result]) -> Callable[Given, Result]:
     return run
 
 
+def run_kernel(compiled: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Call compiled code, where no KeyboardInterrupt may come; it is looked for before and after."""
+    lock = getattr(_WITHIN, "kernel", None)
+    if lock is None:  # nobody interrupts this thread
+        return compiled(*arguments)
+    with lock:
+        stop_if_asked()
+        result = compiled(*arguments)
+    stop_if_asked()
+    return result
+
+
 def _counted(solve: Callable[..., Result], *arguments: Any, **options: Any) -> Result:
     if getattr(_WITHIN, "solve", False):
         return solve(*arguments, **options)
@@ -100,8 +114,10 @@ def _counted(solve: Callable[..., Result], *arguments: Any, **options: Any) -> R
 def _in_another_thread(work: Callable[[], Result]) -> Result:
     outcome: Future[Result] = Future()
     context = copy_context()  # such as numpy's handling of overflow
+    kernel = threading.Lock()
 
     def run() -> None:
+        _WITHIN.kernel = kernel
         if outcome.set_running_or_notify_cancel():
             try:
                 outcome.set_result(context.run(work))
@@ -114,12 +130,19 @@ def _in_another_thread(work: Callable[[], Result]) -> Result:
         return outcome.result()
     except KeyboardInterrupt:
         if not outcome.cancel() and thread.ident is not None:  # it has begun
-            _interrupt(thread.ident)
+            _interrupt(thread.ident, kernel)
             thread.join(PATIENCE)
         raise
 
 
-def _interrupt(thread: int) -> None:
-    """Ask all solves to stop, and raise KeyboardInterrupt in this thread as soon as it is back in Python."""
+def _interrupt(thread: int, kernel: threading.Lock) -> None:
+    """Ask all solves to stop, and raise KeyboardInterrupt in this thread as soon as it is back in Python.
+
+    Where its kernel, or the compiler, takes longer than PATIENCE, it stops at the end of that.
+    """
     ask_to_stop()
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt))
+    if kernel.acquire(timeout=PATIENCE):
+        try:
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt))
+        finally:
+            kernel.release()

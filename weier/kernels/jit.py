@@ -19,6 +19,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar, cast
 
+from weier.kernels.interruption import run_kernel
 from weier.kernels.sources import PACKAGE, sources
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -122,7 +123,7 @@ class Kernel:
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
-        return self.compiled(*arguments)
+        return run_kernel(self.compiled, arguments)
 
     @cached_property
     def compiled(self) -> Any:
