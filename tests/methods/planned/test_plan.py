@@ -33,6 +33,7 @@ def test_the_parts_cover_the_loads_and_add_up(quantity, tolerance):
     head, names, *rows, total = str(found).splitlines()
     assert len(rows) == len(found.segments)
     assert total.startswith("  in all: error ")
+    assert "e+" not in total
     starts = [names.index(name) for name in ("method", "terms", "error", "why")]
     for row, part in zip(rows, found.segments, strict=True):  # columns stand below their names
         assert [row[start:].split("  ")[0] for start in starts] == [

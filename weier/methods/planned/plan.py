@@ -23,7 +23,7 @@ from weier.methods.segment import COMPLIANCE, QUANTITIES, Segment
 from weier.theory.arguments import checked_number, checked_word
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
-from weier.theory.tables import html_table, text_table
+from weier.theory.tables import html_table, significant, text_table
 
 TOLERANCE = 1e-3
 MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
@@ -69,7 +69,8 @@ class Plan:
 
     @property
     def _total(self) -> str:
-        return f"in all: error {self.error:.1e}, {self.seconds:.2g} s, {self.memory / 1e6:.2g} MB"
+        cost = f"{significant(self.seconds, 2)} s, {significant(self.memory / 1e6, 2)} MB"
+        return f"in all: error {self.error:.1e}, {cost}"
 
 
 HEADER = (
@@ -85,7 +86,7 @@ def _row(segment: Segment) -> list[str]:
         *(f"{p.size}", f"{p[0]:.3g}", f"{p[-1]:.3g}", segment.method, f"{segment.terms:g}"),
         ", ".join(f"{name} {_short(value)}" for name, value in segment.settings.items()),
         *(f"{part.max():.1e}" if part.max() else "0" for part in parts),
-        *(f"{segment.seconds:.2g}", f"{segment.memory / 1e6:.2g}", segment.why),
+        *(significant(segment.seconds, 2), significant(segment.memory / 1e6, 2), segment.why),
     ]
 
 
