@@ -444,3 +444,13 @@ def test_errors_hold_where_the_load_has_just_begun_to_be_shared(per_wave):
     exact, found = patches.curve(profile, loads), curve(profile, loads, points=per_wave * 36)
     assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1 + 1e-9, 1000), (1.02, 100)])
+def test_errors_hold_where_rounding_of_heights_is_much_of_a_low_wave(D, gamma):
+    profile, loads = Profile(D, gamma, 2, (0.0, 1.0)), np.array([1e-9, 1e-6, 1e-4])
+    exact = patches.curve(profile, loads)
+    for per_wave in (32, 64, 128):
+        found = curve(profile, loads, points=per_wave * gamma)
+        assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+        assert found.resistance_error[0] < 1e-6

@@ -23,6 +23,9 @@ PLACE = 1.4  # times what the known shift of a contact changes
 CANCELLED = 0.25  # of terms of opposite signs
 ROUNDING = 1e-13  # of the heights
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
+CURVATURE_ROUNDING = (
+    1e-11  # of the heights, over the curvature of a contact's polynomial: ten times what was measured
+)
 # Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md).
 # Contacts and gaps that share an edge bear on each other by near = (narrower run/both)^2; wave is 2 pi/points a wave.
 NEAR_CONTACT = np.array([0.35, 0.03])  # times near wave^2, and near^2, for contacts with a polynomial
@@ -67,6 +70,7 @@ def expected_errors(
         if contacts.touching[at] and contacts.kind[at] != WIDE:
             errors += REST * _errors_of_the_polynomial(contacts, at, period)
             errors[1] += PLACE * _errors_of_the_place(contacts, at, period)
+            errors[1] += CURVATURE_ROUNDING * _rounding_of_the_curvature(contacts, at, abs(solution.plane), period)
             shifted = abs(contacts.share_change[at]) / period * contacts.pressed[at]  # at most: reciprocity is linear
             errors += np.array([shifted, shifted / np.mean(solution.pressure)])
             if contacts.kind[at] == BIRTH:
@@ -207,6 +211,14 @@ def _errors_of_the_place(contacts: Contacts, at: int, period: float) -> float:
         slope += abs(value(derivative(contacts.height_rest[at, j]), contacts.centre[at]))
     share = contacts.share[at] + contacts.share_change[at]
     return float(share**2 / period * abs(twist) * slope / value(bend, contacts.centre[at]) ** 2)
+
+
+@kernel
+def _rounding_of_the_curvature(contacts: Contacts, at: int, height: float, period: float) -> float:
+    """What rounding of heights changes of the resistance, much where waves are low: share^2/L over the curvature."""
+    bend = abs(value(derivative(derivative(contacts.height[at])), contacts.centre[at]))
+    share = contacts.share[at] + contacts.share_change[at]
+    return float(share**2 / period * height / bend) if bend > 0 else 0.0
 
 
 @kernel
