@@ -8,6 +8,7 @@ through others: where kernels call each other through ten levels, that takes lon
 
 from __future__ import annotations
 
+import ctypes
 import fcntl
 import threading
 from collections.abc import Callable
@@ -182,7 +183,7 @@ event.register("numba:compile", _Announcer())
 
 # What kernels share with Python is known by the names of its addresses: they are others in each process, and kernels
 # are cached.
-llvmlite.binding.add_symbol("weier_asked_to_stop", interruption.ASKED.ctypes.data)
+llvmlite.binding.add_symbol("weier_asked_to_stop", ctypes.addressof(interruption.ASKED))
 llvmlite.binding.add_symbol("weier_loads_done", loads_done.DONE.ctypes.data)
 WORD = ir.IntType(64)
 

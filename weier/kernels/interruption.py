@@ -18,12 +18,10 @@ from contextvars import copy_context
 from functools import partial
 from typing import Any, ParamSpec, TypeVar
 
-import numpy as np
-
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-ASKED = np.zeros(1, np.int64)  # 1 when solves are to stop; kernels know its address
+ASKED = (ctypes.c_int64 * 1)()  # 1 when solves are to stop; kernels know its address, and jobs have no NumPy yet
 PAUSE = 0.01  # seconds between looks at whether others have stopped
 PATIENCE = 1.0  # seconds until the main thread goes on without a solve that has not stopped, such as one in LAPACK
 
