@@ -133,10 +133,9 @@ class _InnerCompiler(Compiler):
 
     def compile_extra(self, function: Any) -> Any:
         """The compiled kernel, with a key instead of an address by which callers find it."""
-        library = _InnerLibrary(self.state.targetctx.codegen(), function.__qualname__)
-        self.state.library = library
+        self.state.library = _InnerLibrary(self.state.targetctx.codegen(), function.__qualname__)
         result = super().compile_extra(function)
-        self.state.targetctx.insert_user_function(result.fndesc, result.fndesc, [library])
+        self.state.targetctx.insert_user_function(result.fndesc, result.fndesc, [result.library])
         return result._replace(entry_point=result.fndesc)
 
 
@@ -184,7 +183,7 @@ event.register("numba:compile", _Announcer())
 # What kernels share with Python is known by the names of its addresses: they are others in each process, and kernels
 # are cached.
 llvmlite.binding.add_symbol("weier_asked_to_stop", ctypes.addressof(interruption.ASKED))
-llvmlite.binding.add_symbol("weier_loads_done", loads_done.DONE.ctypes.data)
+llvmlite.binding.add_symbol("weier_loads_done", ctypes.addressof(loads_done.DONE))
 WORD = ir.IntType(64)
 
 

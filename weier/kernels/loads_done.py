@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import numpy as np
-
-DONE = np.zeros(1, np.int64)  # kernels know its address
+DONE = (ctypes.c_int64 * 1)()  # kernels know its address
 
 
 def count_load() -> None:
@@ -17,7 +16,7 @@ def count_load() -> None:
 
 def loads_done() -> int:
     """The loads done so far."""
-    return int(DONE[0])
+    return DONE[0]
 
 
 @contextmanager
