@@ -23,9 +23,7 @@ PLACE = 1.4  # times what the known shift of a contact changes
 CANCELLED = 0.25  # of terms of opposite signs
 ROUNDING = 1e-13  # of the heights
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
-CURVATURE_ROUNDING = (
-    1e-11  # of the heights, over the curvature of a contact's polynomial: ten times what was measured
-)
+CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial: half is as measured
 # Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md).
 # Contacts and gaps that share an edge bear on each other by near = (narrower run/both)^2; wave is 2 pi/points a wave.
 NEAR_CONTACT = np.array([0.35, 0.03])  # times near wave^2, and near^2, for contacts with a polynomial
@@ -36,10 +34,10 @@ GAP = np.array([0.012, 0.03])  # times wave^2, for the same, since polynomials s
 NEAR_ALONE = np.array([0.0, 0.65])  # times near, for edges without a polynomial
 ALONE = np.array([0.45, 0.3])  # over the nodes of the narrower run, for the same
 SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others: it is that of their shares
-# Times the square of that, of the resistance: a share shifts from contact to contact, or from the middle of one to
-# its edges, with little resistance.
+# What is left on any grid: times the square of how far A q is from flat, of the resistance, since a share shifts from
+# contact to contact, or from the middle of one to its edges, with little resistance.
 SHIFTED = 60.0
-UNFLAT = 3e-3  # times that, of what the rate makes of the load: what it leaves of the compliance on any grid
+UNFLAT = 3e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
 LET_GO = 0.4  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not

@@ -24,7 +24,7 @@ COMPLIANCE = math.pi**2 / 2
 STATED_COMPLIANCE, COMPLIANCE_CROWDING = 2.0, 7.0
 STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.2, 2.0, 0.2
 LONE_SHARE = 1e-3  # of these where there is one contact, which has no neighbours that bear on it
-RATE_SHARE = 1e-7  # what the rate leaves on any grid: a third of it of the compliance, in g_0
+RATE_COMPLIANCE, RATE_RESISTANCE = 3e-8, 1e-7  # what the rate leaves on any grid, in g_0 and g_0/p_0*
 
 MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
@@ -68,9 +68,9 @@ def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) 
     crowding, lone = contacts / profile.waves_per_period[-1], np.where(contacts < 1.5, LONE_SHARE, 1.0)
     if quantity == "compliance":
         share = (STATED_COMPLIANCE + COMPLIANCE_CROWDING * crowding) / per_wave
-        return np.asarray(lone * (share * _missed(profile, points) + RATE_SHARE / 3) + PLANNED_RESIDUAL)
+        return np.asarray(lone * (share * _missed(profile, points) + RATE_COMPLIANCE) + PLANNED_RESIDUAL)
     share = (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) / per_wave + RESISTANCE_PAIRS * crowding**2
-    return np.asarray(lone * share / per_wave + RATE_SHARE)
+    return np.asarray(lone * share / per_wave + RATE_RESISTANCE)
 
 
 def curvature(profile: Profile) -> float:
