@@ -30,8 +30,8 @@ def sweep() -> xr.Dataset:
     return data
 
 
-def sketch(sweep: xr.Dataset, **grouping: object) -> Figure:
-    figure = compliance.draw([sweep], "", Grouping(**grouping))  # type: ignore[arg-type]
+def sketch(sweep: xr.Dataset, **grouping) -> Figure:
+    figure = compliance.draw([sweep], "", Grouping(**grouping))
     figure.draw_without_rendering()
     return figure
 
@@ -116,7 +116,7 @@ def load(folder: object, **figure: object) -> scene.Scene:
         "studies": {"one": {"product": {"D": 1.5, "gamma": [2, 3], "m": 2, "seed": [0, 1]}}},
         "figures": {"f": {"draw": "compliance", "studies": ["one"]} | figure},
     }  # fmt: skip
-    path = folder / "scene.yaml"  # type: ignore[operator]
+    path = folder / "scene.yaml"
     path.write_text(yaml.safe_dump(text))
     return scene.load(path)
 
