@@ -19,7 +19,7 @@ LOADS = np.geomspace(0.1, 10, 23)
 ITERATED = (
     2 * error_model.RESIDUAL_FACTOR * bem.error_model.PLANNED_RESIDUAL
 )  # g_0: of two solutions whose residuals are below the tolerance
-RATE = 1e-6  # of a resistance: its residual is 1e-3 of itself, and its error the square
+RATE = 1e-8  # of a resistance: its residual is 1e-4 of itself, and its error the square
 NEWTON = 2 * newton.TOLERANCE  # g_0: each load starts from the one before; the slope loses three digits
 CHORDS = ITERATED / 1e-4  # of a bound on the resistance: compliances over what no two loads are closer than
 
