@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 PER_WAVE = (16, 32, 64, 256)
 LOADS = 40
 MAX_WAVES = 64  # of the finest term: contact patches are dense
+QUANTILES = (0.5, 0.9, 1)
 RATIOS = (Fraction(3, 2), Fraction(5, 2), Fraction(7, 3), Fraction(5, 3), Fraction(4, 3))
 
 
@@ -74,17 +75,21 @@ def errors(case: Case, per_wave: int) -> Array:
 
 
 def main(series: int) -> None:
-    """Print the table."""
+    """Print the table, and below it the orders with which the errors fall from the coarsest grid to the finest."""
     random = np.random.default_rng(11)
     cases = [random_case(random) for _ in range(series)]
     print("| points a wave | h median | 90 % | largest | R median | 90 % | largest | within their errors | widths |")
     print("|---|---|---|---|---|---|---|---|---|")
+    rows = []
     for per_wave in PER_WAVE:
         h, R, h_share, R_share = np.concatenate([errors(case, per_wave) for case in cases], axis=1)
-        cells = [f"{value:.1e}" for values in (h, R) for value in np.quantile(values, (0.5, 0.9, 1))]
+        rows.append([np.quantile(values, quantile) for values in (h, R) for quantile in QUANTILES])
+        cells = [f"{value:.1e}" for value in rows[-1]]
         held = f"{np.mean(h_share <= 1):.2%}, {np.mean(R_share <= 1):.2%}"
         widths = f"{1 / np.median(h_share):.0f}, {1 / np.median(R_share):.0f}"
         print("|", " | ".join([str(per_wave), *cells, held, widths]), "|")
+    orders = -np.polyfit(np.log(PER_WAVE), np.log(rows), 1)[0]
+    print("| order |", " | ".join(f"{order:.1f}" for order in orders), "| | |")
 
 
 if __name__ == "__main__":
