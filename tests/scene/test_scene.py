@@ -199,6 +199,15 @@ def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
         ({"methods": ["bme"]}, "methods.0: 'bme' is not one of .*'bem'"),
         ({"settings": {"bme": {"points": 3}}}, "settings: 'bme' is not one of .*'bem'"),
         ({"settings": {"demelio": {"points": 3}}}, "studies.one: .*no setting 'points'"),
+        (
+            {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 8}}},
+            "studies.one: points_per_wave must be a whole number of at least 16",
+        ),
+        (
+            {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 16, "points": 800}}},
+            "studies.one: points_per_wave must be left out where there are points",
+        ),
+        ({"methods": ["bem"], "settings": {"bem": {"points": 79}}}, "studies.one: points must be at least 80"),
         (product(D=2.5), r"studies.one: D must lie in \(1, 2\), got 2.5"),
         (product(m=0), "studies.one: m must be"),
         (product(gamma="5/0"), "studies.one: gamma must be a finite number"),

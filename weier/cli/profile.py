@@ -41,7 +41,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
     weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
-    weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points=6400
+    weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     """  # noqa: D301 - click wants the character
     from weier.pipeline import single  # xarray takes half a second, and the help of the command needs none of it
 

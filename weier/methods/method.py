@@ -82,6 +82,10 @@ def _applies_to_all(profile: Profile) -> None:
     """Refuse nothing."""
 
 
+def _take_all(profile: Profile, **settings: Any) -> None:
+    """Refuse nothing."""
+
+
 def _no_kernels() -> None:
     """Run nothing."""
 
@@ -116,6 +120,9 @@ class Method:
         variables knows. Raises ConvergenceError rather than return a wrong number.
     applies : callable
         Raises NotApplicableError, which says why, for a profile that the method says nothing about.
+    check : callable
+        From a profile and settings as keywords, each of the right kind: raises ValueError where `solve` would, before
+        anything is solved.
     numerical : bool
         Whether it solves the truncated series itself, so that its curve can be called exact but for a known error.
     style : Style
@@ -147,6 +154,7 @@ class Method:
     summary: str
     solve: Callable[..., Any]
     applies: Callable[[Profile], None] = _applies_to_all
+    check: Callable[..., None] = _take_all
     numerical: bool = False
     style: Style = DEFAULT_STYLE
     noise: Noise = CLOSED_FORM

@@ -72,11 +72,14 @@ class Case:
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
 
     def check(self) -> None:
-        """Refuse a series that no computer holds, or whose waves a method cannot resolve."""
+        """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it."""
         self.check_ranges()
-        numerical = any(find_method(method).numerical for method in self.methods)
-        if numerical and math.isfinite(self.profile.m):
+        methods = [find_method(method) for method in self.methods]
+        if any(method.numerical for method in methods) and math.isfinite(self.profile.m):
             check_resolvable(self.profile)
+        for method in methods:
+            if method.takes(self.profile):
+                method.check(self.profile, **self.settings.get(method.name, {}))
 
     def check_ranges(self) -> None:
         """Refuse a series that no computer holds."""

@@ -8,12 +8,12 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.theory.arguments import checked_number
+from weier.theory.arguments import checked_number, shown
 from weier.theory.limits import check_points, check_resolvable
 from weier.theory.profile import Profile
 
 POINTS_PER_WAVE = {"subgrid": 32, "nodes": 64}  # of the finest wave, by default: docs/subgrid.md says why
-MIN_SUBGRID_POINTS_PER_WAVE = 16  # fewer were not measured
+MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # fewer were not measured; fewer do not show the wave
 
 
 def checked_edges(edges: str | None, solver: str) -> str:
@@ -34,33 +34,51 @@ def checked_edges(edges: str | None, solver: str) -> str:
     return edges or ("subgrid" if solver == "fft" else "nodes")
 
 
-def checked_points(profile: Profile, points: int | None = None, edges: str = "nodes") -> int:
-    """`points` if the finest wave can be seen on them, or the default.
+def checked_points(
+    profile: Profile, points: int | None = None, edges: str = "nodes", points_per_wave: int | None = None
+) -> int:
+    """Points in one period: so many, or so many for each of the finest waves, or the default.
 
     Raises
     ------
     ValueError
-        If there are no more than two points a wave, with edges "subgrid" fewer than 16, or too many for a computer.
+        If there are no more than two points a wave, with edges "subgrid" fewer than 16, or too many for a computer;
+        or if both numbers are given.
 
     """
     check_resolvable(profile)
     finest = profile.waves_per_period[-1]
-    default = POINTS_PER_WAVE[edges] * finest
     if points is None:
-        return default
+        return _checked_points_per_wave(points_per_wave, edges) * finest
+    if points_per_wave is not None:
+        raise ValueError(
+            f"points_per_wave must be left out where there are points, got {shown(points_per_wave)} beside "
+            f"points = {shown(points)}: give one of the two"
+        )
+    default = POINTS_PER_WAVE[edges] * finest
     condition = (
         f"be a whole number above {2 * finest}, two for each of the {finest} finest waves in a period "
         f"({default} is the default)"
     )
     count = checked_number("points", points, condition, lambda count: count > 2 * finest and count == count // 1)
     check_points(count)
-    fewest = MIN_SUBGRID_POINTS_PER_WAVE * finest
+    fewest = MIN_POINTS_PER_WAVE[edges] * finest
     if edges == "subgrid" and count < fewest:
         raise ValueError(
-            f"points must be at least {fewest}, {MIN_SUBGRID_POINTS_PER_WAVE} for each of the {finest} finest waves "
+            f"points must be at least {fewest}, {MIN_POINTS_PER_WAVE[edges]} for each of the {finest} finest waves "
             f'in a period, for edges of contact between the nodes, got {count:.0f}; edges="nodes" takes any grid'
         )
     return int(count)
+
+
+def _checked_points_per_wave(count: int | None, edges: str) -> int:
+    if count is None:
+        return POINTS_PER_WAVE[edges]
+    fewest = MIN_POINTS_PER_WAVE[edges]
+    condition = (
+        f'be a whole number of at least {fewest} with edges="{edges}" ({POINTS_PER_WAVE[edges]} is the default)'
+    )
+    return int(checked_number("points_per_wave", count, condition, lambda n: n >= fewest and n == n // 1))
 
 
 def check_tolerance(tolerance: float) -> None:

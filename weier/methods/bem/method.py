@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.candidates import candidates
-from weier.methods.bem.checks import checked_points
+from weier.methods.bem.checks import checked_edges, checked_points
 from weier.methods.bem.solver import Curve, curve
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
+from weier.theory.limits import check_points
 from weier.theory.profile import Profile
 
 # Points for each of the finest waves. Halved, they stay whole.
@@ -39,6 +41,18 @@ def _solution_error(profile: Profile, solved: Curve) -> float:
     return float(solved.compliance_error.max(initial=0.0))
 
 
+def _check(
+    profile: Profile,
+    solver: str = "fft",
+    points: int | None = None,
+    edges: str | None = None,
+    points_per_wave: int | None = None,
+    **others: Any,
+) -> None:
+    """Refuse settings that do not go together, or a grid that the finest wave cannot be seen on."""
+    check_points(checked_points(profile, points, checked_edges(edges, solver), points_per_wave), solver == "direct")
+
+
 def _seconds(profile: Profile, loads: Array) -> float:
     """On the default grid, at most: at each load as many contacts as there are waves."""
     contacts = np.full(loads.size, float(profile.waves_per_period[-1]))
@@ -61,4 +75,5 @@ METHOD = Method(
     seconds=_seconds,
     solution_error=_solution_error,
     candidates=candidates,
+    check=_check,
 )

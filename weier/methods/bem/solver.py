@@ -76,6 +76,7 @@ def curve(
     tolerance: float = 1e-10,
     resistance: bool = True,
     edges: str | None = None,
+    points_per_wave: int | None = None,
 ) -> Curve:
     """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
@@ -98,6 +99,8 @@ def curve(
         Whether the edges of contact stand between the nodes, where the continuum has them (docs/subgrid.md), or on
         nodes, as in Section 5.1. The fast solver does the former unless told, and takes at least 16 points for each
         of the finest waves then; the dense solver knows the latter only.
+    points_per_wave : int, optional
+        Nodes for each of the finest waves, in the place of `points`: the same of profiles of any period.
 
     Returns
     -------
@@ -108,7 +111,7 @@ def curve(
     ------
     ValueError
         If the loads are not positive and increasing, `solver` or `edges` is unknown or one does not go with the
-        other, or `points` are too few for the finest wave, or too many.
+        other, or there are too few points for the finest wave, or too many, or both their numbers are given.
     ConvergenceError
         If a load misses the tolerance, or the correction of its edges of contact is not finite.
 
@@ -122,7 +125,7 @@ def curve(
     loads = checked_loads(mean_pressure)
     check_tolerance(tolerance)
     edges = checked_edges(edges, solver)
-    points = checked_points(profile, points, edges)
+    points = checked_points(profile, points, edges, points_per_wave)
     check_points(points, dense=solver == "direct")
     if edges == "subgrid":
         return _subgrid_curve(profile, loads, points, tolerance, resistance)
