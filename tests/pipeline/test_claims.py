@@ -397,9 +397,9 @@ def scene_of(folder: Path, studies: dict[str, xr.Dataset], **names: tuple[str, .
     return cast(
         Scene,
         SimpleNamespace(
-            studies={}, layout=SimpleNamespace(methods=()),
+            layout=SimpleNamespace(methods=()), studies_of_cases=[()] * sum(map(len, keys.values())),
             name="test", title="A scene", text="title: A scene", claims=names, batches=studies,
-            cases=dict.fromkeys(key for each in keys.values() for key in each),
+            distinct=[SimpleNamespace(key=key) for each in keys.values() for key in each],
             study=lambda name: [SimpleNamespace(key=key) for key in keys[name]], batches_of=lambda name: [name],
         ),
     )  # fmt: skip

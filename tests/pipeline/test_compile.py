@@ -84,6 +84,17 @@ def test_a_batch_compiles_what_it_runs_and_its_jobs_share_that(solved):
     assert len(solved) == 2
 
 
+def test_what_is_compiled_is_loaded_once(solved, monkeypatch):
+    """And the rest is left to the jobs, which share it."""
+    monkeypatch.setattr(compile, "LOADED", set())
+    compile.load_for(CASES)
+    assert solved == []
+    compile.compile_for([Case(CASES[0].parameters, ("archard",), {})])
+    for _ in range(2):
+        compile.load_for(CASES)
+    assert solved == [("archard", {}), ("archard", {})]
+
+
 def test_settings_with_kernels_of_their_own_are_compiled_for_cases_that_have_them(solved):
     settings = {"bem": {"solver": "direct", "points": 96}}
     compile.compile_for([Case({"D": 1.25, "gamma": 5, "m": 1}, ("bem",), settings)])

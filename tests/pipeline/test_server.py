@@ -158,7 +158,7 @@ PREPARED = """
 import gc
 from weier import scene
 from weier.pipeline import server
-server._prepare(".", "batch", "test.yaml", "one-0")
+server._prepare(".", "batch", "--threads", "1", "test.yaml", "one-0")
 frozen = gc.get_freeze_count()
 print("batches" in vars(scene.load("test.yaml")), frozen > len(gc.get_objects()))
 """

@@ -43,7 +43,7 @@ def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> 
 
     with job("solve", scene_file.stem, name):
         loaded = _load(scene_file)
-        cases = loaded.batch(name)
+        cases = list(loaded.batch(name))
         compile_for(cases)
         curves, seconds = solve_batch(loaded, cases, threads)
         dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)

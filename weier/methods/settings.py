@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from typing import Any
 
 from weier.methods.method import Method
@@ -70,6 +71,7 @@ def defaults(method: Method) -> dict[str, Any]:
     return {name: keyword.default for name, keyword in _keywords(method.solve).items()}
 
 
+@cache  # as often as there are cases
 def _keywords(solve: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     parameters = inspect.signature(solve).parameters.values()
     return {parameter.name: parameter for parameter in parameters if parameter.default is not parameter.empty}

@@ -25,7 +25,8 @@ from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.methods.solve import describe_profile, solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
-from weier.scene.cases import Case, Scene
+from weier.scene.case import Case
+from weier.scene.cases import Scene
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 

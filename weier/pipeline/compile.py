@@ -19,12 +19,14 @@ from weier.methods.fields import events, fields
 from weier.methods.method import Method, Settings
 from weier.methods.registry import find_method
 from weier.pipeline.solve import solve
-from weier.scene.cases import Case
+from weier.scene.case import Case
 from weier.theory.profile import Profile
 
 LOADS = np.geomspace(1e-3, 10, 12)  # few contacts and few gaps: the patches have a problem of their own for each
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)
 INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # whose first terms say all but all of it: small grids
+
+LOADED: set[str] = set()  # names of tasks
 
 
 class Task(NamedTuple):
@@ -59,6 +61,14 @@ def compile_for(cases: Iterable[Case]) -> None:
                 if free:
                     waiting.remove(task)
                     _run_once(task)
+
+
+def load_for(cases: Iterable[Case]) -> None:
+    """Load what these cases run, as far as it is compiled: once for all processes that are forked from this one."""
+    for task in _tasks_of(cases):
+        if _done(task) and task.name not in LOADED:
+            LOADED.add(task.name)
+            task.run()
 
 
 def compile_kernels() -> None:

@@ -11,7 +11,7 @@ from weier.methods.planned.plan import TOLERANCE
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.segment import COMPLIANCE
 from weier.pipeline.plan import plan
-from weier.scene.cases import Case
+from weier.scene.case import Case
 from weier.theory.profile import Profile
 from weier.theory.tables import significant
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 from weier.data.variables import LABEL
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
-from weier.scene.cases import Case, Scene
+from weier.scene.cases import Scene
+from weier.scene.study import CaseProduct
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
@@ -27,15 +29,13 @@ def case_labels(scene: Scene) -> xr.Dataset:
     is there for each setting that differs between cases: NaN or an empty text where the method is not run, or the
     setting is left to the method.
     """
-    cases = list(scene.cases.values())
-    studies = [", ".join(name for name, own in scene.studies.items() if case in own) for case in cases]
-    columns: dict[str, NDArray[Any]] = {"study": np.array(studies)}
+    columns: dict[str, NDArray[Any]] = {"study": np.array([", ".join(names) for names in scene.studies_of_cases])}
     meanings = {"study": "studies of the case"}
     for method in scene.layout.methods:
-        for setting, values in _settings(cases, method).items():
-            run = [json.dumps(value) for value, case in zip(values, cases, strict=True) if method in case.methods]
-            if len(set(run)) > 1:
-                columns[f"{method}_{setting}"] = _column(values)
+        run = [method in product.methods for product in scene.products]
+        for setting, values in _settings(scene.products, method).items():
+            if len(set(map(json.dumps, compress(values, run)))) > 1:
+                columns[f"{method}_{setting}"] = _column(values)[scene.product_of_cases]
                 meanings[f"{method}_{setting}"] = f"setting {setting} of method {method}"
     return xr.Dataset(
         coords={
@@ -45,10 +45,10 @@ def case_labels(scene: Scene) -> xr.Dataset:
     )
 
 
-def _settings(cases: list[Case], method: str) -> Mapping[str, list[Any]]:
-    """The value of each setting of a method in each case; None where the method is not run."""
+def _settings(products: Sequence[CaseProduct], method: str) -> Mapping[str, list[Any]]:
+    """The value of each setting of a method in the cases of each product; None where the method is not run."""
     solver = find_method(method)
-    own = [all_settings(solver, case.settings.get(method, {})) if method in case.methods else {} for case in cases]
+    own = [all_settings(solver, each.settings.get(method, {})) if method in each.methods else {} for each in products]
     return {name: [settings.get(name) for settings in own] for name in all_settings(solver, {})}
 
 

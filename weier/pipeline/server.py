@@ -8,6 +8,7 @@ place. Where there is no server, or one of another Python, the job does its work
 from __future__ import annotations
 
 import gc
+import itertools
 import json
 import os
 import signal
@@ -152,18 +153,21 @@ def _fork(listener: socket.socket, main: Callable[[], None]) -> None:
 
 
 def _prepare(folder: str, command: str, *arguments: str) -> None:
-    """Import what a command needs, and load the scene that it names first: the process that is forked has both.
+    """Import what a command needs, and the kernels of its batch: the process that is forked has both.
 
-    So a job of a large scene takes the time and the memory of its own cases.
+    Loading the kernels takes longer than solving some dozens of cases.
     """
     for name in IMPORTS[command]:
         import_module(name)
     if command in SOLVING and not jit.disabled():
         import_module(COMPILER)
-    with suppress(OSError, ValueError):  # for the process to tell
+    with suppress(OSError, ValueError, IndexError):  # for the process to tell
         os.chdir(folder)
-        for path in [argument for argument in arguments if argument.endswith(".yaml")][:1]:
-            _ = import_module("weier.scene").load(path).batches  # found once for all jobs
+        path, *names = itertools.dropwhile(lambda argument: not argument.endswith(".yaml"), arguments)
+        loaded = import_module("weier.scene").load(path)  # and kept, for the other jobs of its run
+        if command in SOLVING:
+            import_module("weier.pipeline.compile").load_for(loaded.batch(names[0]))
+            import_module("weier.data.provenance").versions()  # which ask git
     gc.freeze()  # or the collector of a job would write to, and so copy, all that it shares with this process
 
 

@@ -69,7 +69,7 @@ def solve_one(
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = f"Weierstrass profile, {case.profile.describe()}"
     text = _text(title, case, loads)
-    scene = Scene(name="one", title=title, loads=loads, studies={"one": (case,)}, batch_size=1, text=text)
+    scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=text)
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}", expected_seconds(case, loads), loads.size * len(methods)):
         data, cost = solve_batch(scene, [case], failed=failures.append)

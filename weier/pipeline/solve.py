@@ -95,12 +95,13 @@ def _solve_all(
     profiles: list[Profile], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
 ) -> xr.Dataset:
     from weier.pipeline.batch import solve_batch  # scenes and threads, which one curve does not need
-    from weier.scene.cases import Case, Scene
+    from weier.scene.case import Case
+    from weier.scene.cases import Scene
 
     checked = _settings(methods, settings)
     cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
     title = f"{len(cases)} Weierstrass profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
-    scene = Scene("solve", title, loads, {"solve": cases}, len(cases), contact_edges=edges)
+    scene = Scene("solve", title, loads, {}, len(cases), contact_edges=edges)
     failures: list[str] = []
     data, cost = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
     for failure in failures:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Collection, Mapping
@@ -12,87 +13,15 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from weier.data.yaml import number
-from weier.kernels.arrays import Array
-from weier.methods.registry import find_method
-from weier.theory.limits import check_resolvable
-from weier.theory.phases import RandomPhases, random_phases
-from weier.theory.profile import Profile
+from weier.kernels.arrays import Array, Indices
+from weier.scene.case import Case
+from weier.scene.study import CaseProduct, Selection, Study, case_numbers
 
 Item = TypeVar("Item")
-
-# The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
-MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
-MAX_GAMMA = 10**6
-MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
 
 
 class SceneError(ValueError):
     """A scene file that cannot be run: the message names the file and the key."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """One profile with the methods to run on it and their settings, as plain values of the scene file."""
-
-    parameters: Mapping[str, Any]
-    methods: tuple[str, ...]
-    settings: Mapping[str, Mapping[str, Any]]
-
-    @classmethod
-    def of(cls, profile: Profile, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
-        """The case of a profile."""
-        gamma = profile.gamma
-        parameters: dict[str, Any] = {"D": profile.D, "m": profile.m, "gamma": str(gamma)}
-        if isinstance(profile.phases, RandomPhases):
-            parameters["seed"] = profile.phases.seed
-        else:
-            parameters["phases"] = profile.phases
-        return cls(parameters, methods, settings)
-
-    @property
-    def definition(self) -> str:
-        """All that the numbers depend on but the loads, as text."""
-        return json.dumps([self.parameters, self.methods, self.settings], sort_keys=True)
-
-    @cached_property
-    def key(self) -> str:
-        """A digest of the definition: the same case has the same name in every file."""
-        return hashlib.sha256(self.definition.encode()).hexdigest()[:12]
-
-    @cached_property
-    def profile(self) -> Profile:
-        """The profile of this case."""
-        p = self.parameters
-        phases = p.get("phases", p.get("phase", 0.0))
-        if "seed" in p:
-            phases = random_phases(p["seed"])
-        elif not isinstance(phases, list | tuple):
-            phases = number("phases", phases)
-        return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
-
-    def check(self) -> None:
-        """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it."""
-        self.check_ranges()
-        methods = [find_method(method) for method in self.methods]
-        if any(method.numerical for method in methods) and math.isfinite(self.profile.m):
-            check_resolvable(self.profile)
-        for method in methods:
-            if method.takes(self.profile):
-                method.check(self.profile, **self.settings.get(method.name, {}))
-
-    def check_ranges(self) -> None:
-        """Refuse a series that no computer holds."""
-        profile = self.profile
-        if profile.gamma > MAX_GAMMA:
-            raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {float(profile.gamma):.15g}")
-        if math.isinf(profile.m):
-            return
-        if profile.m > MAX_TERMS:
-            raise ValueError(f"m must be at most {MAX_TERMS}, or inf, got {profile.m:g}")
-        drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
-        if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
-            raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
 
 
 class Layout(NamedTuple):
@@ -149,7 +78,7 @@ class Scene:
     name: str
     title: str
     loads: Array
-    studies: Mapping[str, tuple[Case, ...]]
+    studies: Mapping[str, Study]
     batch_size: int
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -157,14 +86,57 @@ class Scene:
     text: str = ""
 
     @cached_property
+    def _all(self) -> Study:
+        """All studies, one after the other."""
+        return Study([product for study in self.studies.values() for product in study.products])
+
+    @cached_property
+    def _distinct(self) -> tuple[Indices, list[tuple[str, ...]], Indices]:
+        """Each case once, in order of appearance.
+
+        Where it stands first among all studies, shape (cases,); each set of studies that cases belong to; and the
+        number of that set, shape (cases,).
+        """
+        _, first, numbers = np.unique(case_numbers(self._all), return_index=True, return_inverse=True)
+        study = np.repeat(np.arange(len(self.studies)), [len(study) for study in self.studies.values()])
+        member = np.zeros((first.size, len(self.studies)), bool)
+        member[numbers, study] = True
+        order = np.argsort(first)
+        homes, home = np.unique(member[order], axis=0, return_inverse=True)
+        names = [tuple(itertools.compress(self.studies, row)) for row in homes]
+        return first[order], names, home.ravel()
+
+    @cached_property
+    def distinct(self) -> Selection:
+        """Every case once, in order of appearance."""
+        return Selection(self._all, self._distinct[0])
+
+    @property
     def cases(self) -> dict[str, Case]:
-        """Every case by its key, each once, in order of appearance."""
-        return {case.key: case for study in self.studies.values() for case in study}
+        """Every case by its key, each once, in order of appearance: all of them in memory."""
+        return {case.key: case for case in self.distinct}
+
+    @property
+    def products(self) -> tuple[CaseProduct, ...]:
+        """The products of all studies, in the order of the file."""
+        return self._all.products
+
+    @property
+    def product_of_cases(self) -> Indices:
+        """The number of the product that each case stands in first, in order of appearance, shape (cases,)."""
+        counts = [product.count for product in self.products]
+        return np.repeat(np.arange(len(counts)), counts)[self._distinct[0]]
+
+    @property
+    def studies_of_cases(self) -> list[tuple[str, ...]]:
+        """The studies that each case belongs to, in order of appearance."""
+        _, names, home = self._distinct
+        return [names[number] for number in home.tolist()]
 
     @cached_property
     def layout(self) -> Layout:
         """What the arrays of all cases must hold."""
-        return self.layout_of(self.cases.values())
+        return self.layout_of([case for product in self._all.products for case in product.of_all_kinds("gamma", "m")])
 
     def layout_of(self, cases: Collection[Case]) -> Layout:
         """What the arrays of some cases must hold, which is nothing that other cases need."""
@@ -173,7 +145,7 @@ class Scene:
         edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
         return Layout(tuple(methods), max((profile.terms for profile in finite), default=1), edges)
 
-    def study(self, name: str) -> tuple[Case, ...]:
+    def study(self, name: str) -> Study:
         """The cases of a study; a SceneError if there is no such study."""
         return self._item("study", self.studies, name)
 
@@ -182,22 +154,24 @@ class Scene:
         return self._item("figure", self.figures, name)
 
     @cached_property
-    def batches(self) -> dict[str, tuple[Case, ...]]:
-        """Every case once, by batch: cases of the same studies together, so that a study is a set of batches."""
-        homes: dict[str, dict[str, None]] = {key: {} for key in self.cases}  # a study once, in the order of the file
-        for study, members in self.studies.items():
-            for case in members:
-                homes[case.key][study] = None
-        groups: dict[str, list[Case]] = {}
-        for key, home in homes.items():
-            groups.setdefault("+".join(home), []).append(self.cases[key])
+    def _batches(self) -> dict[str, tuple[tuple[str, ...], Selection]]:
+        """By batch the studies that all of its cases belong to, and the cases."""
+        positions, names, home = self._distinct
+        groups = {number: positions[home == number] for number in dict.fromkeys(home.tolist())}
         return {
-            f"{group}-{start // self.batch_size}": tuple(members[start : start + self.batch_size])
-            for group, members in groups.items()
-            for start in range(0, len(members), self.batch_size)
-        }
+            f"{'+'.join(names[number])}-{start // self.batch_size}": (
+                names[number], Selection(self._all, members[start : start + self.batch_size])
+            )
+            for number, members in groups.items()
+            for start in range(0, members.size, self.batch_size)
+        }  # fmt: skip
 
-    def batch(self, name: str) -> tuple[Case, ...]:
+    @cached_property
+    def batches(self) -> dict[str, Selection]:
+        """Every case once, by batch: cases of the same studies together, so that a study is a set of batches."""
+        return {name: cases for name, (_, cases) in self._batches.items()}
+
+    def batch(self, name: str) -> Selection:
         """The cases of a batch; a SceneError if there is no such batch."""
         return self._item("batch", self.batches, name)
 
@@ -208,12 +182,12 @@ class Scene:
 
     def batches_of(self, *studies: str) -> list[str]:
         """Names of the batches that hold the cases of some studies, each once."""
-        keys = {case.key for study in studies for case in self.study(study)}
-        return [name for name, cases in self.batches.items() if cases[0].key in keys]
+        wanted = {study for study in studies if self.study(study)}
+        return [name for name, (home, _) in self._batches.items() if not wanted.isdisjoint(home)]
 
     def methods_of(self, batch: str) -> tuple[str, ...]:
         """The methods that a batch runs."""
-        return self.layout_of(self.batch(batch)).methods
+        return tuple(dict.fromkeys(method for case in self.batch(batch) for method in case.methods))
 
     def digest(self, batch: str) -> str:
         """A digest of all that the scene says of the numbers of a batch: its own cases, the loads, what is kept."""
@@ -222,7 +196,7 @@ class Scene:
 
     def digest_of_cases(self, *studies: str) -> str:
         """A digest of which cases some studies have, and in which order."""
-        return _digest([[case.key for case in self.study(study)] for study in studies])
+        return _digest([[product.definition for product in self.study(study).products] for study in studies])
 
 
 def _digest(values: Any) -> str:

@@ -18,8 +18,9 @@ from weier.data.variables import of_curves
 from weier.data.yaml import number, parse_yaml
 from weier.methods.registry import PLANNED, find_method, names, returned_by
 from weier.methods.settings import checked_settings
-from weier.scene.cases import Case, Figure, Grouping, Scene, SceneError
-from weier.scene.products import MAX_CASES, axis, check_count, combinations
+from weier.scene.cases import Figure, Grouping, Scene, SceneError
+from weier.scene.products import MAX_CASES, axes, axis, check_count
+from weier.scene.study import CaseProduct, Study
 from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
@@ -98,7 +99,7 @@ def _scene(raw: Raw, text: str, path: Path) -> Scene:
     studies = {}
     for name, study in raw["studies"].items():
         with _in_file(path, f"studies.{name}"):
-            studies[name] = tuple(_cases(study, raw, plan))
+            studies[name] = _study(study, raw, plan)
     with _in_file(path, "figures"):
         figures = _figures(raw)
     scene = Scene(
@@ -132,17 +133,17 @@ def _plan(raw: Raw) -> dict[str, Any]:
     return quantity | {"tolerance": number("tolerance", raw["tolerance"])}
 
 
-def _cases(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Iterator[Case]:
+def _study(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Study:
     methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
     if plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
-    for parameters in combinations(study):
-        case = Case(parameters, methods, own)
-        case.check()
-        yield case
+    products = [CaseProduct(values, methods, own) for values in axes(study)]
+    for product in products:
+        product.check()
+    return Study(products)
 
 
 def _figures(raw: Raw) -> dict[str, Figure]:

@@ -1,8 +1,8 @@
-"""Products of a scene: the numbers, lists and ranges that each parameter takes, and every combination of them."""
+"""Products of a scene: the numbers, lists and ranges that each parameter takes."""
 
 from __future__ import annotations
 
-import itertools
+import json
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -17,17 +17,16 @@ MAX_RANGE_VALUES = 10**6
 Product = Mapping[str, Any]
 
 
-def combinations(study: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The parameters of each case of a study."""
+def axes(study: Mapping[str, Any]) -> Iterator[dict[str, list[Any]]]:
+    """The values of each parameter, each once, of every product of a study."""
     for product in _products(study):
-        axes = {name: _values(name, values) for name, values in product.items()}
-        for combination in itertools.product(*axes.values()):
-            yield dict(zip(axes, combination, strict=True))
+        yield {name: _values(name, values) for name, values in product.items()}
 
 
 def _values(name: str, values: Any) -> list[Any]:
     """The values of one parameter; a list within a list of phases are those of one profile."""
-    return values if name == "phases" and isinstance(values, list) else axis(values)
+    given = values if name == "phases" and isinstance(values, list) else axis(values)
+    return list({json.dumps(value): value for value in given}.values())
 
 
 def check_count(studies: Mapping[str, Any], most: int) -> None:

@@ -61,7 +61,8 @@ def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> N
     files = [batch_file(batches, batch) for batch in scene.batches]
     step = "checked against the paper" if measured else "gathered"
     labels, columns = case_labels(scene), _columns(measured)
-    gather(files, list(scene.cases), path, scene.title, step=step, scene=scene.text, labels=labels, more=columns)
+    keys = [case.key for case in scene.distinct]
+    gather(files, keys, path, scene.title, step=step, scene=scene.text, labels=labels, more=columns)
     write_text(table, _markdown(scene.title, measured))
 
 

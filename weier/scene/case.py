@@ -1,0 +1,88 @@
+"""One case of a scene: a profile with the methods to run on it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from weier.data.yaml import number
+from weier.methods.registry import find_method
+from weier.theory.limits import check_resolvable
+from weier.theory.phases import RandomPhases, random_phases
+from weier.theory.profile import Profile
+
+# The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
+MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
+MAX_GAMMA = 10**6
+MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
+
+
+@dataclass(frozen=True)
+class Case:
+    """One profile with the methods to run on it and their settings, as plain values of the scene file."""
+
+    parameters: Mapping[str, Any]
+    methods: tuple[str, ...]
+    settings: Mapping[str, Mapping[str, Any]]
+
+    @classmethod
+    def of(cls, profile: Profile, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
+        """The case of a profile."""
+        gamma = profile.gamma
+        parameters: dict[str, Any] = {"D": profile.D, "m": profile.m, "gamma": str(gamma)}
+        if isinstance(profile.phases, RandomPhases):
+            parameters["seed"] = profile.phases.seed
+        else:
+            parameters["phases"] = profile.phases
+        return cls(parameters, methods, settings)
+
+    @property
+    def definition(self) -> str:
+        """All that the numbers depend on but the loads, as text."""
+        return json.dumps([self.parameters, self.methods, self.settings], sort_keys=True)
+
+    @cached_property
+    def key(self) -> str:
+        """A digest of the definition: the same case has the same name in every file."""
+        return hashlib.sha256(self.definition.encode()).hexdigest()[:12]
+
+    @cached_property
+    def profile(self) -> Profile:
+        """The profile of this case."""
+        p = self.parameters
+        phases = p.get("phases", p.get("phase", 0.0))
+        if "seed" in p:
+            phases = random_phases(p["seed"])
+        elif not isinstance(phases, list | tuple):
+            phases = number("phases", phases)
+        return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
+
+    def check(self) -> None:
+        """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it."""
+        self.check_ranges()
+        methods = [find_method(method) for method in self.methods]
+        if any(method.numerical for method in methods) and math.isfinite(self.profile.m):
+            check_resolvable(self.profile)
+        for method in methods:
+            if method.takes(self.profile):
+                method.check(self.profile, **self.settings.get(method.name, {}))
+
+    def check_ranges(self) -> None:
+        """Refuse a series that no computer holds."""
+        profile = self.profile
+        if profile.gamma > MAX_GAMMA:
+            raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {float(profile.gamma):.15g}")
+        if math.isinf(profile.m):
+            return
+        if profile.m > MAX_TERMS:
+            raise ValueError(f"m must be at most {MAX_TERMS}, or inf, got {profile.m:g}")
+        drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
+        if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
+            raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")

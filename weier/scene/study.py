@@ -1,0 +1,166 @@
+"""The cases of a study, each made when it is asked for: a study of a million takes no more memory than its axes."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, overload
+
+import numpy as np
+
+from weier.kernels.arrays import Indices
+from weier.scene.case import Case
+from weier.theory.phases import random_phases
+
+MAX_NUMBER = 2**62  # of a case, which a 64-bit integer holds
+
+
+@dataclass(frozen=True)
+class CaseProduct:
+    """Every combination of the values of each parameter, under the same methods and settings.
+
+    axes : the values of each parameter, each once; those of the last one change first
+    """
+
+    axes: Mapping[str, Sequence[Any]]
+    methods: tuple[str, ...]
+    settings: Mapping[str, Mapping[str, Any]]
+
+    @cached_property
+    def count(self) -> int:
+        """The number of cases."""
+        return math.prod(map(len, self.axes.values()))
+
+    @property
+    def kind(self) -> str:
+        """All but the parameters, as text."""
+        return json.dumps([self.methods, self.settings], sort_keys=True)
+
+    @property
+    def definition(self) -> list[Any]:
+        """All that tells the cases and their order, as plain values."""
+        return [list(self.axes.items()), self.methods, self.settings]
+
+    def case(self, position: int) -> Case:
+        """The case that stands there."""
+        chosen = {}
+        for name, values in reversed(list(self.axes.items())):
+            position, index = divmod(position, len(values))
+            chosen[name] = values[index]
+        return Case(chosen, self.methods, self.settings)
+
+    def indices(self, name: str) -> Indices:
+        """Which value of a parameter each case has, shape (count,)."""
+        names, lengths = list(self.axes), [len(values) for values in self.axes.values()]
+        at = names.index(name)
+        return np.tile(np.repeat(np.arange(lengths[at]), math.prod(lengths[at + 1 :])), math.prod(lengths[:at]))
+
+    def of_all_kinds(self, *names: str) -> Iterator[Case]:
+        """Cases with each combination of the values of some parameters; the others have their first value."""
+        chosen = {name: values if name in names else values[:1] for name, values in self.axes.items()}
+        product = CaseProduct(chosen, self.methods, self.settings)
+        return map(product.case, range(product.count))
+
+    def check(self) -> None:
+        """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it.
+
+        Whether a profile is sound, D tells by itself, and so does a seed; gamma and phases do with m. So this does
+        not make every case.
+        """
+        for names in (("D",), ("gamma", "m"), ("phase", "phases", "m")):
+            for case in self.of_all_kinds(*names):
+                case.check()
+        for seed in self.axes.get("seed", ()):
+            random_phases(seed)
+
+
+class Study(Sequence[Case]):
+    """The cases of some products, one product after the other.
+
+    Parameters
+    ----------
+    products : sequence of CaseProduct
+        Whose cases these are. A case of several products is there several times.
+    """
+
+    def __init__(self, products: Sequence[CaseProduct]) -> None:
+        self.products = tuple(products)
+        self._ends = list(itertools.accumulate(product.count for product in products))
+
+    def __len__(self) -> int:
+        """The number of cases."""
+        return self._ends[-1] if self._ends else 0
+
+    @overload
+    def __getitem__(self, position: int) -> Case: ...
+
+    @overload
+    def __getitem__(self, position: slice) -> Sequence[Case]: ...
+
+    def __getitem__(self, position: int | slice) -> Case | Sequence[Case]:
+        """The case that stands there, or those."""
+        if isinstance(position, slice):
+            return [self[each] for each in range(len(self))[position]]
+        position = range(len(self))[position]
+        product = bisect_right(self._ends, position)
+        return self.products[product].case(position - (self._ends[product - 1] if product else 0))
+
+
+class Selection(Sequence[Case]):
+    """The cases that stand at some positions of a study."""
+
+    def __init__(self, study: Study, positions: Indices) -> None:
+        self.study, self.positions = study, positions
+
+    def __len__(self) -> int:
+        """The number of cases."""
+        return self.positions.size
+
+    @overload
+    def __getitem__(self, position: int) -> Case: ...
+
+    @overload
+    def __getitem__(self, position: slice) -> Sequence[Case]: ...
+
+    def __getitem__(self, position: int | slice) -> Case | Sequence[Case]:
+        """The case that stands there, or those."""
+        chosen = self.positions[position]
+        return Selection(self.study, chosen) if isinstance(position, slice) else self.study[int(chosen)]
+
+
+def case_numbers(study: Study) -> Indices:
+    """A number for each case of a study, shape (cases,): the same for the same cases, another for others.
+
+    Cases are the same if their parameters have the same names and values, and methods and settings are the same.
+    """
+    names = dict.fromkeys(name for product in study.products for name in product.axes)
+    kinds = _numbers([product.kind for product in study.products])
+    numbers = np.repeat(kinds, [product.count for product in study.products])
+    for name in names:
+        values = _value_numbers(study, name)
+        if (int(numbers.max(initial=0)) + 1) * (int(values.max(initial=0)) + 1) > MAX_NUMBER:
+            numbers = np.unique(numbers, return_inverse=True)[1]
+        numbers = numbers * (values.max(initial=0) + 1) + values
+    return numbers
+
+
+def _value_numbers(study: Study, name: str) -> Indices:
+    """A number for the value that each case has of a parameter, shape (cases,); 0 where it has none."""
+    table: dict[str, int] = {}
+    parts = []
+    for product in study.products:
+        texts = map(json.dumps, product.axes.get(name, ()))
+        own = np.array([table.setdefault(text, len(table) + 1) for text in texts], int)
+        parts.append(own[product.indices(name)] if own.size else np.zeros(product.count, int))
+    return np.concatenate(parts) if parts else np.empty(0, int)
+
+
+def _numbers(texts: Sequence[str]) -> Indices:
+    """A number for each text, the same for the same texts."""
+    table = {text: number for number, text in enumerate(dict.fromkeys(texts))}
+    return np.array([table[text] for text in texts], int)
