@@ -135,7 +135,6 @@ def versions() -> dict[str, str]:
 
 
 @cache
-@cache
 def commit() -> str:
     """The commit of the checkout, empty outside of one; it says so where files of the package were changed since."""
     if not (PACKAGE.parent / ".git").exists():  # not the repository of whoever installed weier into theirs
