@@ -33,6 +33,19 @@ def _options():
     return command.__click_params__
 
 
+@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+def test_a_method_says_whether_phases_change_its_curve(method):
+    """Numbers of one that says no are those of another profile, to the last bit: batches copy them."""
+    for m in (1, 2, 3, np.inf):
+        profiles = [Profile(1.25, 3, m, seed=seed) for seed in (1, 2)]
+        if method.takes(profiles[0]):
+            one, other = (method.solve(each, np.array([0.1, 1.0])).compliance for each in profiles)
+            if not method.uses_phases:
+                np.testing.assert_array_equal(one, other)
+            elif m > 1:
+                assert np.abs(one - other).max() > 1e-6
+
+
 @pytest.mark.parametrize("feature", ["color", "linestyle"])
 def test_no_two_methods_share_a_colour_or_dashes(feature):
     """But for the numerical ones: the second is drawn as points beside the first."""

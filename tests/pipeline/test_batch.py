@@ -10,7 +10,8 @@ import pytest
 
 from weier import scene
 from weier.methods import registry
-from weier.methods.registry import PLANNED
+from weier.methods.registry import PLANNED, find_method
+from weier.methods.solve import solve_checked
 from weier.pipeline import batch
 
 SCENE = """\
@@ -43,6 +44,33 @@ def test_what_a_thread_raises_reaches_the_caller(threaded, monkeypatch):
     monkeypatch.setattr(batch, "solve_checked", broken)
     with pytest.raises(MemoryError, match="no room"):
         batch.solve_batch(threaded, threaded.studies["one"], threads=2)
+
+
+def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_path, monkeypatch):
+    """And with their seconds, and no others: neither for other profiles nor with other settings."""
+    solved = []
+
+    def counted(profile, loads, method, settings):
+        solved.append((method.name, profile.D, profile.m, settings.get("points")))
+        return solve_checked(profile, loads, method, settings)
+
+    monkeypatch.setattr(batch, "solve_checked", counted)
+    product = "{product: {D: [1.25, 1.5], gamma: 2, m: [1, 2], seed: [1, 2, 3]}"
+    path = tmp_path / "test.yaml"
+    path.write_text(
+        "{title: t, loads: [0.1, 1], methods: [layer, bem], batch: 100, studies: {one: "
+        f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}"
+    )
+    loaded = scene.load(path)
+    data, cost = batch.solve_batch(loaded, loaded.distinct)
+    layers = [(D, m, points) for name, D, m, points in solved if name == "layer"]
+    assert layers == [(D, m, points) for points in (None, 48) for D in (1.25, 1.5) for m in (1, 2)]
+    assert len(solved) == 8 + 12
+    for number, case in enumerate(loaded.distinct):
+        own = case.settings.get("layer", {})
+        expected = find_method("layer").solve(case.profile, loaded.loads, **own).compliance
+        np.testing.assert_array_equal(data["compliance"].values[number, 0], expected)
+    assert np.all(cost["seconds"].values[:, 0] > 0)
 
 
 class Planned(NamedTuple):

@@ -14,7 +14,7 @@ from weier.data import dataset, variables
 from weier.data.variables import LABEL, Variable
 from weier.kernels.arrays import Array
 from weier.methods.method import Variant
-from weier.pipeline.batch import describe_case
+from weier.pipeline.batch import arrays, describe_case
 from weier.scene import Case
 
 DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # of a case, beside its coordinates
@@ -69,7 +69,7 @@ def fill(data: xr.Dataset, comparisons: Sequence[Comparison], measure: Measure) 
     names = data["variant"].values.tolist()
     for number, each in enumerate(comparisons):
         print(f"case {number + 1}/{len(comparisons)}: {each.name}", file=sys.stderr)
-        describe_case(data, number, each.case)
+        describe_case(arrays(data), number, each.case)
         columns = np.searchsorted(data["mean_pressure"].values, each.loads)
         for variant in each.variants:
             position = number, names.index(variant.name)

@@ -161,6 +161,7 @@ METHOD = Method(
     label="Archard",
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
     solve=solve_by(compliance, resistance),
+    uses_phases=False,
     style=Style("#D55E00", (5, 1.5), "v"),
     reference=multiprecision_sums("archard"),
 )

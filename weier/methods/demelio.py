@@ -102,6 +102,7 @@ METHOD = Method(
     label="Demelio",
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
     solve=_solve,
+    uses_phases=False,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
     candidates=_candidates,
     reference=multiprecision_sums("demelio"),

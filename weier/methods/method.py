@@ -125,6 +125,8 @@ class Method:
         anything is solved.
     numerical : bool
         Whether it solves the truncated series itself, so that its curve can be called exact but for a known error.
+    uses_phases : bool
+        Whether the curve depends on the phases: profiles that differ in nothing else share it, if not.
     style : Style
         How its curve is drawn.
     noise : Noise
@@ -156,6 +158,7 @@ class Method:
     applies: Callable[[Profile], None] = _applies_to_all
     check: Callable[..., None] = _take_all
     numerical: bool = False
+    uses_phases: bool = True
     style: Style = DEFAULT_STYLE
     noise: Noise = CLOSED_FORM
     algorithms: tuple[Settings, ...] = ({},)

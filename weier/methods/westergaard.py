@@ -104,6 +104,7 @@ METHOD = Method(
     summary="the closed form for one wave (6)-(14); m = 1",
     solve=_solve,
     applies=_applies,
+    uses_phases=False,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
     candidates=_candidates,
     reference=multiprecision_sums("westergaard"),

@@ -36,6 +36,28 @@ Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
 
 
+class _Solver:
+    """Solves the profiles of cases under the same loads.
+
+    It keeps the last curve of each method that does not depend on the phases: the next case may differ in them alone.
+    """
+
+    def __init__(self, loads: Array) -> None:
+        self.loads = loads
+        self._last: dict[str, tuple[object, tuple[Any, float]]] = {}
+
+    def solve(self, profile: Profile, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
+        """What a method says of a profile, and the seconds that it took."""
+        if method.uses_phases:
+            return solve_checked(profile, self.loads, method, settings)
+        wanted = profile.D, profile.gamma, profile.m, settings
+        known, solved = self._last.get(method.name, (None, None))
+        if solved is None or known != wanted:
+            solved = solve_checked(profile, self.loads, method, settings)
+            self._last[method.name] = wanted, solved
+        return solved
+
+
 def _tell(message: str) -> None:
     print(message, file=sys.stderr)
 
@@ -69,14 +91,15 @@ def solve_batch(
     methods, terms, edges = scene.layout_of(cases)  # not the scene's: other cases may change
     data = dataset.blank(len(cases), methods, scene.loads, terms, edges, returned_by(methods))
     cost = dataset.blank_cost(len(cases), methods, terms)
-    curves, costs = ({str(name): each.values for name, each in part.variables.items()} for part in (data, cost))
+    curves, costs = arrays(data), arrays(cost)
+    solver = _Solver(scene.loads)
 
     def solve_case(number: int) -> None:
         case = cases[number]
-        describe_case(data, number, case)
+        describe_case(curves, number, case)
         for method in case.methods:
             position = {"case": number, "solution_method": methods.index(method)}
-            why = _solve_into(curves, costs, position, case, find_method(method))
+            why = _solve_into(curves, costs, position, case, find_method(method), solver)
             if why:
                 failed(f"{case.profile.describe()}, {method}: {why}")
         for name in costs.keys() & curves.keys() - data.sizes.keys():
@@ -96,7 +119,12 @@ def solve_batch(
     return data, cost
 
 
-def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
+def arrays(data: xr.Dataset) -> Arrays:
+    """The values of each variable, to be filled in: a dataset takes longer to find them."""
+    return {str(name): variable.values for name, variable in data.variables.items()}
+
+
+def describe_case(values_of: Arrays, number: int, case: Case) -> None:
     """Fill in the coordinates of a case."""
     profile = case.profile
     values = {"key": case.key, **describe_profile(profile)}
@@ -105,12 +133,14 @@ def describe_case(data: xr.Dataset, number: int, case: Case) -> None:
     if np.isfinite(profile.m):
         if resolvable(profile):
             values["first_contact"] = first_contact(profile)
-        data["phase"].values[number, : profile.terms] = profile.phase
+        values_of["phase"][number, : profile.terms] = profile.phase
     for name, value in values.items():
-        data[name].values[number] = value
+        values_of[name][number] = value
 
 
-def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case: Case, method: Method) -> str:
+def _solve_into(
+    curves: Arrays, costs: Arrays, position: Mapping[str, int], case: Case, method: Method, solver: _Solver
+) -> str:
     """Write one curve into its row of each array, and say why if there is none.
 
     Whatever a method returns is stored if the table of variables knows it, as arrays over the loads or as one number:
@@ -120,7 +150,7 @@ def _solve_into(curves: Arrays, costs: Arrays, position: Mapping[str, int], case
     given = case.settings.get(method.name, {})
     curves["settings"][run] = _settings_text(all_settings(method, given))
     try:
-        solution, seconds = solve_checked(case.profile, curves["mean_pressure"], method, given)
+        solution, seconds = solver.solve(case.profile, method, given)
     except (NotApplicableError, ConvergenceError) as error:
         failed = isinstance(error, ConvergenceError)
         curves["status"][run] = Status.not_converged if failed else Status.not_applicable

@@ -56,6 +56,7 @@ METHOD = Method(
     label="non-linear layer",
     summary="each wave bears on a non-linear layer of all finer ones (4.3); any m, also inf",
     solve=_solve,
+    uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),
     noise=Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5
     variants=_variants,
