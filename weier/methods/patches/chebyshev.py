@@ -103,19 +103,13 @@ def integrals(a: Array, t: float) -> tuple[float, float, float]:
     return np.pi * cauchy, np.pi * slope, np.pi * potential
 
 
-@kernel
 def log_weights(count: int) -> Array:
     """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`."""
-    sine = _sines(count)
-    weight = np.zeros(count)
-    unit = np.zeros(count)
-    for k in range(count):
-        unit[k] = 1.0
-        potential = integrals(unit, 0.0)[2]
-        unit[k] = 0.0
-        for q in range(count):
-            weight[q] += potential * 2 / (count + 1) * sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)]
-    return weight
+    k = np.arange(1, count + 2)
+    L = -np.pi * np.append(np.log(2.0), np.array([1, 0, -1, 0])[k % 4] / k)  # T_k(0) = 1, 0, -1, 0
+    q = np.arange(1, count + 1)
+    sine = np.sin(np.outer(q, q) % (2 * count + 2) * (np.pi / (count + 1)))
+    return np.asarray(sine[0] * (sine @ (L[:-2] - L[2:])) / (count + 1))
 
 
 @kernel

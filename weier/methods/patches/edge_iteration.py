@@ -161,7 +161,7 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     forcing = problem.forcing(punches.matrix.tree.origin, punches.matrix.tree.offset)
     forces = solve_forces_on_contacts(punches, forcing, problem.load * period, guess.force, stage.bounds)
     b = expansion(punches, forces.force)
-    a = regular_part(punches, b)
+    a = regular_part(punches.first_node, b)
     moves = edge_moves(punches, b, a)
     r, gap = guess.half_width, distances(guess.centre - guess.half_width, guess.centre + guess.half_width, period)
     carried = np.add.reduceat(forces.force, punches.first_node[:-1])

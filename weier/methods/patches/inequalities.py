@@ -9,18 +9,21 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
-from weier.methods.patches.fields import ContactState, complementary_residual_slopes, complementary_residuals
+from weier.methods.patches.fields import (
+    ContactState,
+    complementary_residual_slope,
+    complementary_residual_slopes,
+    complementary_residuals,
+)
 from weier.methods.patches.segments import distances_to_next
-from weier.methods.patches.surface import CosineSeries, nearest_crests
+from weier.methods.patches.surface import CosineSeries, nearest_crest, nearest_crests
 
 MIN_PROBES = 12  # between two segments, denser at both ends, as the cosine is
 PROBES_PER_WAVE = 5
-MINIMUM_ACCURACY = 1e-9  # of the position of a minimum between two probes, over their distance
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
@@ -65,7 +68,7 @@ def find_missing_segments(state: ContactState, series: CosineSeries, tolerance: 
     slope = complementary_residual_slopes(state, series, probe)
     bracket = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (interval[:-1] == interval[1:]))
     bracket = _possibly_negative(state, series, tolerance, probe, slope, bracket)
-    x = np.array([_minimum(state, series, probe[i], probe[i + 1]) for i in bracket])
+    x = _minima(state, series, probe[bracket], probe[bracket + 1])
     value = complementary_residuals(state, series, x)
     negative = value < -tolerance
     x, value, i = x[negative], value[negative], bracket[negative]
@@ -96,13 +99,20 @@ def _possibly_negative(
     return bracket[complementary_residuals(state, series, near) - max_drop < -tolerance]
 
 
-def _minimum(state: ContactState, series: CosineSeries, low: float, high: float) -> float:
-    """The position of the minimum between two probes, where the slope of the complementary residual is 0."""
-
-    def slope(x: float) -> float:
-        return float(complementary_residual_slopes(state, series, np.array([x]))[0])
-
-    return float(scipy.optimize.brentq(slope, low, high, xtol=MINIMUM_ACCURACY * (high - low)))
+@kernel
+def _minima(state: ContactState, series: CosineSeries, low: Array, high: Array) -> Array:
+    """The positions of minima between probes: where the slope of the complementary residual is 0, by bisection."""
+    x = np.empty(low.size)
+    for i in range(low.size):
+        left, right = low[i], high[i]
+        for _ in range(SEARCH_STEPS):
+            x[i] = 0.5 * (left + right)
+            crest, y = nearest_crest(series, x[i])
+            if complementary_residual_slope(state, series, crest, y) < 0:
+                left = x[i]
+            else:
+                right = x[i]
+    return x
 
 
 def _distance_to_neighbours(x: Array, left: Array, right: Array) -> Array:

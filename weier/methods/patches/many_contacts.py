@@ -43,7 +43,7 @@ from weier.methods.patches.punches import (
 from weier.methods.patches.segments import make_segments
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
 
-MIN_SEGMENTS = 64  # from here on this is faster than a dense matrix, whose unknowns are some ten for each
+MIN_SEGMENTS = 40  # from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 8 to 25 are usual
 MIN_TOLERANCE = 1e-10  # in g_0, of the residual: what comes out is mostly a hundredth, where rounding begins
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.patches.pair_kernel import apply_kernel
 
 Pairs = NDArray[np.int64]  # shape (pairs, 2)
 Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
@@ -27,7 +28,6 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 ORDER = 15
 LEAF_POINTS = 40  # at most: more cost memory in near pairs, fewer in far ones
 MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
-MAX_SERIES_ANGLE = 0.3  # up to it ln(sin(y)/y) is summed as a power series, to 1e-17
 
 
 class Tree(NamedTuple):
@@ -65,27 +65,6 @@ class PairMatrix(NamedTuple):
     far_block: Blocks
     near_block: Array
     near_start: Indices
-
-
-@kernel
-def log_sine(d: float, period: float) -> float:
-    """ln|2 sin(pi d/L)|."""
-    y = np.pi / period * d
-    if abs(y) > MAX_SERIES_ANGLE:
-        return np.log(abs(2 * np.sin(y)))
-    q = y * y
-    series = 1 / 467775 + q * (691 / 3831077250 + q * (2 / 127702575))
-    series = 1 / 6 + q * (1 / 180 + q * (1 / 2835 + q * (1 / 37800 + q * series)))
-    return np.log(abs(2 * y)) - q * series
-
-
-@kernel
-def pair_kernel(d: float, period: float, dual: bool) -> float:
-    """ln|2 sin(pi d/L)| or, dual, 1/sin^2(pi d/L)."""
-    if dual:
-        sine = np.sin(np.pi / period * d)
-        return 1 / (sine * sine)
-    return log_sine(d, period)
 
 
 @kernel
@@ -220,21 +199,32 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 
 
 @kernel
-def _fill_far_block(one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: Blocks) -> None:
+def _fill_far_block(
+    one: Tree, a: int, other: Tree, b: int, point: Array, period: float, dual: bool, block: NDArray[np.float64]
+) -> None:
     """The kernel between the Chebyshev points of two nodes."""
-    point = chebyshev_points()
     middle, half = interval(one, a)
     other_middle, other_half = interval(other, b)
     for i in range(ORDER):
         for j in range(ORDER):
-            d = (middle - other_middle) + (half * point[i] - other_half * point[j])
-            block[i, j] = pair_kernel(d, period, dual)
+            block[i, j] = (middle - other_middle) + (half * point[i] - other_half * point[j])
+    apply_kernel(block.reshape(block.size), period, dual)
 
 
 @kernel
-def distance_between(one: Tree, a: int, other: Tree, b: int) -> float:
-    """From point b of one tree to point a of another."""
-    return (one.origin[a] - other.origin[b]) + (one.offset[a] - other.offset[b])
+def _fill_near_block(
+    one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: Array
+) -> tuple[int, int, int, int]:
+    """The kernel between the points of two leaves, row by row; the first and last points of both."""
+    start, end = points_of_leaf(one, a)
+    other_start, other_end = points_of_leaf(other, b)
+    width = other_end - other_start
+    for i in range(start, end):
+        origin, offset, row = one.origin[i], one.offset[i], (i - start) * width
+        for j in range(other_start, other_end):
+            block[row + j - other_start] = (origin - other.origin[j]) + (offset - other.offset[j])
+    apply_kernel(block[: (end - start) * width], period, dual)
+    return start, end, other_start, other_end
 
 
 @kernel
@@ -242,31 +232,19 @@ def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) ->
     """The matrix for points at origin + offset, ascending and within one period."""
     tree = make_tree(origin, offset)
     far, near = pair_nodes(tree, tree, period, True)
-    far_block = np.empty((far.shape[0], ORDER, ORDER))
+    far_block, point = np.empty((far.shape[0], ORDER, ORDER)), chebyshev_points()
     for pair in range(far.shape[0]):
-        _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], period, dual, far_block[pair])
+        _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], point, period, dual, far_block[pair])
     near_start = np.zeros(near.shape[0] + 1, np.int64)
     for pair in range(near.shape[0]):
         start, end = points_of_leaf(tree, near[pair, 0])
         other_start, other_end = points_of_leaf(tree, near[pair, 1])
         near_start[pair + 1] = near_start[pair] + (end - start) * (other_end - other_start)
-    matrix = PairMatrix(tree, far, near, far_block, np.empty(near_start[-1]), near_start)
-    _fill_near_blocks(matrix, period, dual)
-    return matrix
-
-
-@kernel
-def _fill_near_blocks(matrix: PairMatrix, period: float, dual: bool) -> None:
-    tree = matrix.tree
-    for pair in range(matrix.near.shape[0]):
-        start, end = points_of_leaf(tree, matrix.near[pair, 0])
-        other_start, other_end = points_of_leaf(tree, matrix.near[pair, 1])
-        at = matrix.near_start[pair]
-        for a in range(start, end):
-            for b in range(other_start, other_end):
-                d = distance_between(tree, a, tree, b)
-                matrix.near_block[at] = pair_kernel(d, period, dual) if a != b else 0.0
-                at += 1
+    near_block = np.empty(near_start[-1])
+    for pair in range(near.shape[0]):
+        block = near_block[near_start[pair] : near_start[pair + 1]]
+        _fill_near_block(tree, near[pair, 0], tree, near[pair, 1], period, dual, block)
+    return PairMatrix(tree, far, near, far_block, near_block, near_start)
 
 
 @kernel
@@ -340,19 +318,22 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
 @kernel
 def potential(source: Tree, f: Array, x: Array, period: float, dual: bool) -> Array:
     """The sum over the points s of f_s times the kernel between x and s, at other ascending x within one period."""
-    target, block = make_tree(np.zeros(x.size), x), np.empty((ORDER, ORDER))
+    target = make_tree(np.zeros(x.size), x)
     far, near = pair_nodes(target, source, period, False)
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(x.size)
+    block, point = np.empty((ORDER, ORDER)), chebyshev_points()
     for pair in range(far.shape[0]):
-        _fill_far_block(target, far[pair, 0], source, far[pair, 1], period, dual, block)
+        _fill_far_block(target, far[pair, 0], source, far[pair, 1], point, period, dual, block)
         for i in range(ORDER):
             for j in range(ORDER):
                 field[far[pair, 0], i] += block[i, j] * moment[far[pair, 1], j]
+    near_block = np.empty((LEAF_POINTS + 1) ** 2)
     for pair in range(near.shape[0]):
-        start, end = points_of_leaf(target, near[pair, 0])
-        other_start, other_end = points_of_leaf(source, near[pair, 1])
+        start, end, first, last = _fill_near_block(
+            target, near[pair, 0], source, near[pair, 1], period, dual, near_block
+        )
         for a in range(start, end):
-            for s in range(other_start, other_end):
-                total[a] += pair_kernel(distance_between(target, a, source, s), period, dual) * f[s]
+            for s in range(first, last):
+                total[a] += near_block[(a - start) * (last - first) + s - first] * f[s]
     _add_local_fields(target, field, total)
     return total

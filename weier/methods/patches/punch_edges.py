@@ -14,7 +14,6 @@ signs differ, for the slope is negative where a gap closes on its right.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +46,7 @@ class EdgeMoves(NamedTuple):
 
 def singular_parts(punches: Punches, b: Array) -> Sides:
     """psi(-1) and psi(1) of each contact, in p_0*."""
-    return _end_sums(punches, b, np.ones_like)
+    return _end_sums(punches, b)
 
 
 def distances(left: Array, right: Array, period: float) -> Array:
@@ -61,8 +60,8 @@ def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     r, outward_sign = punches.half_width, np.array([1.0, -1.0 if punches.dual else 1.0])
     psi = outward_sign * singular_parts(punches, b)
     gap = distances(punches.centre - r, punches.centre + r, punches.period)
-    phi = outward_sign * _end_sums(punches, a, lambda k: k + 1)
-    inward_fall = -outward_sign * _end_sums(punches, b, np.square)
+    phi = outward_sign * _end_sums(punches, a * (punches.degree + 1))
+    inward_fall = -outward_sign * _end_sums(punches, b * punches.degree**2)
     by_contact = _moves_by_contact(r, psi, phi)
     by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
@@ -70,14 +69,10 @@ def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     return EdgeMoves(outward, closing, float(np.max(np.abs(outward) / room[:, None])))
 
 
-def _end_sums(punches: Punches, coefficient: Array, weight: Callable[[Array], Array]) -> Sides:
-    """The sums over k of weight(k) coefficient_k, at -1 with the sign (-1)^k."""
-    ends = np.empty((punches.centre.size, 2))
-    for rule, contact, node in punches.groups:
-        k = np.arange(rule.node.size, dtype=float)
-        here = coefficient[node] * weight(k)
-        ends[contact, 0], ends[contact, 1] = here @ (-1.0) ** k, here.sum(axis=1)
-    return ends
+def _end_sums(punches: Punches, coefficient: Array) -> Sides:
+    """The sums over k of the coefficients of each contact, at -1 with the sign (-1)^k."""
+    first, signed = punches.first_node[:-1], np.where(punches.degree % 2 == 0, coefficient, -coefficient)
+    return np.stack([np.add.reduceat(signed, first), np.add.reduceat(coefficient, first)], axis=1)
 
 
 def _moves_by_contact(r: Array, psi: Sides, phi: Sides) -> Sides:
@@ -124,7 +119,7 @@ def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array
 
     With w = (dc + t dr)/r, psi + w [(1-t^2) phi' - t phi].
     """
-    a, moved = regular_part(punches, b), np.empty(b.size)
+    a, moved = regular_part(punches.first_node, b), np.empty(b.size)
     r = punches.half_width
     for group in punches.groups:
         contact, node, count = group.contact, group.node, group.rule.node.size

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,16 @@ from weier.methods.patches.punch_edges import distances
 PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each gap
 MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
+MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
+
+
+class _Brackets(NamedTuple):
+    """Points low < middle < high with a minimum between them, and the index of the contact on their left."""
+
+    low: Array
+    middle: Array
+    high: Array
+    interval: Indices
 
 
 def gap_or_pressure(problem: Problem, step: Step, x: Array) -> Array:
@@ -39,10 +51,10 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.f
     some = value[lowest] < 2 * MAX_RISE * np.maximum(rise, 0) * (high - low) + tolerance
     if not np.any(some):
         return np.empty((0, 2))
-    low, middle, high, interval = low[some], middle[some], high[some], gap_before[lowest[some]]
-    centre, depth, curvature = _minima(problem, step, low, middle, high)
-    missing = depth < -tolerance
-    centre, depth, curvature, interval = centre[missing], depth[missing], curvature[missing], interval[missing]
+    brackets = _Brackets(low[some], middle[some], high[some], gap_before[lowest[some]])
+    centre, depth, curvature, interval = _minima(problem, step, brackets, tolerance)
+    if centre.size == 0:
+        return np.empty((0, 2))
     room = _room(step, centre, interval)
     widening = NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH
     half_width = widening * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
@@ -63,10 +75,16 @@ def _probes(problem: Problem, step: Step) -> tuple[Array, Indices]:
     return right[before] + gap[before] * 0.5 * (1 - np.cos(angle)), before
 
 
-def _minima(problem: Problem, step: Step, low: Array, middle: Array, high: Array) -> tuple[Array, Array, Array]:
-    """Position, value and curvature of the minimum between low and high, by Newton's method on differences."""
-    stencil = FIRST_STENCIL * (high - low)
-    for _ in range(REFINEMENTS):
+def _minima(
+    problem: Problem, step: Step, brackets: _Brackets, tolerance: float
+) -> tuple[Array, Array, Array, Indices]:
+    """Position, value, curvature and gap of minima below -tolerance, by Newton's method on differences.
+
+    Brackets whose minimum is above for certain are left out as soon as that is known.
+    """
+    stencil = FIRST_STENCIL * (brackets.high - brackets.low)
+    for refinement in range(1, REFINEMENTS + 1):
+        low, middle, high, interval = brackets
         points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
         order, value = np.argsort(points, axis=None), np.empty(points.size)
         value[order] = gap_or_pressure(problem, step, points.ravel()[order])
@@ -74,9 +92,14 @@ def _minima(problem: Problem, step: Step, low: Array, middle: Array, high: Array
         slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
         shift = -slope / np.where(curvature > 0, curvature, np.inf)
         shift = np.clip(middle + shift, low + 1.01 * stencil, high - 1.01 * stencil) - middle
-        depth, middle = here + 0.5 * np.minimum(shift * slope, 0), middle + shift
-        stencil = STENCIL_RATIO * stencil
-    return middle, depth, curvature
+        fall = -0.5 * np.minimum(shift * slope, 0)
+        margin = MAX_FALL * fall if refinement < REFINEMENTS else fall
+        some = (here - margin < -tolerance) | ((curvature <= 0) & (refinement < REFINEMENTS))
+        brackets = _Brackets(low[some], (middle + shift)[some], high[some], interval[some])
+        stencil = STENCIL_RATIO * stencil[some]
+        if not np.any(some):
+            break
+    return brackets.middle, (here - fall)[some], curvature[some], brackets.interval
 
 
 def _room(step: Step, centre: Array, interval: Indices) -> Array:

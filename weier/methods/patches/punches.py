@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
 from weier.methods.patches.punch_forces import Inverse, invert_punches, solve_forces
@@ -48,12 +49,15 @@ class Rule(NamedTuple):
     weight : pi/K or, dual, that for int sqrt(1-t^2) W dt, shape (K,)
     polynomial : T_k or, dual, U_k at the nodes, one k a row, shape (K, K)
     own : what the closed form adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, i != j, shape (K, K)
+    own_inverse : the forces on one contact that make up for a residual of mean 0 or, dual, on one gap of width 1 for
+        any residual, shape (K, K)
     """
 
     node: Array
     weight: Array
     polynomial: Table
     own: Table
+    own_inverse: Table
 
 
 class Group(NamedTuple):
@@ -73,7 +77,9 @@ class Punches(NamedTuple):
 
     centre, half_width : in lambda_0, shape (contacts,)
     node_count, first_node : nodes of each contact; index of its first and, last, the number of all
+    degree : of the polynomial whose coefficient is kept at each node's place, from 0 on each contact
     groups : the contacts by their number of nodes
+    own, own_inverse, own_start : both tables of all rules in a row, and where those of each contact begin
     position : of the nodes, ascending, in lambda_0
     period : L, in lambda_0
     matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes
@@ -84,7 +90,11 @@ class Punches(NamedTuple):
     half_width: Array
     node_count: Indices
     first_node: Indices
+    degree: Indices
     groups: list[Group]
+    own: Array
+    own_inverse: Array
+    own_start: Indices
     position: Array
     period: float
     matrix: PairMatrix
@@ -123,67 +133,74 @@ def chebyshev_rule(count: int, dual: bool) -> Rule:
         polynomial = np.sin(degree[:, None] * angle) / np.sin(angle)
         weight = np.pi / (count + 1) * np.sin(angle) ** 2
         closed_form = -2 * (polynomial.T * degree) @ polynomial
+        own_inverse = weight[:, None] * (polynomial.T / degree) @ polynomial * weight
     else:
         angle = np.pi - (np.arange(count) + 0.5) * (np.pi / count)
-        polynomial = np.cos(np.arange(count)[:, None] * angle)
-        weight = np.full(count, np.pi / count)
-        closed_form = -np.log(2) - 2 * (polynomial[1:].T / np.arange(1, count)) @ polynomial[1:]
+        degree = np.arange(count)
+        polynomial, weight = np.cos(degree[:, None] * angle), np.full(count, np.pi / count)
+        closed_form = -np.log(2) - 2 * (polynomial[1:].T / degree[1:]) @ polynomial[1:]
+        own_inverse = (polynomial.T * degree) @ polynomial / count**2
     node = np.cos(angle)
     distance = np.abs(node[:, None] - node)
     np.fill_diagonal(distance, np.inf if dual else 1.0)
     kernel = distance**-2 if dual else np.log(distance)
-    return Rule(node, weight, polynomial, closed_form - kernel)
+    return Rule(node, weight, polynomial, closed_form - kernel, own_inverse)
 
 
 def make_punches(centre: Array, half_width: Array, node_count: Indices, period: float, dual: bool = False) -> Punches:
     """Segments in order, which must not overlap, with so many nodes each."""
     first = np.concatenate([[0], np.cumsum(node_count)])
-    offset, groups = np.empty(first[-1]), []
+    offset, groups, own_start, start = np.empty(first[-1]), [], np.empty_like(node_count), 0
     for count in np.unique(node_count):
         rule, contact = chebyshev_rule(int(count), dual), np.flatnonzero(node_count == count)
         node = first[contact][:, None] + np.arange(count)
         offset[node] = half_width[contact][:, None] * rule.node
+        own_start[contact], start = start, start + rule.own.size
         groups.append(Group(rule, contact, node))
     origin = np.repeat(centre, node_count)
     position, left, right = origin + offset, centre - half_width, centre + half_width
     if not (np.all(np.diff(position) > 0) and np.all(np.append(left[1:], left[0] + period) > right)):
         raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
     matrix = make_pair_matrix(origin, offset, period, dual)
-    return Punches(centre, half_width, node_count, first, groups, position, period, matrix, dual)
+    own = np.concatenate([group.rule.own.ravel() for group in groups])
+    own_inverse = np.concatenate([group.rule.own_inverse.ravel() for group in groups])
+    layout = centre, half_width, node_count, first, np.arange(first[-1]) - np.repeat(first[:-1], node_count), groups
+    return Punches(*layout, own, own_inverse, own_start, position, period, matrix, dual)
+
+
+@kernel
+def _apply_to_each(table: Array, start: Indices, first_node: Indices, scale: Array, f: Array) -> Array:
+    """The symmetric matrix of each contact, times its scale, times f at its nodes."""
+    result = np.zeros(f.size)
+    for j in range(scale.size):
+        first, end, row = first_node[j], first_node[j + 1], start[j]
+        here = result[first:end]
+        for q in range(first, end):
+            factor, column = scale[j] * f[q], table[row : row + here.size]
+            for i in range(here.size):
+                here[i] += factor * column[i]
+            row += here.size
+    return result
 
 
 def displacement(punches: Punches, force: Array) -> Array:
     """A f, in g_0, or C f, in p_0*, at the nodes."""
-    total, period = pair_sums(punches.matrix, force), punches.period
-    angle = np.pi / period * punches.half_width
-    for rule, contact, node in punches.groups:
-        own, r = force[node], angle[contact][:, None]
-        if punches.dual:  # 1/sin^2(y) = 1/y^2 + 1/3 + ..., and the rest is 0 at y = 0
-            total[node] += own @ rule.own / r**2 + own / 3
-        else:
-            total[node] += own @ rule.own + np.log(2 * r) * own
-    return total * (-0.5 / period**2 if punches.dual else -2.0)
+    angle = np.pi / punches.period * punches.half_width
+    if punches.dual:  # 1/sin^2(y) = 1/y^2 + 1/3 + ..., and the rest is 0 at y = 0
+        scale, at_node, factor = angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
+    else:
+        scale, at_node, factor = np.ones(angle.size), np.log(2 * angle), -2.0
+    own = _apply_to_each(punches.own, punches.own_start, punches.first_node, scale, force)
+    return factor * (pair_sums(punches.matrix, force) + own + np.repeat(at_node, punches.node_count) * force)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """The forces that make up for a residual if contacts see each other as punches only, and gaps not at all."""
-    if inverse is None:
-        return _precondition_gaps(punches, residual)
-    mean = np.add.reduceat(residual, punches.first_node[:-1]) / punches.node_count
-    force = np.repeat(solve_forces(inverse, mean) / punches.node_count, punches.node_count)
-    for rule, _, node in punches.groups:
-        count = rule.node.size
-        higher = residual[node] @ rule.polynomial[1:].T * (np.arange(1, count) / count**2)
-        force[node] += higher @ rule.polynomial[1:]
-    return force
-
-
-def _precondition_gaps(punches: Punches, residual: Array) -> Array:
-    force = np.empty(residual.size)
-    for rule, contact, node in punches.groups:
-        width = 2 * punches.half_width[contact][:, None]
-        modes = (residual[node] * rule.weight) @ rule.polynomial.T / np.arange(1, rule.node.size + 1)
-        force[node] = width**2 * rule.weight * (modes @ rule.polynomial)
+    scale = np.ones(punches.centre.size) if inverse is not None else 4 * punches.half_width**2
+    force = np.asarray(_apply_to_each(punches.own_inverse, punches.own_start, punches.first_node, scale, residual))
+    if inverse is not None:
+        mean = np.add.reduceat(residual, punches.first_node[:-1]) / punches.node_count
+        force += np.repeat(solve_forces(inverse, mean) / punches.node_count, punches.node_count)
     return force
 
 
@@ -245,15 +262,16 @@ def forces_of_expansion(b: Table, half_width: Array, count: int, dual: bool) -> 
     return np.asarray(b[:, :kept] @ rule.polynomial[:kept] * rule.weight * r)
 
 
-def regular_part(punches: Punches, b: Array) -> Array:
+@kernel
+def regular_part(first_node: Indices, b: Array) -> Array:
     """Coefficients in U_k of phi, where psi = (1-t^2) phi but for a straight line, contact by contact.
 
-    With (1-t^2) U_k = (T_k - T_(k+2))/2, a_k = -2 (b_(k+2) + b_(k+4) + ...); the last two of each contact are 0.
+    With (1-t^2) U_k = (T_k - T_(k+2))/2, a_k = a_(k+2) - 2 b_(k+2); the last two of each contact are 0.
     """
     a = np.zeros(b.size)
-    for rule, _, node in punches.groups:
-        for k in range(rule.node.size - 3, -1, -1):
-            a[node[:, k]] = a[node[:, k + 2]] - 2 * b[node[:, k + 2]]
+    for j in range(first_node.size - 1):
+        for k in range(first_node[j + 1] - 3, first_node[j] - 1, -1):
+            a[k] = a[k + 2] - 2 * b[k + 2]
     return a
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -226,11 +225,11 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
 
 def _end_values(state: ContactState) -> Array:
     """phi(-1) and phi(1) of each segment, shape (segments, 2), from U_k(1) = k + 1 and U_k(-1) = (-1)^k (k + 1)."""
-    values = []
-    for a, b in pairwise(state.segments.first_node):
-        coefficient, k = state.coefficient[a:b], np.arange(b - a)
-        values.append((float(coefficient @ ((k + 1) * (-1.0) ** k)), float(coefficient @ (k + 1.0))))
-    return np.array(values)
+    first = state.segments.first_node
+    k = np.arange(first[-1]) - np.repeat(first[:-1], np.diff(first))
+    at_right = (k + 1) * state.coefficient
+    at_left = np.where(k % 2 == 0, at_right, -at_right)
+    return np.stack([np.add.reduceat(at_left, first[:-1]), np.add.reduceat(at_right, first[:-1])], axis=1)
 
 
 def check_tolerance(tolerance: float) -> None:
