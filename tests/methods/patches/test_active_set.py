@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.profiles import THREE_WAVES
-from weier import ConvergenceError
+from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import active_set
 from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
@@ -96,6 +96,19 @@ def test_contacts_and_gaps_are_one_solution():
     assert primal.status == NewtonStatus.converged
     assert primal.approach == pytest.approx(heights.maximum + dual.approach, abs=1e-10)
     assert primal.sensitivity[-1] == pytest.approx(dual.sensitivity[-1], rel=1e-8)
+
+
+@pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])
+def test_a_gap_of_rounding_size_is_closed(below):
+    """A merger of 2 contacts: the last gap between them is 4e-8 wide, and its tension 1e-12 of the load."""
+    profile, merger = Profile(1.5, 3, 3, (0.0, 1.0, 2.0)), 4.355780741819659
+    around = patches.curve(profile, [merger * (1 - 1e-8), merger * (1 - below), merger * (1 + 1e-8)])
+    assert around.patch_count[0] == 2
+    assert around.patch_count[2] == 1
+    assert around.residual.max() < 1e-12
+    assert around.compliance[0] < around.compliance[1] < around.compliance[2]
+    assert around.resistance[0] > around.resistance[1] > around.resistance[2]
+    assert around.resistance[1] == pytest.approx(around.resistance[0], rel=1e-6)
 
 
 def test_too_many_unknowns_raise(monkeypatch):

@@ -72,8 +72,9 @@ def solve_active_set(
         state, more, step_size = solve_on_many_nodes(surface, coarse, guess.dual, load, tolerance)
         steps += more
         if state is None:
-            count = np.diff(coarse.segments.first_node)
-            guess = _with_nodes(surface, coarse, guess.dual, load, 2 * count, step_size)
+            guess = _without_shallow_segments(surface, coarse, guess.dual, load, tolerance) or _with_nodes(
+                surface, coarse, guess.dual, load, 2 * np.diff(coarse.segments.first_node), step_size
+            )
             continue
         corrected = _correct_inequalities(surface, state, tolerance)
         if corrected is None:
@@ -126,6 +127,33 @@ def _state_of(result: NewtonResult, dual: bool, load: float) -> ContactState:
     return ContactState(dual, load, *unknowns, np.nan)
 
 
+def _without_shallow_segments(
+    surface: Surface, coarse: NewtonResult, dual: bool, load: float, tolerance: float
+) -> InitialGuess | None:
+    """A guess without segments so shallow that nobody would miss them; None if there are none, or no others.
+
+    Close to the load at which it is born or closes, a segment may be so shallow that rounding hides its density.
+    """
+    state = _state_of(coarse, dual, load)
+    shallow = _depths(state) < _max_depth(state, tolerance)
+    return keep_segments(surface, state, ~shallow) if np.any(shallow) and not np.all(shallow) else None
+
+
+def _depths(state: ContactState) -> Array:
+    """How deep the plane would overlap where each contact is, or how large the tension would be where each gap is.
+
+    The density is taken for Hertz's, and the logarithm that the overlap of a contact has as a factor for 1.
+    """
+    r, first = state.segments.half_width, state.segments.first_node[:-1]
+    phi = np.maximum.reduceat(np.abs(state.phi), first)
+    return phi / (4 * np.pi) if state.dual else 0.5 * np.pi * r * phi
+
+
+def _max_depth(state: ContactState, tolerance: float) -> float:
+    """The overlap, in g_0, or the tension, in p_0*, that is left where a segment is missing."""
+    return max(tolerance, MAX_TENSION) * state.load if state.dual else tolerance * abs(state.approach)
+
+
 def _with_nodes(
     surface: Surface, coarse: NewtonResult, dual: bool, load: float, node_count: Indices, step_size: float
 ) -> InitialGuess:
@@ -143,9 +171,8 @@ def _correct_inequalities(surface: Surface, state: ContactState, tolerance: floa
     could not tell a corrected set from the one before: the guess has as many as the tolerance needs.
     """
     series, unresolved = surface.series(state.dual), coefficient_tails(state.segments, state.coefficient)
-    outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
-    scale = state.load if state.dual else abs(state.approach)
-    missing = find_missing_segments(state, series, max(tolerance, outside, float(unresolved.max())) * scale)
+    scale, inside = (state.load, 0.0) if state.dual else (abs(state.approach), MAX_TENSION)
+    missing = find_missing_segments(state, series, max(_max_depth(state, tolerance), float(unresolved.max()) * scale))
     negative = find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside)))
     if missing.y.size == 0 and negative.segment.size == 0:
         return None
