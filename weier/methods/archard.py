@@ -126,34 +126,63 @@ def _taylor_coefficients(fixed: Array, terms: Array, log_ratio: Array, constant:
 @kernel
 def _sums_at_light_loads(zeta: Array, log_zeta: Array, sums: UnflattenedSums) -> None:
     """The sums, in place of ln zeta, a few loads at a time."""
-    start, scratch = 0, np.empty((2, CHUNK))
+    start, total, z, later = 0, np.empty(CHUNK), np.empty(CHUNK), sums.rest.shape[1] > 0
     for r in range(sums.end.size):
+        waves, shrink, log_shrink, ratio = int(sums.direct[r]), sums.shrink[r], sums.log_shrink[r], sums.ratio[r]
         while start < sums.end[r]:
             stop = min(start + CHUNK, sums.end[r])
-            _sum_at_light_loads(zeta[start:stop], log_zeta[start:stop], sums, r, scratch)
+            y = log_zeta[start:stop]
+            _start(zeta[start:stop], y, total, z)
+            weight = 1.0
+            for wave in range(waves):
+                _add_wave(total, z, y, weight, sums.constant)
+                weight *= ratio
+                if later or wave < waves - 1:
+                    _hand_on(z, y, shrink, log_shrink)
+            if later:
+                _add_rest(total, y, z, weight, sums.rest[r], min(2 * log_shrink, 0.0))
+            for i in range(y.size):
+                y[i] = total[i]
             start = stop
 
 
 @kernel
-def _sum_at_light_loads(zeta: Array, y: Array, sums: UnflattenedSums, run: int, scratch: Array) -> None:
-    """The sums for some loads of one run, in place of y = ln zeta."""
-    total, z = scratch[0, : y.size], scratch[1, : y.size]
+def _start(zeta: Array, y: Array, total: Array, z: Array) -> None:
+    """What the first wave carries, and its logarithm; nothing is summed."""
     for i in range(y.size):
-        total[i], z[i], y[i] = 0.0, min(zeta[i], 1.0), min(y[i], 0.0)
-    weight, shrink, log_shrink = 1.0, sums.shrink[run], sums.log_shrink[run]
-    for _ in range(int(sums.direct[run])):
-        for i in range(y.size):
-            total[i] += weight * z[i] * (sums.constant - y[i])
-            z[i], y[i] = min(shrink * math.sqrt(z[i]), 1.0), min(log_shrink + y[i] / 2, 0.0)
-        weight *= sums.ratio[run]
-    fixed = min(2 * log_shrink, 0.0)
-    z[:] = 0.0
-    for j in range(sums.rest.shape[1] - 1, -1, -1):
-        coefficient = sums.rest[run, j]
-        for i in range(y.size):
-            z[i] = z[i] * (y[i] - fixed) + coefficient
+        total[i], z[i], y[i] = 0.0, _at_most(1.0, zeta[i]), _at_most(0.0, y[i])
+
+
+@kernel
+def _add_wave(total: Array, z: Array, y: Array, weight: float, constant: float) -> None:
+    """Add the term of one wave."""
     for i in range(y.size):
-        y[i] = total[i] + weight * z[i]
+        total[i] += weight * z[i] * (constant - y[i])
+
+
+@kernel
+def _at_most(limit: float, value: float) -> float:
+    """The smaller of both, or NaN for NaN."""
+    return limit if value > limit else value
+
+
+@kernel
+def _hand_on(z: Array, y: Array, shrink: float, log_shrink: float) -> None:
+    """What the next wave carries, and its logarithm, in place."""
+    for i in range(y.size):
+        z[i], y[i] = _at_most(1.0, shrink * math.sqrt(z[i])), _at_most(0.0, log_shrink + y[i] / 2)
+
+
+@kernel
+def _add_rest(total: Array, y: Array, series: Array, weight: float, rest: Array, fixed: float) -> None:
+    """Add the Taylor series of all later waves, at the distance of y from its fixed point."""
+    for i in range(y.size):
+        series[i] = rest[-1]
+    for j in range(rest.size - 2, -1, -1):
+        for i in range(y.size):
+            series[i] = series[i] * (y[i] - fixed) + rest[j]
+    for i in range(y.size):
+        total[i] += weight * series[i]
 
 
 METHOD = Method(
