@@ -1,8 +1,25 @@
-"""Fixtures that several test files ask for."""
+"""Fixtures that several test files ask for, and in which order files run, some side by side."""
 
 import signal
 
 import pytest
+
+# Minutes of work, so that nothing runs beside idle processes at the end: they run programs and compile nothing.
+LONGEST = ("test_pipeline.py", "test_faults.py", "test_dependencies.py", "test_truncations.py", "test_docs.py")
+
+
+def pytest_collection_modifyitems(items):
+    """The longest files first."""
+    items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Each process of `pytest -n` takes whole files, in their order: fixtures of a file are made once."""
+    from xdist.scheduler import LoadFileScheduling
+
+    config.option.loadscopereorder = False
+    return LoadFileScheduling(config, log)
 
 
 @pytest.fixture

@@ -149,7 +149,7 @@ def save(figure: Figure, path: str | Path) -> None:
     """Save a figure in the style that is set, as PDF, SVG and PNG beside each other."""
     path = Path(path)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # it is laid out by now: saving would do that again for each format
+    figure.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
     for suffix, metadata in METADATA.items():
         with replacing(path.with_suffix(f".{suffix}")) as beside:
             figure.savefig(beside, format=suffix, metadata=metadata)
