@@ -9,11 +9,9 @@ from __future__ import annotations
 import os
 import platform
 import re
-import subprocess
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
 from typing import NamedTuple
 
 from weier.kernels.sources import PACKAGE
@@ -125,6 +123,8 @@ def of_results(title: str = "") -> dict[str, str]:
 @cache
 def versions() -> dict[str, str]:
     """The versions of what computes: of Python, NumPy, numba and weier, and its commit in a checkout."""
+    from importlib.metadata import version  # with its mail parser, as long as all else that a job of a server imports
+
     made = commit()
     return {
         "product_version": VERSION,
@@ -144,6 +144,8 @@ def commit() -> str:
 
 
 def _git(*arguments: str) -> str:
+    import subprocess  # which few processes need
+
     command = ["git", "-C", str(PACKAGE.parent), "--no-optional-locks", *arguments]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=20)

@@ -13,7 +13,6 @@ import functools
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
 from contextvars import copy_context
 from functools import partial
 from typing import Any, ParamSpec, TypeVar
@@ -110,6 +109,8 @@ def _counted(solve: Callable[..., Result], *arguments: Any, **options: Any) -> R
 
 
 def _in_another_thread(work: Callable[[], Result]) -> Result:
+    from concurrent.futures import Future  # which takes longer than all that is imported above
+
     outcome: Future[Result] = Future()
     context = copy_context()  # such as numpy's handling of overflow
     kernel = threading.Lock()

@@ -14,7 +14,6 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, cached_property
-from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar, cast
@@ -42,6 +41,8 @@ def cache_folder() -> Path:
     edit any of them and all kernels compile afresh, once, for all copies of the package with these sources. numba
     alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
     """
+    from importlib.metadata import version  # which takes longer than all that is imported above
+
     stamp = hashlib.sha256()
     for path in kernel_sources():
         stamp.update(path.read_bytes())

@@ -13,9 +13,7 @@ import json
 import os
 import signal
 import socket
-import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
@@ -80,6 +78,9 @@ def start() -> Callable[[], None]:
 
     It also ends with this process, however that does: its standard input is a pipe from here.
     """
+    import subprocess  # jobs need neither of these
+    import tempfile
+
     folder = Path(tempfile.mkdtemp(prefix="weier-"))
     address = folder / "socket"
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
