@@ -43,10 +43,10 @@ def test_a_study_keeps_its_order(waves):
     assert np.isnan(waves.phase.values[0, 1])
 
 
-@pytest.mark.parametrize("block", [1, 64])
+@pytest.mark.parametrize("block", [1, 2**25])
 def test_a_file_holds_what_is_read(loaded, files, tmp_path, monkeypatch, block):
     """Written block by block or read at once, from several files."""
-    monkeypatch.setattr(gathering, "BLOCK", block)
+    monkeypatch.setattr(gathering, "BLOCK_BYTES", block)
     backwards = keys(loaded, "waves")[::-1]
     gather(files, backwards, tmp_path / "a.nc", "test")
     xr.testing.assert_identical(dataset.read(tmp_path / "a.nc").drop_attrs(), read(files, backwards).drop_attrs())

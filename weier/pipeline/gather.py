@@ -16,7 +16,7 @@ from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
 from weier.scene.cases import Scene
 
-BLOCK = 64  # cases in memory
+BLOCK_BYTES = 2**25  # of cases in memory: more at a time are no faster
 
 
 def gather(
@@ -124,8 +124,9 @@ def _blocks(files: Sequence[str | Path], keys: Collection[str]) -> Iterator[xr.D
             own = data["key"].values.tolist()
             wanted = [row for row, key in enumerate(own) if key in keys and key not in done]
             done.update(own)
-            for start in range(0, len(wanted), BLOCK):
-                rows = wanted[start : start + BLOCK]
+            size = max(1, BLOCK_BYTES * len(own) // data.nbytes)
+            for start in range(0, len(wanted), size):
+                rows = wanted[start : start + size]
                 contiguous = rows[-1] - rows[0] == len(rows) - 1  # a slice is read in half the time of a list
                 yield data.isel(case=slice(rows[0], rows[-1] + 1) if contiguous else rows).load()
 
