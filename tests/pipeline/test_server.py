@@ -136,9 +136,23 @@ def _children(process):
 
 
 def _wait_for_a_worker(process, holder):
+    """A copy of the server: it also runs git for a moment, for the versions that files name."""
     (serving,) = _children(holder.pid)
-    _wait(process, lambda: _children(serving))
-    return _children(serving)[0]
+    workers = []
+
+    def found():
+        workers[:] = [child for child in _children(serving) if _command(child) == _command(serving)]
+        return workers
+
+    _wait(process, found)
+    return workers[0]
+
+
+def _command(process):
+    try:
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    except OSError:  # it has ended
+        return b""
 
 
 def _wait_for_a_thread(process, worker):

@@ -21,8 +21,6 @@ from pathlib import Path
 from select import select
 from typing import Any
 
-from weier.kernels import jit
-
 ADDRESS = "WEIER_SERVER"
 # What to import before a process is forked for a command; the other commands are run by the job itself.
 IMPORTS: Mapping[str, tuple[str, ...]] = {
@@ -160,7 +158,7 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
     """
     for name in IMPORTS[command]:
         import_module(name)
-    if command in SOLVING and not jit.disabled():
+    if command in SOLVING and not import_module("weier.kernels.jit").disabled():
         import_module(COMPILER)
     with suppress(OSError, ValueError, IndexError):  # for the process to tell
         os.chdir(folder)
