@@ -15,11 +15,11 @@ products, defect_correction
     the same equations without their matrix, and the solution on many nodes, corrected by that on few
 fields
     pressure and gap anywhere, from a solution of the equations
-initial_guess, inequalities, active_set
-    one load: what Newton's method starts from, which segments are missing or wrong, and the iteration over both
-start
+initial_guess, start
     the contacts that a load is likely to have, by boundary elements on a coarse grid, or by crests
-pair_sums, punch_forces, punches
+inequalities, few_contacts
+    one load on a few contacts or gaps, whose set is right: Newton's method with a dense matrix
+pair_kernel, pair_sums, punch_forces, punches
     any number of contacts or gaps with given edges, by fast sums and conjugate gradients
 punch_edges, edge_iteration, punch_inequalities, many_contacts
     one load on any number of contacts or gaps: Newton's method on their edges, and which are missing

@@ -12,10 +12,11 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import expansion_coefficients
-from weier.methods.patches.newton import Factors, NewtonResult, NewtonStatus, back_substitute, relative_step
+from weier.methods.patches.newton import Factors, NewtonResult, apply_step, back_substitute, relative_step
 from weier.methods.patches.products import change_of, products, residuals
-from weier.methods.patches.segments import Segments, make_segments, move_segments
+from weier.methods.patches.segments import Segments, make_segments
 from weier.methods.patches.surface import CosineSeries
 
 MAX_STEPS = 12
@@ -30,48 +31,38 @@ def refine(
 ) -> NewtonResult:
     """Solve on so many nodes of each segment, from the solution on few: its result with the unknowns on many nodes.
 
-    The steps are corrections of the solution and of its sensitivity. The status is `converged` if they fell below the
-    tolerance, or to rounding.
+    The steps are corrections of the solution and of its sensitivity. ConvergenceError is raised unless they fall
+    below the tolerance, or to rounding.
     """
     few = coarse.segments
     segments = make_segments(few.crest, few.origin, few.centre, few.half_width, node_count, series.period)
     phi = prolong_density(coarse.phi, few.first_node, segments.first_node, np.zeros(segments.node.size))
-    approach, n, N = coarse.approach, few.centre.size, segments.node.size
-    step_size = previous = np.inf
-    steps, converged = 0, False
-    while not converged and steps < MAX_STEPS:
+    approach, N = coarse.approach, segments.node.size
+    step_size = np.inf
+    for steps in range(1, MAX_STEPS + 1):
         row = residuals(segments, phi, approach, series, load, dual)
         step = -_correction(row, coarse.factors, few, segments, series.period, dual)
         previous, step_size = step_size, relative_step(segments, phi, step)
-        steps += 1
-        if not step_size < 1.0 or step_size > MAX_RATIO * previous:
-            converged = step_size < MAX_ROUNDING_STEP
-            break
-        phi, approach = phi + step[:N], approach + step[-1]
-        r = segments.half_width
-        centre, half_width = segments.centre + r * step[N : N + n], r * (1 + step[N + n : -1])
-        segments = move_segments(segments, centre, half_width, series.period)
+        is_stuck = not step_size < 1.0 or step_size > MAX_RATIO * previous
+        if not is_stuck:
+            phi, approach, segments = (
+                phi + step[:N],
+                approach + step[-1],
+                apply_step(segments, step[N:], series.period),
+            )
         ratio = step_size / previous if previous < np.inf else 1.0
-        converged = step_size * ratio < tolerance
-    sensitivity = np.zeros(0)
-    if converged:
-        sensitivity, more, converged = _sensitivity(coarse, segments, phi, series, load, dual)
-        steps += more
-    return coarse._replace(
-        status=NewtonStatus.converged if converged else NewtonStatus.stalled,
-        steps=steps,
-        step_size=step_size,
-        segments=segments,
-        phi=phi,
-        approach=approach,
-        sensitivity=sensitivity,
-    )
+        if step_size < MAX_ROUNDING_STEP if is_stuck else step_size * ratio < tolerance:
+            sensitivity, more = _sensitivity(coarse, segments, phi, series, load, dual)
+            return NewtonResult(steps + more, segments, phi, approach, sensitivity, coarse.factors)
+        if is_stuck:
+            break
+    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", step_size)
 
 
 def _sensitivity(
     coarse: NewtonResult, segments: Segments, phi: Array, series: CosineSeries, load: float, dual: bool
-) -> tuple[Array, int, bool]:
-    """The derivatives of the unknowns in the mean pressure, the corrections that they took, and whether they did."""
+) -> tuple[Array, int]:
+    """The derivatives of the unknowns in the mean pressure, and the corrections that they took."""
     few, n, N = coarse.segments, segments.centre.size, phi.size
     forcing = np.zeros(N + 2 * n + 1)
     if dual:
@@ -88,10 +79,12 @@ def _sensitivity(
         size, resistance_change = relative_step(segments, phi, load * change), abs(change[-1] / found[-1])
         ratio, previous = size / previous, size
         if step > 1 and resistance_change * ratio < SENSITIVITY_TOLERANCE:
-            return found, step, True
+            return found, step
         if ratio > MAX_RATIO:
-            return found, step, resistance_change < MAX_RESISTANCE_CHANGE
-    return found, MAX_STEPS, False
+            break
+    if resistance_change > MAX_RESISTANCE_CHANGE:
+        raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
+    return found, step
 
 
 def _correction(row: Array, factors: Factors, few: Segments, many: Segments, period: float, dual: bool) -> Array:

@@ -20,7 +20,7 @@ from weier.kernels.blas import one_thread
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
-from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
+from weier.methods.patches.few_contacts import solve_on_segments
 from weier.methods.patches.fields import (
     ContactState,
     complementary_residual,
@@ -28,8 +28,7 @@ from weier.methods.patches.fields import (
     density,
     gap_from_slope,
 )
-from weier.methods.patches.initial_guess import intervals_of, transfer_density
-from weier.methods.patches.newton import NewtonStatus
+from weier.methods.patches.initial_guess import transfer_density
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
 from weier.methods.patches.start import Starts
@@ -249,16 +248,7 @@ class _Search(NamedTuple):
             return start
         if start.segments.centre.size >= many_contacts.MIN_SEGMENTS:
             return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
-        guess, _ = transfer_density(self.surface, start, intervals_of(start.segments))
-        coarse = solve_on_few_nodes(self.surface, guess, load)
-        state = None
-        if coarse.status == NewtonStatus.converged:
-            state = solve_on_many_nodes(self.surface, coarse, start.dual, load, self.starts.tolerance)[0]
-        if state is None:
-            raise ConvergenceError(
-                f"the contacts under {start.load:.6g} p_0* cannot be followed to {load:.6g} p_0*", coarse.step_size
-            )
-        return state
+        return solve_on_segments(self.surface, transfer_density(self.surface, start), load, self.starts.tolerance)[0]
 
 
 def _contacts_of(state: ContactState, period: float) -> _Contacts:

@@ -20,32 +20,14 @@ from weier.methods.patches.fields import (
     complementary_residuals,
 )
 from weier.methods.patches.segments import distances_to_next
-from weier.methods.patches.surface import CosineSeries, nearest_crest, nearest_crests
+from weier.methods.patches.surface import CosineSeries, nearest_crest
 
 MIN_PROBES = 12  # between two segments, denser at both ends, as the cosine is
 PROBES_PER_WAVE = 5
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
-NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces
-NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
-MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
 END_DISTANCE = 1e-6  # from the end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits here, as many as the limit has
-
-
-class MissingSegments(NamedTuple):
-    """Where segments are missing, each of shape (missing,).
-
-    crest : index of the nearest crest
-    y : distance from it, in lambda_0
-    half_width : to start from, in lambda_0
-    curvature : second derivative of the complementary residual, in g_0/lambda_0^2 or (dual) p_0*/lambda_0^2
-    """
-
-    crest: Indices
-    y: Array
-    half_width: Array
-    curvature: Array
 
 
 class NegativeIntervals(NamedTuple):
@@ -60,23 +42,19 @@ class NegativeIntervals(NamedTuple):
     end: Array
 
 
-def find_missing_segments(state: ContactState, series: CosineSeries, tolerance: float) -> MissingSegments:
-    """Minima of the complementary residual, outside the segments, that lie below -tolerance."""
+def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> float:
+    """The lowest minimum of the complementary residual outside the segments, if it is below -limit; else 0 or above.
+
+    Below 0, a segment is missing.
+    """
     segments, distance = state.segments, distances_to_next(state.segments, series.period)
     edge = segments.origin + (segments.centre + segments.half_width)
     probe, interval = _probe_points(series, edge, distance)
     slope = complementary_residual_slopes(state, series, probe)
     bracket = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (interval[:-1] == interval[1:]))
-    bracket = _possibly_negative(state, series, tolerance, probe, slope, bracket)
+    bracket = _possibly_negative(state, series, limit, probe, slope, bracket)
     x = _minima(state, series, probe[bracket], probe[bracket + 1])
-    value = complementary_residuals(state, series, x)
-    negative = value < -tolerance
-    x, value, i = x[negative], value[negative], bracket[negative]
-    nearest = _distance_to_neighbours(x, edge[interval[i]], edge[interval[i]] + distance[interval[i]])
-    curvature = np.maximum((slope[i + 1] - slope[i]) / (probe[i + 1] - probe[i]), -value / nearest**2)
-    widening = NEW_GAP_WIDTH if state.dual else NEW_CONTACT_WIDTH
-    half_width = np.minimum(widening * np.sqrt(-2 * value / curvature), MAX_NEW_WIDTH * nearest)
-    return MissingSegments(*nearest_crests(series, x), half_width, curvature)
+    return float(complementary_residuals(state, series, x).min(initial=0.0))
 
 
 def _probe_points(series: CosineSeries, left: Array, distance: Array) -> tuple[Array, Indices]:
@@ -113,14 +91,6 @@ def _minima(state: ContactState, series: CosineSeries, low: Array, high: Array) 
             else:
                 right = x[i]
     return x
-
-
-def _distance_to_neighbours(x: Array, left: Array, right: Array) -> Array:
-    """From each new segment to the ends of its interval, or halfway to another new one in the same interval."""
-    between = 0.5 * (x[1:] + x[:-1])
-    to_left = x - np.maximum(left, np.append(-np.inf, between))
-    to_right = np.minimum(right, np.append(between, np.inf)) - x
-    return np.minimum(to_left, to_right)
 
 
 @kernel

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import nodes
@@ -18,7 +18,6 @@ from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
 
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
-EVERYTHING = slice(None)
 OWN_ROUNDS = 2  # of finding each segment's density under the others
 
 
@@ -37,11 +36,6 @@ class Intervals(NamedTuple):
     crest: Indices
     centre: Array
     half_width: Array
-
-
-def intervals_of(segments: Segments, which: Flags | Indices | slice = EVERYTHING) -> Intervals:
-    """The intervals of some segments."""
-    return Intervals(segments.crest[which], segments.centre[which], segments.half_width[which])
 
 
 def sort_segments(
@@ -98,29 +92,12 @@ def refine_density(surface: Surface, guess: InitialGuess, load: float) -> Initia
     return guess
 
 
-def transfer_density(
-    surface: Surface,
-    state: ContactState,
-    intervals: Intervals,
-    tolerance: float = COARSE_TOLERANCE,
-    node_count: Indices | None = None,
-) -> tuple[InitialGuess, Indices]:
-    """A guess on other segments from the density of a state, and the permutation that sorted the segments."""
-    series = surface.series(state.dual)
-    if intervals.crest.size == 0:
-        raise ConvergenceError(f"no contact is left under the mean pressure {state.load:.6g} p_0*")
-    new, order = sort_segments(series, intervals, tolerance, node_count)
-    phi = sample_density(state, series, new)
-    for j in range(new.centre.size):  # the Jacobian of a segment without any density would be singular
-        here = slice(new.first_node[j], new.first_node[j + 1])
-        if not np.any(phi[here]):
-            phi[here] = hertz_density(state.dual, 1.0, new.half_width[j], here.stop - here.start)
-    return InitialGuess(state.dual, new, phi, state.approach), order
-
-
-def keep_segments(surface: Surface, state: ContactState, keep: Flags) -> InitialGuess:
-    """A guess on some of the segments of a state."""
-    return transfer_density(surface, state, intervals_of(state.segments, keep))[0]
+def transfer_density(surface: Surface, state: ContactState, node_count: Indices | None = None) -> InitialGuess:
+    """A guess on the segments of a state, with so many nodes each, or as few as a guess has."""
+    series, old = surface.series(state.dual), state.segments
+    intervals = Intervals(old.crest, old.centre, old.half_width)
+    new, _ = sort_segments(series, intervals, COARSE_TOLERANCE, node_count)
+    return InitialGuess(state.dual, new, sample_density(state, series, new), state.approach)
 
 
 @kernel

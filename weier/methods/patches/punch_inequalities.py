@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.patches.edge_iteration import Problem, Step
-from weier.methods.patches.inequalities import MAX_NEW_WIDTH, NEW_CONTACT_WIDTH, NEW_GAP_WIDTH
 from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.punch_edges import distances
 
 PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each gap
 MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
+NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces
+NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
+MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
 MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 
 

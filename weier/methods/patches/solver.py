@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +12,9 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
 from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches import many_contacts
-from weier.methods.patches.active_set import TooLargeError, solve_active_set
+from weier.methods.patches import few_contacts, many_contacts
 from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
-from weier.methods.patches.initial_guess import refine_density
+from weier.methods.patches.initial_guess import InitialGuess
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
@@ -192,16 +192,19 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
         return None, 0
     failure = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*")
     for guess in starts.guesses(load):
-        try:
-            if guess.segments.centre.size >= many_contacts.MIN_SEGMENTS:
-                return many_contacts.solve_many_contacts(starts.surface, guess, load, starts.tolerance)
-            guess = refine_density(starts.surface, guess, load)
-            return solve_active_set(starts.surface, guess, load, starts.tolerance)
-        except TooLargeError:
-            raise
-        except ConvergenceError as error:
-            failure = error
+        for solve in _solvers(guess):
+            try:
+                return solve(starts.surface, guess, load, starts.tolerance)
+            except ConvergenceError as error:
+                failure = error
     raise failure
+
+
+def _solvers(guess: InitialGuess) -> list[Callable[..., tuple[ContactState, int]]]:
+    """What to solve a guess by: a dense matrix if it has few segments, and what corrects a wrong set of them."""
+    if guess.segments.centre.size < many_contacts.MIN_SEGMENTS:
+        return [few_contacts.solve_few_contacts, many_contacts.solve_many_contacts]
+    return [many_contacts.solve_many_contacts]
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:

@@ -6,19 +6,18 @@ import pytest
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.methods import patches
-from weier.methods.patches import active_set
-from weier.methods.patches.active_set import solve_on_few_nodes, solve_on_many_nodes
+from weier.methods.patches import few_contacts
+from weier.methods.patches.few_contacts import solve_on_few_nodes, solve_on_many_nodes
 from weier.methods.patches.fields import ContactState
 from weier.methods.patches.initial_guess import (
     InitialGuess,
     Intervals,
     contacts_guess,
-    intervals_of,
     refine_density,
     sort_segments,
     transfer_density,
 )
-from weier.methods.patches.newton import NewtonResult, NewtonStatus, newton_iteration
+from weier.methods.patches.newton import NewtonResult, newton_iteration
 from weier.methods.patches.surface import Surface, surface_of
 
 
@@ -40,9 +39,8 @@ def test_convergence_is_exponential_in_nodes(load, counts):
     old, errors = state.segments, []
     for count in counts:
         node_count = np.full(old.centre.size, count)
-        guess, _ = transfer_density(surface, state, intervals_of(old), node_count=node_count)
+        guess = transfer_density(surface, state, node_count)
         fewer = newton_on(surface, guess, load)
-        assert fewer.status == NewtonStatus.converged
         errors.append(abs(fewer.approach / state.approach - 1) + 1e-16)
     rate = -np.polyfit(counts, np.log(errors), 1)[0]
     print(f"load {load}: error falls {np.exp(rate):.1f} times a node; {errors[0]:.0e} to {errors[-1]:.0e}")
@@ -56,7 +54,6 @@ def test_few_nodes_correct_many_as_one_large_matrix_would(load):
     surface, state = solved_state(load, 1e-10)
     guess = InitialGuess(state.dual, state.segments, state.phi, state.approach)
     whole = newton_on(surface, guess, load)
-    assert whole.status == NewtonStatus.converged
     assert state.approach == pytest.approx(whole.approach, rel=1e-11)
     np.testing.assert_allclose(state.segments.half_width, whole.segments.half_width, rtol=1e-9)
     assert state.sensitivity[-1] == pytest.approx(whole.sensitivity[-1], rel=1e-9)
@@ -72,10 +69,8 @@ def test_edges_alone_are_enough_to_start_from(load):
     guess = contacts_guess(surface, solution.centre, 1.01 * solution.half_width, force, 1e-10)
     guess = refine_density(surface, guess, load)
     coarse = solve_on_few_nodes(surface, guess, load)
-    assert coarse.status == NewtonStatus.converged
     assert coarse.steps <= 4
-    state, _, _ = solve_on_many_nodes(surface, coarse, guess.dual, load, 1e-10)
-    assert state is not None
+    state, _ = solve_on_many_nodes(surface, coarse, guess.dual, load, 1e-10)
     assert state.sensitivity[-1] == pytest.approx(patches.curve(THREE_WAVES, load).resistance[0], rel=1e-9)
 
 
@@ -93,7 +88,6 @@ def test_contacts_and_gaps_are_one_solution():
     phi = [gaps.pressure(gaps.centre[j] + gaps.half_width[j] * segments.node[:80] * 0.999) for j in order]
     phi = np.concatenate(phi) / np.sqrt(1 - segments.node**2)
     primal = newton_on(surface, InitialGuess(False, segments, phi, 0.0), load)
-    assert primal.status == NewtonStatus.converged
     assert primal.approach == pytest.approx(heights.maximum + dual.approach, abs=1e-10)
     assert primal.sensitivity[-1] == pytest.approx(dual.sensitivity[-1], rel=1e-8)
 
@@ -105,19 +99,33 @@ def test_a_gap_of_rounding_size_is_closed(below):
     around = patches.curve(profile, [merger * (1 - 1e-8), merger * (1 - below), merger * (1 + 1e-8)])
     assert around.patch_count[0] == 2
     assert around.patch_count[2] == 1
-    assert around.residual.max() < 1e-12
+    assert around.residual.max() < 1e-10
     assert around.compliance[0] < around.compliance[1] < around.compliance[2]
     assert around.resistance[0] > around.resistance[1] > around.resistance[2]
     assert around.resistance[1] == pytest.approx(around.resistance[0], rel=1e-6)
 
 
-def test_too_many_unknowns_raise(monkeypatch):
-    monkeypatch.setattr(active_set, "MAX_UNKNOWNS", 20)
-    with pytest.raises(ConvergenceError, match="unknowns, more than 20"):
-        patches.curve(THREE_WAVES, 2.0)
+@pytest.mark.parametrize("fault", ["unknowns", "residual", "inequalities"])
+def test_what_a_dense_matrix_does_not_solve_is_left_to_sums(fault, monkeypatch):
+    expected = patches.curve(THREE_WAVES, 0.5)
+    if fault == "unknowns":
+        monkeypatch.setattr(few_contacts, "MAX_UNKNOWNS", 20)
+    elif fault == "residual":
+        monkeypatch.setattr(few_contacts, "contact_residual", lambda *_: 1e-3)
+    else:
+        monkeypatch.setattr(few_contacts, "lowest_outside", lambda *_: -1.0)
+    curve = patches.curve(THREE_WAVES, 0.5)
+    assert curve.work != expected.work
+    assert curve.compliance == pytest.approx(expected.compliance, abs=1e-12)
+    assert curve.resistance == pytest.approx(expected.resistance, rel=1e-9)
 
 
-def test_a_residual_above_the_tolerance_raises(monkeypatch):
-    monkeypatch.setattr(active_set, "contact_residual", lambda *_: 1e-3)
-    with pytest.raises(ConvergenceError):
-        patches.curve(THREE_WAVES, 0.1)
+def test_a_guess_with_the_wrong_contacts_is_refused():
+    surface, state = solved_state(0.5, 1e-10)
+    contacts = patches.solve_load(THREE_WAVES, 0.5)
+    assert not state.dual
+    assert contacts.centre.size > 2
+    force = np.full(contacts.centre.size - 1, 0.5 / (contacts.centre.size - 1))
+    guess = contacts_guess(surface, contacts.centre[1:], contacts.half_width[1:], force, 1e-10)
+    with pytest.raises(ConvergenceError, match=r"another set of contacts|Newton's method fails"):
+        few_contacts.solve_few_contacts(surface, guess, 0.5, 1e-10)

@@ -1,0 +1,137 @@
+"""One load on a few contacts or gaps, whose set is right: Newton's method with a dense matrix of all of them.
+
+The solution is refined until its density is resolved, and checked: no segment is missing, none is cut by tension or
+overlap, and nothing remains of the equations. A guess with a wrong set of segments is refused, since `many_contacts`
+corrects it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+from weier.kernels.jit import kernel
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches.defect_correction import refine
+from weier.methods.patches.fields import ContactState, complementary_residual, expand
+from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
+from weier.methods.patches.initial_guess import COARSE_TOLERANCE, InitialGuess, refine_density
+from weier.methods.patches.newton import NewtonResult, newton_iteration
+from weier.methods.patches.segments import coefficient_tails, estimate_node_count, increase_node_count
+from weier.methods.patches.surface import CosineSeries, Surface
+
+MAX_UNKNOWNS = 8000  # on few nodes, a dense matrix of 0.5 GB, and 15 s for each step
+MAX_NODE_ROUNDS = 6  # of adding nodes
+MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
+# Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
+# itself, and h by its square.
+MAX_TENSION = 1e-9
+
+
+def solve_few_contacts(
+    surface: Surface, guess: InitialGuess, load: float, tolerance: float
+) -> tuple[ContactState, int]:
+    """The state under one load, from a guess on few nodes, and the Newton steps and corrections that it took.
+
+    ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
+    """
+    state, steps = solve_on_segments(surface, refine_density(surface, guess, load), load, tolerance)
+    _check_inequalities(surface, state, tolerance)
+    return _with_residual(surface, state, tolerance), steps
+
+
+def solve_on_segments(
+    surface: Surface, guess: InitialGuess, load: float, tolerance: float
+) -> tuple[ContactState, int]:
+    """The state that solves the equations on the segments of a guess, whether the inequalities hold or not."""
+    coarse = solve_on_few_nodes(surface, guess, load)
+    state, steps = solve_on_many_nodes(surface, coarse, guess.dual, load, tolerance)
+    return state, coarse.steps + steps
+
+
+def solve_on_few_nodes(surface: Surface, guess: InitialGuess, load: float) -> NewtonResult:
+    """Newton's method on the segments of a guess and so few nodes that its matrix is cheap."""
+    unknowns, series = guess.phi.size + 2 * guess.segments.centre.size + 1, surface.series(guess.dual)
+    if unknowns > MAX_UNKNOWNS:
+        raise ConvergenceError(f"{unknowns} unknowns are more than a dense matrix holds, {MAX_UNKNOWNS}")
+    return newton_iteration(guess.segments, guess.phi, guess.approach, series, load, guess.dual, COARSE_TOLERANCE)
+
+
+def solve_on_many_nodes(
+    surface: Surface, coarse: NewtonResult, dual: bool, load: float, tolerance: float
+) -> tuple[ContactState, int]:
+    """The state with its density resolved to the tolerance, and the corrections that it took."""
+    few, series = coarse.segments, surface.series(dual)
+    expected = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
+    count, steps = np.maximum(expected, np.diff(few.first_node)), 0
+    for _ in range(MAX_NODE_ROUNDS):
+        refined = refine(coarse, count, series, load, dual, tolerance)
+        steps += refined.steps
+        coefficient = expand(refined.segments, refined.phi)
+        more = increase_node_count(refined.segments, coefficient, load, tolerance)
+        if more is None:
+            unknowns = refined.approach, refined.segments, refined.phi, coefficient, refined.sensitivity
+            return ContactState(dual, load, *unknowns, np.nan), steps
+        count = more
+    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
+
+
+def _check_inequalities(surface: Surface, state: ContactState, tolerance: float) -> None:
+    """ConvergenceError if there is overlap or tension: off the segments, or on them.
+
+    While the nodes of a segment do not resolve its density, the inequalities are not known any better.
+    """
+    unresolved = coefficient_tails(state.segments, state.coefficient)
+    outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
+    scale = state.load if state.dual else abs(state.approach)
+    limit = max(tolerance, outside, float(unresolved.max())) * scale
+    lowest = lowest_outside(state, surface.series(state.dual), limit)
+    negative = find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside)))
+    if lowest < -limit or negative.segment.size > 0:
+        raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
+
+
+def contact_residual(surface: Surface, state: ContactState) -> float:
+    """Largest violation of a contact condition on the segments, as a length in g_0.
+
+    The potentials come from closed forms at the nodes, so that neither the matrix nor the collocation points are used
+    again. The gap on a contact counts as it is; a pressure in a gap counts by its displacement over the gap's width.
+    """
+    return float(np.max(_segment_residuals(state, surface.series(state.dual))))
+
+
+@kernel
+def _segment_residuals(state: ContactState, series: CosineSeries) -> Array:
+    """Of each segment, in g_0: the gap on a contact; in a gap, 2 r times the pressure, and the gap at its far end.
+
+    Every second node is enough, since the residual varies like a polynomial with a degree of the number of nodes.
+    """
+    segments = state.segments
+    worst = np.zeros(segments.centre.size)
+    for j in range(worst.size):
+        r = segments.half_width[j]
+        for q in range(segments.first_node[j], segments.first_node[j + 1], 2):
+            y = segments.centre[j] + r * segments.node[q]
+            worst[j] = max(worst[j], abs(complementary_residual(state, series, segments.crest[j], y)))
+        worst[j] *= 2 * r if state.dual else 1.0
+        if state.dual:
+            a = state.coefficient[segments.first_node[j]]
+            worst[j] = max(worst[j], abs(0.5 * np.pi * r * a))
+    return worst
+
+
+def _with_residual(surface: Surface, state: ContactState, tolerance: float) -> ContactState:
+    """The state with its residual, if that is small and the contacts carry the load, p L = (pi/2) sum r a_0."""
+    period, residual = surface.heights.period, contact_residual(surface, state)
+    scale = state.load * period if state.dual else state.approach
+    relative = residual / scale if scale > 0 else np.inf  # no indentation: Newton's method lost all digits on its way
+    if not state.dual:
+        carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
+        relative = max(relative, abs(float(carried) / (state.load * period) - 1))
+    if not relative <= MAX_RESIDUAL * tolerance:
+        raise ConvergenceError(
+            f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
+            f"more than {MAX_RESIDUAL * tolerance:.1e}; take a larger tolerance or boundary elements",
+            relative,
+        )
+    return state._replace(residual=residual)
