@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from functools import cache
 from typing import NamedTuple
 
@@ -14,7 +13,6 @@ from weier.kernels.loads_done import counted_as
 from weier.methods.bem import subgrid_solver
 from weier.methods.bem.continuum import Continuum, make_continuum
 from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
-from weier.methods.errors import ConvergenceError
 from weier.methods.patches.initial_guess import InitialGuess, Intervals, contacts_guess, hertz_density, sort_segments
 from weier.methods.patches.surface import CosineSeries, Surface
 from weier.theory.profile import Profile
@@ -56,21 +54,19 @@ class Starts:
         if lone is not None:
             yield lone
         for per_wave in POINTS_PER_WAVE:
-            guess = self._from_grid(per_wave, load)
-            if guess is not None:
-                yield guess
+            yield self._from_grid(per_wave, load)
 
-    def _from_grid(self, per_wave: int, load: float) -> InitialGuess | None:
-        """The contacts on a grid; None where one of them has no width there."""
+    def _from_grid(self, per_wave: int, load: float) -> InitialGuess:
+        """The contacts on a grid, but for those that have no width there."""
         hierarchy, continuum = self._grid(per_wave)
         start = full_contact(hierarchy, load)
         with counted_as(0):
             found = subgrid_solver.solve_loads(hierarchy, start, np.array([load]), continuum).contacts
         here = slice(found.first[0], found.first[0] + found.number[0])
         left, right, force = found.left[here], found.right[here], found.force[here]
-        with suppress(ConvergenceError):
-            return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, self.tolerance)
-        return None
+        wide = right > left
+        middle, half_width = 0.5 * (left + right)[wide], 0.5 * (right - left)[wide]
+        return contacts_guess(self.surface, middle, half_width, force[wide], self.tolerance)
 
 
 def lone_contacts(series: CosineSeries, load: float) -> InitialGuess | None:
