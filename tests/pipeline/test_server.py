@@ -119,10 +119,10 @@ def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, tmp_path):
     environment |= {server.ADDRESS: holder[1] if served else ""}
     command = [sys.executable, "-m", "weier", *BATCH]
     process = subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
-    workers = [_wait_for_a_worker(process, holder[0])] if served else []
-    _wait_for_a_thread(process, [*workers, process.pid][0])
+    (serving,) = _children(holder[0].pid)
+    solving = _wait_for_one_that_solves(process, (lambda: _children(serving)) if served else (lambda: [process.pid]))
     start = time.monotonic()
-    for number in (*workers, process.pid):
+    for number in {solving, process.pid}:
         os.kill(number, signal.SIGINT)
     _, said = process.communicate(timeout=PATIENCE)
     assert time.monotonic() - start < PATIENCE / 2
@@ -135,29 +135,30 @@ def _children(process):
     return [int(word) for word in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
 
 
-def _wait_for_a_worker(process, holder):
-    """A copy of the server: it also runs git for a moment, for the versions that files name."""
-    (serving,) = _children(holder.pid)
-    workers = []
+def _wait_for_one_that_solves(process, candidates):
+    """Nothing else has a second thread: a server also runs git for a moment, for the versions that files name."""
+    found = []
 
-    def found():
-        workers[:] = [child for child in _children(serving) if _command(child) == _command(serving)]
-        return workers
+    def solves():
+        found[:] = [each for each in candidates() if _is_python(each) and _threads(each) > 1]
+        return found
 
-    _wait(process, found)
-    return workers[0]
+    _wait(process, solves)
+    return found[0]
 
 
-def _command(process):
+def _is_python(process):
     try:
-        return Path(f"/proc/{process}/cmdline").read_bytes()
+        return b"weier" in Path(f"/proc/{process}/cmdline").read_bytes().split(b"\0")
     except OSError:  # it has ended
-        return b""
+        return False
 
 
-def _wait_for_a_thread(process, worker):
-    """Which solves, since nothing else has one."""
-    _wait(process, lambda: len(list(Path(f"/proc/{worker}/task").iterdir())) > 1)
+def _threads(process):
+    try:
+        return len(list(Path(f"/proc/{process}/task").iterdir()))
+    except OSError:
+        return 0
 
 
 def _wait(process, until):
