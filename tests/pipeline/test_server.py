@@ -111,14 +111,28 @@ def test_a_server_of_another_copy_is_not_used(holder, monkeypatch):
     assert server.delegate(["batch"]) is None
 
 
-@pytest.mark.parametrize("served", [True, False])
-def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, tmp_path):
-    """As a terminal sends it: to the job and to the process that works for it."""
+@pytest.fixture
+def long_job(tmp_path):
+    """Starts a job that takes longer than anybody waits, with the server that has this address."""
     (tmp_path / "test.yaml").write_text(SCENE.replace("demelio", "bem").replace("m: 2", "m: 8"))
-    environment = os.environ | {"PYTHONPATH": os.getcwd(), "NUMBA_DISABLE_JIT": "1"} | server.ONE_THREAD
-    environment |= {server.ADDRESS: holder[1] if served else ""}
-    command = [sys.executable, "-m", "weier", *BATCH]
-    process = subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
+    started = []
+
+    def start(address):
+        environment = os.environ | {"PYTHONPATH": os.getcwd(), "NUMBA_DISABLE_JIT": "1"} | server.ONE_THREAD
+        environment |= {server.ADDRESS: address}
+        command = [sys.executable, "-m", "weier", *BATCH]
+        started.append(subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True))
+        return started[0]
+
+    yield start
+    with started[0] as process:  # whose pipe a process that works for it may still hold
+        process.kill()
+
+
+@pytest.mark.parametrize("served", [True, False])
+def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, long_job):
+    """As a terminal sends it: to the job and to the process that works for it."""
+    process = long_job(holder[1] if served else "")
     (serving,) = _children(holder[0].pid)
     solving = _wait_for_one_that_solves(process, (lambda: _children(serving)) if served else (lambda: [process.pid]))
     start = time.monotonic()
@@ -129,6 +143,17 @@ def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, tmp_path):
     assert process.returncode == 130
     assert said.splitlines()[-1].startswith("weier: stopped by Ctrl-C")
     assert "Traceback" not in said
+
+
+def test_a_job_that_is_killed_leaves_nobody_at_work(holder, long_job):
+    process = long_job(holder[1])
+    (serving,) = _children(holder[0].pid)
+    solving = _wait_for_one_that_solves(process, lambda: _children(serving))
+    process.kill()
+    end = time.monotonic() + PATIENCE
+    while _is_python(solving):
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
 def _children(process):

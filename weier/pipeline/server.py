@@ -7,6 +7,7 @@ place. Where there is no server, or one of another Python, the job does its work
 
 from __future__ import annotations
 
+import fcntl
 import gc
 import itertools
 import json
@@ -170,6 +171,15 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
     gc.freeze()  # or the collector of a job would write to, and so copy, all that it shares with this process
 
 
+def _end_with(connection: socket.socket) -> None:
+    """Let the system end this process when the other end is closed: a job that is killed leaves nobody at work."""
+    signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process
+    fcntl.fcntl(connection, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(connection, fcntl.F_SETFL, fcntl.fcntl(connection, fcntl.F_GETFL) | os.O_ASYNC)
+    if select([connection], [], [], 0)[0]:  # it was closed before
+        os.kill(os.getpid(), signal.SIGIO)
+
+
 def _run(
     connection: socket.socket, descriptors: Sequence[int], request: Mapping[str, Any], main: Callable[[], None]
 ) -> None:
@@ -183,6 +193,7 @@ def _run(
         os.chdir(request["folder"])
         sys.argv = ["weier", *request["arguments"]]
         signal.signal(signal.SIGINT, signal.default_int_handler)
+        _end_with(connection)
         main()
         code = 0
     except SystemExit as stopped:
