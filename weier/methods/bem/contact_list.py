@@ -9,8 +9,8 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.gaps import Dips
+from weier.methods.bem.grid_contacts import Contacts
 from weier.methods.bem.grid_solution import GridSolution
-from weier.methods.bem.interaction import Contacts
 
 
 class ContactList(NamedTuple):

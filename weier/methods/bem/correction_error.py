@@ -12,10 +12,11 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
+from weier.methods.bem.edge_error import errors_of_edges, is_lone_with_polynomial
 from weier.methods.bem.edges import Edges
+from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
 from weier.methods.bem.grid_solution import GridSolution
-from weier.methods.bem.interaction import BIRTH, NARROW, WIDE, Contacts
-from weier.methods.bem.narrow_contacts import punch_compliance
+from weier.methods.bem.narrow_contacts import force_per_half_width, punch_compliance
 from weier.methods.bem.polynomials import NODES, derivative, value
 
 REST = 1.2  # times the next two terms of a polynomial, for all further ones
@@ -24,28 +25,21 @@ CANCELLED = 0.25  # of terms of opposite signs
 ROUNDING = 1e-13  # of the heights
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
 CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial: half is as measured
-# Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md).
-# Contacts and gaps that share an edge bear on each other by near = (narrower run/both)^2; wave is 2 pi/points a wave.
-NEAR_CONTACT = np.array([0.35, 0.03])  # times near wave^2, and near^2, for contacts with a polynomial
-NEAR_IMAGES = 0.25  # times near^2, of the resistance, for one contact and its images
-NEAR_LET_GO = 0.4  # times near, of the resistance, where the grid has a contact that the continuum has not
-NEAR_GAP = np.array([0.002, 0.13])  # times near, for gaps with a polynomial
-GAP = np.array([0.012, 0.03])  # times wave^2, for the same, since polynomials stand for waves
-NEAR_ALONE = np.array([0.0, 0.65])  # times near, for edges without a polynomial
-ALONE = np.array([0.45, 0.3])  # over the nodes of the narrower run, for the same
-SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others: it is that of their shares
 # What is left on any grid: times the square of how far A q is from flat, of the resistance, since a share shifts from
 # contact to contact, or from the middle of one to its edges, with little resistance.
 SHIFTED = 60.0
 UNFLAT = 3e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
-LET_GO = 0.4  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not
-PRESSED = 0.1  # of what others press a contact down by more than on the grid
-# Of the nodes' spacing squared times the force of a lone contact: how far the second moment of its pressure on the
-# grid may be off. 1/4 is half a node at each edge; the most that was measured is 1/3.
-MOMENT = 0.4
-HEIGHT_SHARE = 6.0  # errors of the compliance by which a crest may stand higher or lower
+MOMENTS = np.array([1.7, 2.2])  # times the root of the squares of what second and third moments of contacts change
+RECIPROCITY = np.array([0.1, 1.0])  # times change of force and change of share, since reciprocity is linear
+LET_GO = 1.2  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not
+PRESSED = 0.05  # of what others press a contact down by more than on the grid
+# Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
+# may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. A contact with a polynomial has its
+# first three moments taken off, and this is left.
+MOMENT, MOMENT_LEFT = 0.4, 0.05
+HEIGHT_SHARE = 4.0  # errors of the compliance by which a crest may stand higher or lower
 
 
 @kernel
@@ -57,10 +51,11 @@ def expected_errors(
     `angle` is 2 pi/(points a wave).
     """
     errors, flatness = _errors_of_the_solver(solution)
-    if not _is_lone_with_polynomial(solution, edge, polynomial):
+    if not is_lone_with_polynomial(solution, edge, polynomial):
         errors[0] += UNFLAT * flatness * solution.rate * np.mean(solution.pressure)
     errors[1] += RATE_ROUNDING / angle**2 * solution.rate
     let_go = False
+    moments = np.zeros(2)
     for at in range(used):
         if contacts.kind[at] == NARROW and not contacts.touching[at]:
             let_go = True
@@ -69,12 +64,13 @@ def expected_errors(
             errors += REST * _errors_of_the_polynomial(contacts, at, period)
             errors[1] += PLACE * _errors_of_the_place(contacts, at, period)
             errors[1] += CURVATURE_ROUNDING * _rounding_of_the_curvature(contacts, at, abs(solution.plane), period)
-            shifted = abs(contacts.share_change[at]) / period * contacts.pressed[at]  # at most: reciprocity is linear
-            errors += np.array([shifted, shifted / np.mean(solution.pressure)])
+            moments += np.array([contacts.off[at], contacts.rate_off[at]]) ** 2
+            shifted = abs(contacts.share_change[at] * contacts.change[at]) / period
+            errors += RECIPROCITY * np.array([shifted, shifted / np.mean(solution.pressure)])
             if contacts.kind[at] == BIRTH:
                 errors += _errors_of_a_birth(contacts, at, period)
-    for run in range(edge.size - 2):
-        errors += _errors_of_an_edge(run, solution, edge, polynomial, angle, flatness, let_go)
+    errors += MOMENTS * np.sqrt(moments)
+    errors += errors_of_edges(solution, edge, polynomial, angle, flatness, let_go, period)
     births = missed = 0.0
     uncertain = False
     for at in range(used):
@@ -111,53 +107,6 @@ def _errors_of_the_solver(solution: GridSolution) -> tuple[Array, float]:
 
 
 @kernel
-def _is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Flags) -> bool:
-    """Whether one contact has the whole load, whatever the rate, and has had it from first touch on."""
-    if edge.size != 4:
-        return False
-    return bool(polynomial[0] if solution.contact[edge[1] % solution.pressure.size] else polynomial[1])
-
-
-@kernel
-def _errors_of_an_edge(
-    run: int, solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float, let_go: bool
-) -> Array:
-    """What the step of the edge at which a run begins may be misjudged by; `let_go` is of any contact."""
-    here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
-    narrower = min(here, before)
-    near = (narrower / (here + before)) ** 2
-    contact = solution.contact[edge[run + 1] % solution.pressure.size]
-    of_gap = polynomial[run - 1] if contact else polynomial[run]
-    of_contact = polynomial[run] if contact else polynomial[run - 1]
-    step = _step(edge[run + 1] % solution.pressure.size, solution)
-    if _is_lone_with_polynomial(solution, edge, polynomial):
-        off = NEAR_IMAGES * near**2 * step[1]
-        return np.array([off * np.mean(solution.pressure), off])
-    if of_gap:
-        share = NEAR_GAP * near + GAP * angle**2
-    elif of_contact:
-        share = NEAR_CONTACT * np.array([near * angle**2, near**2])
-        share[1] += NEAR_LET_GO * near if let_go else 0.0
-    else:
-        share = NEAR_ALONE * near + ALONE / narrower
-    return (share + SHARE * flatness) * step
-
-
-@kernel
-def _step(start: int, solution: GridSolution) -> Array:
-    """What the step of an edge from one node to the next changes of compliance, so far at most, and resistance."""
-    inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
-    closing = solution.displacement[inside] - solution.displacement[outside]
-    if not (solution.per_load[inside] > 0 and closing > 0):
-        return np.zeros(2)
-    drop = solution.per_load[inside] * closing / solution.pressure.size
-    since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
-    until = max(solution.plane - solution.deformed[outside], 0.0) / closing
-    load = min(since + until, np.mean(solution.pressure))  # a contact is no older than the load
-    return np.array([drop * load, drop])
-
-
-@kernel
 def _size(terms: Array) -> float:
     """Of a sum of two terms, with a share of each in case that their signs are others."""
     return abs(terms.sum()) + CANCELLED * np.abs(terms).sum()
@@ -179,12 +128,9 @@ def _errors_of_the_polynomial(contacts: Contacts, at: int, period: float) -> Arr
     force, share = (contacts.force[at] + contacts.change[at], contacts.share[at] + contacts.share_change[at])
     half_width = contacts.half_width[at]
     height, height_change, rate = np.zeros(2), np.zeros(2), np.zeros(2)
-    slope = derivative(contacts.height[at])
-    bend = derivative(slope)
-    wider = 0.0  # force per half width
+    wider = force_per_half_width(contacts.height[at], contacts.centre[at], half_width)
     for t in NODES:
         s = contacts.centre[at] + half_width * t
-        wider -= t / 2 * (value(slope, s) + half_width * t * value(bend, s)) / NODES.size
         for j in range(2):
             height[j] += value(contacts.height_rest[at, j], s) / NODES.size
             height_change[j] += t * value(derivative(contacts.height_rest[at, j]), s) / NODES.size
@@ -234,8 +180,9 @@ def _displacement_by_moments(contacts: Contacts, used: int, at: int, spacing: fl
     for other in range(used):
         if other != at and contacts.kind[other] != BIRTH:
             apart = np.sin(np.pi * (contacts.position[at] - contacts.position[other]) / period)
-            off += contacts.force[other] * (np.pi * spacing / period / apart) ** 2
-    return MOMENT * off
+            share = MOMENT if contacts.kind[other] == WIDE else MOMENT_LEFT
+            off += share * contacts.force[other] * (np.pi * spacing / period / apart) ** 2
+    return off
 
 
 @kernel

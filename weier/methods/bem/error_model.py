@@ -17,13 +17,13 @@ Number = TypeVar("Number", float, Array)
 # where z'' is at most sum g_n k_n^2. That is the error at first touch; at no load was one larger.
 COMPLIANCE = math.pi**2 / 2
 # With edges between the nodes, of the errors that a solution states (docs/subgrid.md), at 90 % of the loads. Of the
-# compliance, times the same sum over the points a wave, and what is added for every contact of a wave; of the
-# resistance, over the square of the points a wave, and over them by the square of the contacts of a wave, since these
-# bear on each other in pairs. The errors themselves are far smaller. A solution that states more than this, as next
-# to births, is not taken if it is too much.
-STATED_COMPLIANCE, COMPLIANCE_CROWDING = 2.0, 7.0
-STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.2, 2.0, 0.2
-LONE_SHARE = 1e-3  # of these where there is one contact, which has no neighbours that bear on it
+# compliance, times the same sum over the points a wave and times the contacts of a wave; of the resistance, over the
+# square of the points a wave, and what the contacts of a wave add, and over the points a wave by the square of the
+# contacts of a wave, since these bear on each other in pairs. The errors themselves are far smaller. A solution that
+# states more than this, as next to births, is not taken if it is too much.
+STATED_COMPLIANCE = 1.8
+STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.03, 1.3, 0.012
+LONE_SHARE = 3e-3  # of these where there is one contact, which has no neighbours that bear on it
 RATE_COMPLIANCE, RATE_RESISTANCE = 3e-8, 1e-7  # what the rate leaves on any grid, in g_0 and g_0/p_0*
 
 MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
@@ -67,7 +67,7 @@ def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) 
     per_wave = points / profile.waves_per_period[-1]
     crowding, lone = contacts / profile.waves_per_period[-1], np.where(contacts < 1.5, LONE_SHARE, 1.0)
     if quantity == "compliance":
-        share = (STATED_COMPLIANCE + COMPLIANCE_CROWDING * crowding) / per_wave
+        share = STATED_COMPLIANCE * crowding / per_wave
         return np.asarray(lone * (share * _missed(profile, points) + RATE_COMPLIANCE) + PLANNED_RESIDUAL)
     share = (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) / per_wave + RESISTANCE_PAIRS * crowding**2
     return np.asarray(lone * share / per_wave + RATE_RESISTANCE)

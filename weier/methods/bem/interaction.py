@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
+from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
+from weier.methods.bem.moments import Effects, effects_of_moments, yielding
 from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
 from weier.methods.bem.polynomials import derivative, expansion, value
 
-WIDE, NARROW, BIRTH = 0, 1, 2
 MAX_TOGETHER = 40  # contacts whose forces are found together: farther ones hardly feel a shift of force
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
@@ -19,94 +20,6 @@ CLOSE = 1e-12  # of the load: the last step, and the force of a contact that let
 ROUNDING = 1e-14  # of the heights, below which no step says anything
 MAX_LOST = 0.99  # of the shares: reciprocity with the grid tells nothing when all its contacts let go
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
-
-
-class Contacts(NamedTuple):
-    """Contacts on the grid, and crests that may touch between nodes, by position; each of shape (contacts,).
-
-    kind : WIDE, NARROW or BIRTH
-    position, reach : of the centre, and half width, in lambda_0
-    force, share : on the grid, per period, and of it per mean pressure
-    self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
-    edge_compliance, edge_resistance : what its edges add, if they stand alone
-    joined : whether the gap after it is closed in the continuum
-    left, right : edges, in lambda_0; found by `redistribute` for those with a polynomial
-    touching, change : whether it touches in the continuum, and with how much more force; found by `redistribute`
-    origin : of the polynomials, in lambda_0
-    scale : length of one s of the polynomials, in lambda_0
-    centre, half_width : in s; where the search for the edges begins
-    height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
-    grid_mixed, grid_energy : energies of `contact_energy` on the grid
-    grid_cross : of the rates of others alone, with this contact's share
-    grid_force_moment, grid_share_moment : of force and share on the grid, about `position`, in lambda_0
-    height_rest, rate_rest : what the polynomials leave of two terms beyond them, shape (contacts, 2, terms + 2)
-    pressed : displacement of it by what others carry more than on the grid, or elsewhere; found by `redistribute`
-    share_change, tilt : of each share, and of the surface by `Dipoles`; found by `redistribute`
-    penetration, closing : of each crest that is narrow or new, by how much it stands above the plane that it does not
-        touch, in g_0, and the rate of that per mean pressure; found by `redistribute`
-    """
-
-    kind: Indices
-    position: Array
-    reach: Array
-    force: Array
-    share: Array
-    self_compliance: Array
-    edge_compliance: Array
-    edge_resistance: Array
-    joined: Flags
-    left: Array
-    right: Array
-    touching: Flags
-    change: Array
-    origin: Array
-    scale: Array
-    centre: Array
-    half_width: Array
-    height: Array
-    rate: Array
-    grid_mixed: Array
-    grid_energy: Array
-    grid_cross: Array
-    grid_force_moment: Array
-    grid_share_moment: Array
-    height_rest: Array
-    rate_rest: Array
-    share_change: Array
-    tilt: Array
-    pressed: Array
-    penetration: Array
-    closing: Array
-
-
-class Dipoles(NamedTuple):
-    """Effects of first moments of force and share that the grid has not.
-
-    lift, lift_rate : displacement of each contact by the moments of others, and its rate, shape (contacts,)
-    tilt : of the surface under each contact, by them and by its own images, shape (contacts,)
-    mixed, energy : energies of moments of force with those of share, and of share with share
-    """
-
-    lift: Array
-    lift_rate: Array
-    tilt: Array
-    mixed: float
-    energy: float
-
-
-@kernel
-def make_contacts(contacts: int, terms: int) -> Contacts:
-    """Room for so many."""
-    return Contacts(
-        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts, np.bool_), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts, np.bool_),
-        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros((contacts, 2, terms + 2)),
-        np.zeros((contacts, 2, terms + 2)), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
-        np.zeros(contacts), np.zeros(contacts),
-    )  # fmt: skip
 
 
 @kernel
@@ -216,7 +129,7 @@ def _together(
         if not going:
             break
         common = weight = 0.0
-        pressed = mutual @ change + _dipoles(contacts, first, touching, change, np.zeros(n), period).lift
+        pressed = mutual @ change + effects_of_moments(contacts, first, touching, change, np.zeros(n), period).lift
         for i in range(n):
             if touching[i]:
                 own = contacts.self_compliance[first + i] * change[i]
@@ -290,7 +203,7 @@ def _equalise_heights(
     """Newton's method for the change of each force that brings all touching contacts to one height."""
     n = change.size
     right = np.zeros(n)
-    lift = _dipoles(contacts, first, touching, change, np.zeros(n), period).lift
+    lift = effects_of_moments(contacts, first, touching, change, np.zeros(n), period).lift
     for _ in range(MAX_STEPS):
         if not _heights(contacts, first, plane, lifted, period, touching, change, excess, slope):
             return False
@@ -353,137 +266,142 @@ def _touch_and_let_go(
     return changed
 
 
+class Weights(NamedTuple):
+    """What reciprocity makes of each contact, with the shares of the grid as weights; each of shape (contacts,).
+
+    softer : compliance that each has more than on the grid
+    nearer : displacement by the rates of others that each has more, since it is elsewhere
+    raised : the same for more force, which does not change how the rates are spread
+    closing : rate of the plane towards a crest that the grid has not in contact
+    """
+
+    softer: Array
+    nearer: Array
+    raised: Array
+    closing: Array
+
+
 @kernel
 def _sums(
     contacts: Contacts, first: int, plane: float, rate: float, lifted: float, period: float, mutual: Array,
     touching: Flags, change: Array, excess: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """Compliance and resistance of these contacts by reciprocity, with the shares of the grid as weights."""
+    """Compliance and resistance of these contacts by reciprocity."""
     n = change.size
-    dipoles = _dipoles(contacts, first, touching, change, np.zeros(n), period)
-    softer = np.zeros(n)  # compliance that each has more than on the grid
-    nearer = np.zeros(n)  # displacement by the rates of others that each has more, since it is elsewhere
-    raised = np.zeros(n)  # the same for more force, which does not change how the rates are spread
-    right = np.zeros(n)
-    matrix = mutual.copy()
-    closing = np.zeros(n)  # rate of the plane towards a crest that the grid has not in contact
-    shape = lost = 0.0
-    for i in range(n):
-        at = first + i
-        matrix[i, i] = contacts.self_compliance[at]
-        share = contacts.share[at]
-        if not touching[i]:
-            lost += share
-            continue
-        if contacts.kind[at] == WIDE:
-            softer[i] = contacts.edge_resistance[at] * period / share**2
-        else:
-            scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
-            compliance = punch_compliance(half_width * scale, period)
-            contacts.penetration[at] = (contacts.force[at] + change[i]) * compliance
-            contacts.closing[at] = share * compliance
-            others = expansion(contacts.rate[at], centre, half_width)
-            if contacts.kind[at] == NARROW:
-                height = expansion(contacts.height[at], centre, half_width)
-                mixed, energy = contact_energy(height, others, contacts.force[at], share, compliance)
-                nearer[i] = (cross_energy(others, share) - contacts.grid_cross[at]) / share
-                raised[i] = others[0] - contacts.grid_cross[at] / share
-                softer[i] = (energy - contacts.grid_energy[at] + contacts.edge_resistance[at] * period) / share**2
-                softer[i] -= 2 * nearer[i] / share
-                shape += mixed - contacts.grid_mixed[at] + contacts.edge_compliance[at] * period
-            else:
-                matrix[i, i] = compliance
-                closing[i] = contacts.closing[at] = rate - others[0]
-        matrix[i, i] += softer[i]
-        right[i] = closing[i] - softer[i] * share - nearer[i] - dipoles.lift_rate[i]
-    for j in range(n):
-        if not touching[j]:  # what it carried on the grid is carried by the others
-            right += mutual[:, j] * contacts.share[first + j]
-    faster, slower, found = _with_sum(matrix, right, touching, lost)
-    if not found:  # to be refused
+    effects = effects_of_moments(contacts, first, touching, change, np.zeros(n), period)
+    weights, shape = _weights(contacts, first, rate, period, touching, change)
+    faster, slower, lost = _changes_of_shares(contacts, first, period, mutual, touching, weights, effects)
+    if np.isnan(lost):  # to be refused
         return np.nan, np.nan
-    for i in range(n):
-        if not touching[i]:
-            faster[i] = -contacts.share[first + i]
-    moved = _dipoles(contacts, first, touching, change, faster, period)
-    pressed, pressed_rate = mutual @ change + dipoles.lift, mutual @ faster + moved.lift_rate
-    for i in range(n):
-        contacts.share_change[first + i], contacts.tilt[first + i] = faster[i], dipoles.tilt[i]
-        contacts.pressed[first + i] = abs(pressed[i])
-    compliance, resistance = (shape + dipoles.mixed) / period, dipoles.energy / period
+    moved = effects_of_moments(contacts, first, touching, change, faster, period)
+    pressed, pressed_rate = mutual @ change + effects.lift, mutual @ faster + moved.lift_rate
+    yielded = _note(contacts, first, period, touching, faster, pressed, moved)
     if lost > MAX_LOST * period:
-        carried = change[touching].sum()
-        common = np.sum(change[touching] * (excess[touching] - pressed[touching])) / carried
-        for i in range(n):
-            at = first + i
-            if contacts.kind[at] != WIDE and not touching[i]:
-                top = value(contacts.height[at], contacts.centre[at])
-                contacts.penetration[at] = top - pressed[i] - common
-                contacts.closing[at] = -slower - value(contacts.rate[at], contacts.centre[at]) - pressed_rate[i]
+        common = np.sum(change[touching] * (excess[touching] - pressed[touching])) / change[touching].sum()
+        _note_crests(contacts, first, touching, pressed, pressed_rate, common, -slower)
         return plane - common, -slower
+    compliance = (shape + moved.mixed) / period
+    resistance = effects.energy / period + yielded
     for i in range(n):
-        at = first + i
-        share = contacts.share[at]
+        share, own = contacts.share[first + i], contacts.self_compliance[first + i]
         if touching[i]:
-            tilted = dipoles.lift_rate[i] - closing[i]
-            compliance -= (share * (excess[i] - plane) - (raised[i] + tilted) * change[i]) / (period - lost)
-            own = softer[i] * share + nearer[i]
-            resistance += (own * (share + faster[i]) + nearer[i] * share + tilted * faster[i]) / (period - lost)
+            tilted = effects.lift_rate[i] - weights.closing[i]
+            compliance -= (share * (excess[i] - plane) - (weights.raised[i] + tilted) * change[i]) / (period - lost)
+            softer, nearer = weights.softer[i] * share + weights.nearer[i], weights.nearer[i]
+            resistance += (softer * (share + faster[i]) + nearer * share + tilted * faster[i]) / (period - lost)
         else:
-            own = contacts.self_compliance[at]
-            tilted = dipoles.lift_rate[i]
+            tilted = effects.lift_rate[i]
             compliance -= (share * (pressed[i] + own * change[i]) - tilted * change[i]) / (period - lost)
             resistance -= share * (pressed_rate[i] + tilted - own * share) / (period - lost)
-    for i in range(n):
-        at = first + i
-        if contacts.kind[at] != WIDE and not touching[i]:
-            top = value(contacts.height[at], contacts.centre[at])
-            contacts.penetration[at] = top - pressed[i] - (plane - compliance - lifted)
-            contacts.closing[at] = rate + resistance - value(contacts.rate[at], contacts.centre[at]) - pressed_rate[i]
+    _note_crests(contacts, first, touching, pressed, pressed_rate, plane - compliance - lifted, rate + resistance)
     return compliance, resistance
 
 
 @kernel
-def _moments(contacts: Contacts, at: int, change: float, faster: float) -> tuple[float, float]:
-    """First moments of force and share that the continuum has more than the grid, about the middle of the nodes."""
-    share, force = contacts.share[at] + faster, contacts.force[at] + change
-    if contacts.kind[at] != NARROW:
-        return 0.0, 0.0
-    scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
-    height = expansion(contacts.height[at], centre, half_width)
-    others = expansion(contacts.rate[at], centre, half_width)
-    return (
-        scale * (force * centre + half_width * height[1] / 4) - contacts.grid_force_moment[at],
-        scale * (share * centre - half_width * others[1] / 4) - contacts.grid_share_moment[at],
-    )
+def _weights(
+    contacts: Contacts, first: int, rate: float, period: float, touching: Flags, change: Array
+) -> tuple[Weights, float]:
+    """Weights of all that touch, and what their shapes change of the compliance, times the period."""
+    n = change.size
+    weights = Weights(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
+    shape = 0.0
+    for i in range(n):
+        at = first + i
+        share = contacts.share[at]
+        if touching[i] and contacts.kind[at] == WIDE:
+            weights.softer[i] = contacts.edge_resistance[at] * period / share**2
+        elif touching[i]:
+            compliance = punch_compliance(contacts.half_width[at] * contacts.scale[at], period)
+            others = expansion(contacts.rate[at], contacts.centre[at], contacts.half_width[at])
+            contacts.penetration[at] = (contacts.force[at] + change[i]) * compliance
+            contacts.closing[at] = share * compliance
+            if contacts.kind[at] == NARROW:
+                height = expansion(contacts.height[at], contacts.centre[at], contacts.half_width[at])
+                mixed, energy = contact_energy(height, others, contacts.force[at], share, compliance)
+                weights.nearer[i] = (cross_energy(others, share) - contacts.grid_cross[at]) / share
+                weights.raised[i] = others[0] - contacts.grid_cross[at] / share
+                more = energy - contacts.grid_energy[at] + contacts.edge_resistance[at] * period
+                weights.softer[i] = more / share**2 - 2 * weights.nearer[i] / share
+                shape += mixed - contacts.grid_mixed[at] + contacts.edge_compliance[at] * period
+            else:
+                weights.closing[i] = contacts.closing[at] = rate - others[0]
+    return weights, shape
 
 
 @kernel
-def _dipoles(contacts: Contacts, first: int, touching: Flags, change: Array, faster: Array, period: float) -> Dipoles:
-    """What it changes that nodes carry the load of narrow contacts off its place, after changes of force and share.
-
-    Two points act on each other by K = -2 ln|2 sin(pi x/L)|, so that a first moment M displaces another contact by
-    -M K', and acts on its first moment by -M M' K''; on that of its own images K'' is 2 (pi/L)^2/3.
-    """
+def _changes_of_shares(
+    contacts: Contacts, first: int, period: float, mutual: Array, touching: Flags, weights: Weights, effects: Effects
+) -> tuple[Array, float, float]:
+    """How much more of a load each carries, by how much less the plane sinks, and shares lost; NaN if not found."""
     n = touching.size
-    force, share = np.zeros(n), np.zeros(n)
-    lift, lift_rate, tilt = np.zeros(n), np.zeros(n), np.zeros(n)
-    mixed = energy = 0.0
+    matrix = mutual.copy()
+    right = np.zeros(n)
+    lost = 0.0
     for i in range(n):
+        at = first + i
+        share = contacts.share[at]
+        matrix[i, i] = contacts.self_compliance[at] + weights.softer[i]
         if touching[i]:
-            force[i], share[i] = _moments(contacts, first + i, change[i], faster[i])
-        tilt[i] -= force[i] * 2 * (np.pi / period) ** 2 / 3
-        mixed -= force[i] * share[i] * 2 * (np.pi / period) ** 2 / 3
-        energy -= share[i] ** 2 * 2 * (np.pi / period) ** 2 / 3
-        for j in range(i):
-            apart = np.pi * (contacts.position[first + i] - contacts.position[first + j]) / period
-            slope, bend = -2 * np.pi / period / np.tan(apart), 2 * (np.pi / (period * np.sin(apart))) ** 2
-            mixed -= (force[i] * share[j] + share[i] * force[j]) * bend
-            energy -= 2 * share[i] * share[j] * bend
-            tilt[i] -= force[j] * bend
-            tilt[j] -= force[i] * bend
-            lift[i] -= force[j] * slope
-            lift[j] += force[i] * slope
-            lift_rate[i] -= share[j] * slope
-            lift_rate[j] += share[i] * slope
-    return Dipoles(lift, lift_rate, tilt, mixed, energy)
+            if contacts.kind[at] == BIRTH:
+                matrix[i, i] = punch_compliance(contacts.half_width[at] * contacts.scale[at], period)
+            right[i] = weights.closing[i] - weights.softer[i] * share - weights.nearer[i] - effects.lift_rate[i]
+        else:
+            lost += share
+    for j in range(n):
+        if not touching[j]:  # what it carried on the grid is carried by the others
+            right += mutual[:, j] * contacts.share[first + j]
+    faster, slower, found = _with_sum(matrix, right, touching, lost)
+    for i in range(n):
+        if not touching[i]:
+            faster[i] = -contacts.share[first + i]
+    return faster, slower, lost if found else np.nan
+
+
+@kernel
+def _note(
+    contacts: Contacts, first: int, period: float, touching: Flags, faster: Array, pressed: Array, moved: Effects
+) -> float:
+    """Note what bears on each contact, and return what it adds to the resistance as they yield to it."""
+    yielded = 0.0
+    for i in range(faster.size):
+        at = first + i
+        contacts.share_change[at], contacts.tilt[at], contacts.pressed[at] = faster[i], moved.tilt[i], abs(pressed[i])
+        contacts.off[at], contacts.rate_off[at] = moved.mixed_size[i] / period, moved.energy_size[i] / period
+        if touching[i]:
+            terms = yielding(contacts, at, moved, i, contacts.share[at] + faster[i], period)
+            yielded += terms.sum()
+            contacts.rate_off[at] += np.abs(terms).sum()
+    return yielded
+
+
+@kernel
+def _note_crests(
+    contacts: Contacts, first: int, touching: Flags, pressed: Array, pressed_rate: Array, plane: float, rate: float
+) -> None:
+    """Note how far the crests that do not touch stand below the plane."""
+    for i in range(touching.size):
+        at = first + i
+        if contacts.kind[at] != WIDE and not touching[i]:
+            top = contacts.centre[at]
+            contacts.penetration[at] = value(contacts.height[at], top) - pressed[i] - plane
+            contacts.closing[at] = rate - value(contacts.rate[at], top) - pressed_rate[i]

@@ -110,6 +110,18 @@ def contact_energy(height: Array, rate: Array, force: float, share: float, compl
 
 
 @kernel
+def force_per_half_width(height: Array, centre: float, half_width: float) -> float:
+    """By how much the force grows with the half width, as -(half width/2) times the mean of t z' over the nodes t."""
+    slope = derivative(height)
+    bend = derivative(slope)
+    wider = 0.0
+    for t in NODES:
+        s = centre + half_width * t
+        wider -= t / 2 * (value(slope, s) + half_width * t * value(bend, s)) / NODES.size
+    return wider
+
+
+@kernel
 def cross_energy(rate: Array, share: float) -> float:
     """Of those rates alone, with the pressures per load of this contact."""
     energy = share * rate[0]

@@ -13,9 +13,11 @@ from weier.methods.bem.continuum import Continuum
 from weier.methods.bem.correction_error import expected_errors
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.gaps import correct_gap, find_dips, open_gaps
+from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts, make_contacts
 from weier.methods.bem.grid_solution import GridSolution
 from weier.methods.bem.grids import Grid
-from weier.methods.bem.interaction import BIRTH, NARROW, WIDE, Contacts, make_contacts, redistribute
+from weier.methods.bem.interaction import redistribute
+from weier.methods.bem.moments import grid_moments
 from weier.methods.bem.narrow_contacts import contact_edges, crest
 from weier.methods.bem.polynomials import DEGREE, TERMS, fit_polynomials, remainder, with_next_terms
 from weier.methods.bem.windows import (
@@ -157,8 +159,9 @@ def add_contact(
     enter_polynomials(fitted, degree, scale, centre, width, continuum, spacing, contacts, at)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
     for i in range(nodes):
-        contacts.grid_force_moment[at] += force[i] * (i - (nodes - 1) / 2) * spacing
-        contacts.grid_share_moment[at] += share[i] * (i - (nodes - 1) / 2) * spacing
+        moments = grid_moments((i - (nodes - 1) / 2) * spacing, spacing)
+        contacts.grid_force_moments[at] += force[i] * moments
+        contacts.grid_share_moments[at] += share[i] * moments
     contacts.grid_mixed[at] = mixed + np.sum(force * smoothing)
     contacts.grid_energy[at] = own + 2 * energy + np.sum(share * smoothing)
     contacts.grid_cross[at] = energy + np.sum(share * smoothing) / 2

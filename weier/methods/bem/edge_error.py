@@ -1,0 +1,151 @@
+"""How far the steps of edges of contact may be misjudged, told by how they differ from one to the next.
+
+A step of an edge from one node to the next changes the compliance by D (a + b) and the resistance by D
+(docs/subgrid.md). Contacts and gaps that share an edge bear on each other by near = (narrower run/both)^2.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags
+from weier.kernels.jit import kernel
+from weier.methods.bem.edges import Edges
+from weier.methods.bem.grid_solution import GridSolution
+
+# Of a step's change of the compliance, and of the resistance, fitted to cover measured errors (docs/subgrid.md);
+# wave is 2 pi/points a wave.
+NEAR_IMAGES = np.array([0.13, 0.08])  # times near^2, of the resistance, for one contact and its images; load times it
+NEAR_LET_GO = np.array([0.35, 0.4])  # times near wave^2, and near, where a contact of the grid has let go
+NEAR_GAP = np.array([0.0019, 0.16])  # times near, for gaps with a polynomial
+GAP = np.array([0.006, 0.004])  # times wave^2, for the same, since polynomials stand for waves
+ALONE = np.array([0.05, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
+NEXT = np.array([1.5, 1.9])  # times what these are off by to the next order
+SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others, whose shares it changes
+# The next order of an edge without a polynomial, measured on grids of one wave and on random series: the next step
+# has a q that is larger by a share r, and a load that is longer by a share of about 2 s. With x = f - 1/2, these are
+# the coefficients of 1, x, x^2 and x^3, times r and s.
+STIFFER_COMPLIANCE = np.array([-0.023, -0.10, 0.0, 0.42])
+LONGER_COMPLIANCE = np.array([0.021, 0.082, 0.0, -0.158])
+STIFFER_RESISTANCE = np.array([-0.22, 0.0, 2.3, 0.0])
+LONGER_RESISTANCE = np.array([0.08, 0.0, -0.51, 0.0])
+CROSS = 0.5  # times x x' D/nodes, of the resistance, for two edges of one run
+NEXT_CLOSING = 4.7253  # closing of the next node over the q of the last one, times N/L, at an edge far from others
+MAX_CHANGE = 2.0  # of r and s: they say nothing where a run has one node
+
+
+class Steps(NamedTuple):
+    """The steps of all edges, of shape (edges,).
+
+    change : of compliance, so far at most, and resistance, shape (edges, 2)
+    place : x, how far the edge is in its step, from -1/2 to 1/2
+    stiffer, longer : r and s, by how much the next step differs
+    """
+
+    change: Array
+    place: Array
+    stiffer: Array
+    longer: Array
+
+
+@kernel
+def find_steps(solution: GridSolution, edge: Edges, period: float) -> Steps:
+    """The steps of all edges; zeros where one is not known."""
+    edges = edge.size - 2
+    points = solution.pressure.size
+    steps = Steps(np.zeros((edges, 2)), np.zeros(edges), np.zeros(edges), np.zeros(edges))
+    for at in range(edges):
+        start = edge[at + 1] % points
+        outwards = -1 if solution.contact[start] else 1
+        inside = start if solution.contact[start] else (start - 1) % points
+        further, outside = (inside - outwards) % points, (inside + outwards) % points
+        beyond = (outside + outwards) % points
+        closing = solution.rate - solution.displacement[outside]
+        if not (solution.per_load[inside] > 0 and closing > 0):
+            continue
+        drop = solution.per_load[inside] * closing / points
+        since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
+        until = max(solution.plane - solution.deformed[outside], 0.0) / closing
+        if not since + until > 0:
+            continue
+        # What the node further inside carried when this one was reached, and the gap beyond the next when that is.
+        before = solution.pressure[further] - since * solution.per_load[further]
+        after = solution.plane - solution.deformed[beyond] - until * (solution.rate - solution.displacement[beyond])
+        growth = (after / closing - before / solution.per_load[inside]) / (2 * (since + until))
+        stiffer = closing * points / (solution.per_load[inside] * period * NEXT_CLOSING) - 1
+        load = min(since + until, np.mean(solution.pressure))  # a contact is no older than the load
+        steps.change[at] = drop * load, drop
+        steps.place[at] = since / (since + until) - 0.5
+        steps.stiffer[at] = min(max(stiffer, -MAX_CHANGE), MAX_CHANGE)
+        steps.longer[at] = min(max(growth, -MAX_CHANGE), MAX_CHANGE)
+    return steps
+
+
+@kernel
+def errors_of_edges(
+    solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float, let_go: bool, period: float
+) -> Array:
+    """What steps that are misjudged change of compliance and resistance at most; `let_go` is of any contact."""
+    steps = find_steps(solution, edge, period)
+    if is_lone_with_polynomial(solution, edge, polynomial):
+        return _errors_of_images(solution, edge, steps)
+    runs = edge.size - 2
+    errors = np.zeros(2)
+    alone = np.zeros(runs, np.bool_)
+    for run in range(runs):
+        here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
+        narrower = min(here, before)
+        near = (narrower / (here + before)) ** 2
+        of_contact, of_gap = polynomial[run], polynomial[run - 1]
+        if not solution.contact[edge[run + 1] % solution.pressure.size]:
+            of_contact, of_gap = of_gap, of_contact
+        if of_gap:
+            share = NEAR_GAP * near + GAP * angle**2
+        elif of_contact:
+            share = NEAR_LET_GO * near * np.array([angle**2, 1.0]) if let_go else np.zeros(2)
+        else:
+            share = ALONE / narrower
+            alone[run] = True
+        errors += (share + SHARE * flatness) * steps.change[run]
+    return errors + NEXT * np.abs(_next_order(edge, steps, alone))
+
+
+@kernel
+def is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Flags) -> bool:
+    """Whether one contact has the whole load, whatever the rate, and has had it from first touch on."""
+    if edge.size != 4:
+        return False
+    return bool(polynomial[0] if solution.contact[edge[1] % solution.pressure.size] else polynomial[1])
+
+
+@kernel
+def _errors_of_images(solution: GridSolution, edge: Edges, steps: Steps) -> Array:
+    """What the images of a single contact may change."""
+    nodes = min(edge[2] - edge[1], edge[3] - edge[2])
+    near = (nodes / solution.pressure.size) ** 2
+    return NEAR_IMAGES * near**2 * steps.change[:, 1].sum() * np.array([np.mean(solution.pressure), 1.0])
+
+
+@kernel
+def _next_order(edge: Edges, steps: Steps, alone: Flags) -> Array:
+    """What the next order of the edges that stand alone would change of compliance and resistance."""
+    off = np.zeros(2)
+    for run in range(alone.size):
+        x = steps.place[run]
+        if alone[run]:
+            r, s = steps.stiffer[run], steps.longer[run]
+            higher = r * _cubic(STIFFER_COMPLIANCE, x) + s * _cubic(LONGER_COMPLIANCE, x)
+            faster = r * _cubic(STIFFER_RESISTANCE, x) + s * _cubic(LONGER_RESISTANCE, x)
+            off += steps.change[run] * np.array([higher, faster])
+        after = (run + 1) % alone.size
+        if alone[run] or alone[after]:
+            drop = np.sqrt(steps.change[run, 1] * steps.change[after, 1])
+            off[1] -= CROSS * drop * x * steps.place[after] / (edge[run + 2] - edge[run + 1])
+    return off
+
+
+@kernel
+def _cubic(coefficients: Array, x: float) -> float:
+    return float(coefficients[0] + x * (coefficients[1] + x * (coefficients[2] + x * coefficients[3])))
