@@ -8,6 +8,7 @@ import pytest
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
 from weier.methods import bem, patches
+from weier.methods.patches import start
 from weier.methods.patches.start import lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
 
@@ -50,6 +51,18 @@ def test_a_load_depends_on_no_other(profile):
             assert getattr(alone, name)[0] == getattr(together, name)[i], name
         edges = together.contact_edge[i]
         np.testing.assert_array_equal(alone.contact_edge[0], edges[np.isfinite(edges)])
+
+
+@pytest.mark.parametrize("load", [0.3, 2.0])
+def test_contacts_of_fewer_waves_are_a_start_where_grids_are_large(load, monkeypatch):
+    profile = Profile(1.25, 5, 4, 1.0)
+    expected = patches.curve(profile, load)
+    monkeypatch.setattr(start, "MAX_POINTS", 0)
+    curve = patches.curve(profile, load)
+    assert curve.work > expected.work  # the start is another, and worse
+    assert curve.patch_count == expected.patch_count
+    assert curve.compliance == pytest.approx(expected.compliance, abs=1e-12)
+    assert curve.resistance == pytest.approx(expected.resistance, rel=1e-9)
 
 
 def test_lone_contacts_share_the_load_as_the_solution_does():

@@ -10,7 +10,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.loads_done import counted_as
-from weier.methods.bem import subgrid_solver
+from weier.methods.bem import fft, subgrid_solver
 from weier.methods.bem.continuum import Continuum, make_continuum
 from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
 from weier.methods.patches.initial_guess import InitialGuess, Intervals, contacts_guess, hertz_density, sort_segments
@@ -23,6 +23,9 @@ MAX_LONE_CONTACTS = 64  # of those whose forces are found from Hertz's theory
 MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
 FORCE_TOLERANCE = 1e-10
 POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
+MAX_POINTS = 2**19  # of a grid: with more, the start from one without the last wave is tried before
+MAX_LOAD = 0.5  # of full contact, for such a start, in which nearly closed gaps are crude
+MIN_DISTANCE = 1e-3  # between two contacts, in the finest waves: closer ones are one
 GRID_TOLERANCE = 1e-6  # in g_0: the residual of boundary elements that Newton's method improves on
 
 
@@ -39,11 +42,18 @@ class Starts:
     def __init__(self, profile: Profile, surface: Surface, tolerance: float) -> None:
         """Nothing is computed before it is needed."""
         self.profile, self.surface, self.tolerance = profile, surface, tolerance
-        self._grid = cache(self._make_grid)
+        self._grid, self._coarse_grid = cache(self._make_grid), cache(self._make_coarse_grid)
 
     def _make_grid(self, per_wave: int) -> _Grid:
         points = per_wave * self.profile.waves_per_period[-1]
         return _Grid(nested_grids(self.profile, points, GRID_TOLERANCE), make_continuum(self.profile, points))
+
+    def _fewer_waves(self) -> Profile:
+        return self.profile.truncated(self.profile.terms - 1)
+
+    def _make_coarse_grid(self) -> Hierarchy:
+        coarse = self._fewer_waves()
+        return nested_grids(coarse, POINTS_PER_WAVE[0] * coarse.waves_per_period[-1], GRID_TOLERANCE)
 
     def guesses(self, load: float) -> Iterator[InitialGuess]:
         """What to start from under this load, the most likely first."""
@@ -53,8 +63,33 @@ class Starts:
         lone = lone_gaps(self.surface.tensions, load)
         if lone is not None:
             yield lone
+        points = POINTS_PER_WAVE[0] * self.profile.waves_per_period[-1]
+        is_light = load < MAX_LOAD * self.surface.full_contact_load
+        if points > MAX_POINTS and is_light and self._fewer_waves().period == self.profile.period:
+            yield self.from_fewer_waves(load)
         for per_wave in POINTS_PER_WAVE:
             yield self._from_grid(per_wave, load)
+
+    def from_fewer_waves(self, load: float) -> InitialGuess:
+        """Contacts by the pressure on a grid without the last wave, on whose crests Westergaard's theory places them.
+
+        Such a grid has fewer points than the contacts would need, and far fewer iterations, for these grow with the
+        number of contacts. That many contacts are missed or spurious costs less than they save.
+        """
+        hierarchy, period = self._coarse_grid(), self.profile.period
+        grid = fft.make_grid_state(int(hierarchy.points[-1]))
+        fft.cascade(load, hierarchy, full_contact(hierarchy, load), grid)
+        pressure = np.append(grid.pressure, grid.pressure[0])
+        x = self.surface.heights.crest_position
+        local = np.interp(x, np.linspace(0, period, pressure.size), pressure)
+        x, local = x[local > 0], local[local > 0]
+        wave, closing = period / self.profile.waves_per_period[-1], self.profile.full_contact_pressure[-1]
+        half_width = wave / np.pi * np.arcsin(np.sqrt(np.minimum(local / closing, 1)))
+        left, right, force = x - half_width, x + half_width, wave * local
+        first = np.flatnonzero(np.append(True, left[1:] > np.maximum.accumulate(right)[:-1] + MIN_DISTANCE * wave))
+        left, right, force = left[first], np.maximum.reduceat(right, first), np.add.reduceat(force, first)
+        force *= load * period / force.sum()
+        return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, self.tolerance)
 
     def _from_grid(self, per_wave: int, load: float) -> InitialGuess:
         """The contacts on a grid, but for those that have no width there."""
