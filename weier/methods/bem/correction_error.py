@@ -28,7 +28,7 @@ CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's 
 # What is left on any grid: times the square of how far A q is from flat, of the resistance, since a share shifts from
 # contact to contact, or from the middle of one to its edges, with little resistance.
 SHIFTED = 60.0
-UNFLAT = 3e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
+UNFLAT = 7e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
 MOMENTS = np.array([1.7, 2.2])  # times the root of the squares of what second and third moments of contacts change
