@@ -161,6 +161,7 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
         import_module(name)
     if command in SOLVING and not import_module("weier.kernels.jit").disabled():
         import_module(COMPILER)
+        jit.folder()  # reads all sources
     with suppress(OSError, ValueError, IndexError):  # for the process to tell
         os.chdir(folder)
         path, *names = itertools.dropwhile(lambda argument: not argument.endswith(".yaml"), arguments)
