@@ -147,7 +147,7 @@ def scene_that_draws(kind: str) -> Scene:
     return cast(Scene, SimpleNamespace(name="test", figures={"one": scene.Figure("profiles", (), ""), "two": figure}))
 
 
-@pytest.mark.parametrize("kind", ["complience", "style", "", *set(figures.kinds()).difference(OF_STUDIES)])
+@pytest.mark.parametrize("kind", ["complience", "style", "", *sorted({*figures.kinds()}.difference(OF_STUDIES))])
 def test_a_scene_draws_only_figures_of_studies(kind: str) -> None:
     with pytest.raises(
         SceneError, match=rf"scene test: figures\.two\.draw: .*{kind!r}.*: choose from .*phases, profiles"
