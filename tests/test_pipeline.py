@@ -39,7 +39,7 @@ def checkout(tmp_path_factory):
 
 def run(checkout, *arguments, scene="test"):
     # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute.
-    # One date makes the bytes of two runs the same. Bytecode is kept in the copy, or each run would compile the package.
+    # One date makes the bytes of two runs the same. Bytecode is kept in the copy, or each run would make it anew.
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "SOURCE_DATE_EPOCH": "1000000000"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     command = ["snakemake", "--cores", "2", *arguments, "--config", f"scenes={scene}"]

@@ -54,7 +54,8 @@ def checkout(undisturbed, tmp_path):
 
 def environment(checkout, **more):
     fixed = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(checkout), "SOURCE_DATE_EPOCH": "1000000000"}
-    return os.environ | fixed | more
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return kept | fixed | more
 
 
 def run(checkout, *arguments):

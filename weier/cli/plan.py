@@ -10,6 +10,7 @@ import click
 from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parse_loads
 from weier.kernels.arrays import Array
 from weier.methods.segment import QUANTITIES
+from weier.pipeline.progress import waiting
 
 if TYPE_CHECKING:
     from weier.methods.planned.plan import Plan
@@ -54,7 +55,9 @@ def plan(
             f"a plan is of a SCENE or of a profile (-D, --gamma, -m), got {'both' if given else 'neither'}"
         )
     wanted = loads, tolerance, quantity
-    click.echo(_of_profile(series, *wanted) if scene_file is None else _of_scene(scene_file, *wanted))
+    with waiting("planning"):
+        found = _of_profile(series, *wanted) if scene_file is None else _of_scene(scene_file, *wanted)
+    click.echo(found)
 
 
 def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, quantity: str | None) -> ScenePlan:

@@ -51,6 +51,7 @@ def measure(scene: Scene) -> xr.Dataset:
     ]
     data = comparison.blank(comparisons, variables_of_file(TRADEOFF), OWN)
     for case, each in enumerate(comparisons):
+        print(f"reference {case + 1}/{len(comparisons)}: {each.name}", file=sys.stderr)
         right = contact_reference(each.case.profile, tuple(each.loads.tolist()))
         data["reference_compliance"].values[case] = np.array(right.compliance, float)
         data["reference_resistance"].values[case] = np.array(right.resistance, float)
