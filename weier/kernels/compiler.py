@@ -23,8 +23,9 @@ from numba.core import event, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, UserProvidedCacheLocator
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.registry import CPUDispatcher
+from numba.core.registry import CPUDispatcher, cpu_target
 from numba.extending import intrinsic, overload
+from numba.np import arrayobj
 from rocket_fft import c2r, r2c
 
 from weier.kernels import interruption, jit, loads_done
@@ -209,6 +210,20 @@ def _one_more_load(context: Any) -> Any:
         return builder.atomic_rmw("add", _shared(builder, "weier_loads_done"), WORD(1), ordering="monotonic")
 
     return types.int64(), generate
+
+
+def _leave_shapes_out_of_messages() -> None:
+    """An assignment between arrays of different shapes fails in fewer words.
+
+    numba writes both shapes into them, and compiling what makes strings of integers takes each process three seconds.
+    """
+    cpu_target.typing_context.refresh()
+    raising = cpu_target.typing_context.resolve_value_type(arrayobj.raise_with_shape_context)
+    for template in raising.templates:
+        template._overload_func = staticmethod(arrayobj.ol_raise_with_shape_context_generic)
+
+
+_leave_shapes_out_of_messages()
 
 
 @overload(interruption.stop_if_asked, strict=False)

@@ -159,9 +159,9 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
     """
     for name in IMPORTS[command]:
         import_module(name)
-    if command in SOLVING and not import_module("weier.kernels.jit").disabled():
+    if command in SOLVING and not (jit := import_module("weier.kernels.jit")).disabled():
         import_module(COMPILER)
-        jit.folder()  # reads all sources
+        jit.folder()  # reads all sources, once for all jobs
     with suppress(OSError, ValueError, IndexError):  # for the process to tell
         os.chdir(folder)
         path, *names = itertools.dropwhile(lambda argument: not argument.endswith(".yaml"), arguments)

@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgetrf, dgetrs
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
@@ -70,16 +70,16 @@ def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
 def solve_forces(inverse: Inverse, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
     """The forces that displace the punches by so much, shape (punches,) or (punches, columns)."""
     if isinstance(inverse, Dense):
-        return np.asarray(dgetrs(*inverse.factors, displacement)[0])
+        return np.asarray(scipy.linalg.lapack.dgetrs(*inverse.factors, displacement)[0])
     first = solve_forces(inverse.first, displacement[: inverse.split])
     second = solve_forces(inverse.second, displacement[inverse.split :])
     (U, V), (solved_U, solved_V), rank = inverse.low_rank, inverse.solved, inverse.low_rank[0].shape[1]
-    exchange = dgetrs(*inverse.factors, np.concatenate([U.T @ first, V.T @ second]))[0]
+    exchange = scipy.linalg.lapack.dgetrs(*inverse.factors, np.concatenate([U.T @ first, V.T @ second]))[0]
     return np.concatenate([first - solved_U @ exchange[rank:], second - solved_V @ exchange[:rank]])
 
 
 def _factorise(matrix: Matrix) -> Factors:
-    lu, pivot, _ = dgetrf(matrix)
+    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix)
     return lu, pivot
 
 
