@@ -9,7 +9,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
-from weier.methods.bem.moments import Effects, effects_of_moments, yielding
+from weier.methods.bem.moments import Effects, displacement_by_moments, effects_of_moments, yielding
 from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
 from weier.methods.bem.polynomials import derivative, expansion, value
 
@@ -129,7 +129,7 @@ def _together(
         if not going:
             break
         common = weight = 0.0
-        pressed = mutual @ change + effects_of_moments(contacts, first, touching, change, np.zeros(n), period).lift
+        pressed = mutual @ change + displacement_by_moments(contacts, first, touching, change, period)
         for i in range(n):
             if touching[i]:
                 own = contacts.self_compliance[first + i] * change[i]
@@ -203,7 +203,7 @@ def _equalise_heights(
     """Newton's method for the change of each force that brings all touching contacts to one height."""
     n = change.size
     right = np.zeros(n)
-    lift = effects_of_moments(contacts, first, touching, change, np.zeros(n), period).lift
+    lift = displacement_by_moments(contacts, first, touching, change, period)
     for _ in range(MAX_STEPS):
         if not _heights(contacts, first, plane, lifted, period, touching, change, excess, slope):
             return False

@@ -16,6 +16,8 @@ from weier.methods.bem.grid_contacts import NARROW, WIDE, Contacts
 from weier.methods.bem.narrow_contacts import force_per_half_width
 from weier.methods.bem.polynomials import derivative, expansion, value
 
+Slopes = tuple[float, float, float, float]  # K' to K'''', in a tuple, which takes no memory from the heap
+
 HATS = 1 / 6  # second moment of the triangle of a nodal pressure, in squares of the nodes' spacing
 
 
@@ -45,15 +47,12 @@ def effects_of_moments(
 ) -> Effects:
     """Effects on the contacts from `first` on, after these changes of force and share."""
     n = touching.size
-    force, share = np.zeros((n, 4)), np.zeros((n, 4))
+    force, share = _all_moments(contacts, first, touching, change, faster)
     lift, lift_rate, tilt, bend = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     mixed_size, energy_size = np.zeros(n), np.zeros(n)
     mixed = energy = 0.0
     own = _image_kernel(period)
     for i in range(n):
-        force[i, 0], share[i, 0] = change[i], faster[i]
-        if touching[i] and contacts.kind[first + i] == NARROW:
-            force[i, 1:], share[i, 1:] = _moments(contacts, first + i, change[i], faster[i])
         lift[i] += _lift(force[i], own)
         lift_rate[i] += _lift(share[i], own)
         tilt[i] += _tilt(force[i], own)
@@ -62,7 +61,7 @@ def effects_of_moments(
         energy += _energy(share[i], share[i], own)
         for j in range(i):
             there = _kernel(contacts.position[first + i] - contacts.position[first + j], period)
-            here = there * np.array([-1.0, 1.0, -1.0, 1.0])
+            here = _opposite(there)
             lift[i] += _lift(force[j], there)
             lift[j] += _lift(force[i], here)
             lift_rate[i] += _lift(share[j], there)
@@ -79,48 +78,69 @@ def effects_of_moments(
 
 
 @kernel
-def _kernel(apart: float, period: float) -> Array:
+def displacement_by_moments(contacts: Contacts, first: int, touching: Flags, change: Array, period: float) -> Array:
+    """Displacement of each contact by the first to third moments of others, the `lift` of `Effects`."""
+    n = touching.size
+    lift = np.zeros(n)
+    force, _ = _all_moments(contacts, first, touching, change, np.zeros(n))
+    own = _image_kernel(period)
+    for i in range(n):
+        lift[i] += _lift(force[i], own)
+        for j in range(i):
+            there = _kernel(contacts.position[first + i] - contacts.position[first + j], period)
+            lift[i] += _lift(force[j], there)
+            lift[j] += _lift(force[i], _opposite(there))
+    return lift
+
+
+@kernel
+def _kernel(apart: float, period: float) -> Slopes:
     """K', K'', K''', K'''' at a distance."""
     a = np.pi / period
-    cotangent, bend = 1 / np.tan(a * apart), 1 / np.sin(a * apart) ** 2
-    return np.array(
-        [
-            -2 * a * cotangent,
-            2 * a**2 * bend,
-            -4 * a**3 * bend * cotangent,
-            4 * a**4 * bend * (2 * cotangent**2 + bend),
-        ]
+    cotangent = 1 / np.tan(a * apart)
+    bend = 1 + cotangent**2
+    return (
+        -2 * a * cotangent,
+        2 * a**2 * bend,
+        -4 * a**3 * bend * cotangent,
+        4 * a**4 * bend * (2 * cotangent**2 + bend),
     )
 
 
 @kernel
-def _image_kernel(period: float) -> Array:
-    """The same at 0, of the images of a point in all other periods."""
-    a = np.pi / period
-    return np.array([0.0, 2 * a**2 / 3, 0.0, 4 * a**4 / 15])
+def _opposite(slopes: Slopes) -> Slopes:
+    """The same at the opposite distance."""
+    return -slopes[0], slopes[1], -slopes[2], slopes[3]
 
 
 @kernel
-def _lift(moment: Array, slopes: Array) -> float:
+def _image_kernel(period: float) -> Slopes:
+    """The same at 0, of the images of a point in all other periods."""
+    a = np.pi / period
+    return 0.0, 2 * a**2 / 3, 0.0, 4 * a**4 / 15
+
+
+@kernel
+def _lift(moment: Array, slopes: Slopes) -> float:
     """Displacement by all moments but the force."""
     return slopes[1] / 2 * moment[2] - slopes[0] * moment[1] - slopes[2] / 6 * moment[3]
 
 
 @kernel
-def _tilt(moment: Array, slopes: Array) -> float:
+def _tilt(moment: Array, slopes: Slopes) -> float:
     """Slope of the displacement by all moments."""
     even = slopes[1] * moment[1] + slopes[3] / 6 * moment[3]
     return slopes[0] * moment[0] + slopes[2] / 2 * moment[2] - even
 
 
 @kernel
-def _bend(moment: Array, slopes: Array) -> float:
+def _bend(moment: Array, slopes: Slopes) -> float:
     """Second derivative of the displacement by all moments but the third."""
     return slopes[1] * moment[0] - slopes[2] * moment[1] + slopes[3] / 2 * moment[2]
 
 
 @kernel
-def _energy(one: Array, other: Array, slopes: Array) -> float:
+def _energy(one: Array, other: Array, slopes: Slopes) -> float:
     """Energy of first to third moments at x_i with those at x_j, up to K''''."""
     odd = slopes[2] / 2 * (one[1] * other[2] - one[2] * other[1])
     last = one[2] * other[2] / 4 - (one[1] * other[3] + one[3] * other[1]) / 6
@@ -128,11 +148,25 @@ def _energy(one: Array, other: Array, slopes: Array) -> float:
 
 
 @kernel
-def _size(one: Array, other: Array, slopes: Array) -> float:
+def _size(one: Array, other: Array, slopes: Slopes) -> float:
     """Size of that energy but for first moments, and of changes of force or share with second moments."""
     odd = abs(slopes[2] / 2) * (abs(one[1] * other[2]) + abs(one[2] * other[1]))
     even = abs(slopes[1] / 2) * (abs(one[0] * other[2]) + abs(one[2] * other[0]))
     return odd + even + abs(slopes[3] / 4 * one[2] * other[2])
+
+
+@kernel
+def _all_moments(
+    contacts: Contacts, first: int, touching: Flags, change: Array, faster: Array
+) -> tuple[Array, Array]:
+    """Change of each force with its moments that the grid has not, and of each share; shape (contacts, 4)."""
+    n = touching.size
+    force, share = np.zeros((n, 4)), np.zeros((n, 4))
+    for i in range(n):
+        force[i, 0], share[i, 0] = change[i], faster[i]
+        if touching[i] and contacts.kind[first + i] == NARROW:
+            force[i, 1:], share[i, 1:] = _moments(contacts, first + i, change[i], faster[i])
+    return force, share
 
 
 @kernel
