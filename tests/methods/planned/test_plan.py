@@ -75,7 +75,7 @@ def test_light_loads_are_a_coarse_grid_and_contacts_that_bear_on_each_other_a_fi
     parts = plan(profile, loads, 1e-3, "resistance").segments
     points = [part.settings["points"] / 125 for part in parts if part.method == "bem"]
     assert points[0] == 16
-    assert max(points) > 4 * points[0]
+    assert max(points) >= 2 * points[0]
     exact = plan(profile, loads, 1e-8).segments
     assert [part.method for part in exact] == ["bem", "patches"]
 
