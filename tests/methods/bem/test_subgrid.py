@@ -443,6 +443,16 @@ def test_a_birth_beside_a_single_contact_is_within_the_errors(D, birth):
         assert found.resistance_error[0] < 1e-4 * exact.resistance[0]  # away from it they are not wide
 
 
+@pytest.mark.parametrize("points", [16, 22, 33, 64])
+def test_errors_hold_where_the_last_gap_has_few_nodes(points):
+    """As the gap of one wave closes, until the grid has no node in it."""
+    loads = 1 - np.geomspace(0.5, 1e-4, 150)
+    for phase in (0.0, -np.pi / 16, 2.0):
+        found = curve(Profile(1.5, 3, 1, (phase,)), loads, points=points)
+        assert np.all(np.abs(found.compliance - westergaard.compliance(loads)) <= found.compliance_error)
+        assert np.all(np.abs(found.resistance - westergaard.resistance(loads)) <= found.resistance_error)
+
+
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
 @pytest.mark.parametrize("per_wave", [256, 655])
 def test_errors_hold_on_fine_grids_where_the_rate_is_most_of_them(per_wave, tolerance):

@@ -19,8 +19,8 @@ from weier.methods.bem.grid_solution import GridSolution
 # wave is 2 pi/points a wave.
 NEAR_IMAGES = np.array([0.13, 0.08])  # times near^2, of the resistance, for one contact and its images; load times it
 NEAR_LET_GO = np.array([0.35, 0.4])  # times near wave^2, and near, where a contact of the grid has let go
-NEAR_GAP = np.array([0.0019, 0.16])  # times near, for gaps with a polynomial
-GAP = np.array([0.006, 0.004])  # times wave^2, for the same, since polynomials stand for waves
+NEAR_GAP = np.array([0.0025, 0.16])  # times near, for gaps with a polynomial
+GAP = np.array([0.012, 0.07])  # times wave^2, for the same, since polynomials stand for waves
 ALONE = np.array([0.05, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
 NEXT = np.array([1.5, 1.9])  # times what these are off by to the next order
 SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others, whose shares it changes
