@@ -443,6 +443,18 @@ def test_a_birth_beside_a_single_contact_is_within_the_errors(D, birth):
         assert found.resistance_error[0] < 1e-4 * exact.resistance[0]  # away from it they are not wide
 
 
+@pytest.mark.parametrize("per_wave", [16, 32])
+def test_a_contact_of_nearly_the_whole_period_bears_on_a_narrow_one(per_wave):
+    """Two gaps are left beside a crest: the energies of both contacts must stay positive for a correction."""
+    profile = Profile(1.0648560773025668, 7, 3, (0.0, 0.0, np.pi))
+    loads = profile.full_contact_load * np.linspace(0.8, 0.99, 12)
+    exact = patches.curve(profile, loads)
+    found = curve(profile, loads, points=per_wave * 49)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+    assert np.array_equal(found.patch_count, exact.patch_count)
+
+
 @pytest.mark.parametrize("points", [16, 22, 33, 64])
 def test_errors_hold_where_the_last_gap_has_few_nodes(points):
     """As the gap of one wave closes, until the grid has no node in it."""

@@ -45,11 +45,15 @@ def _mutual(contacts: Contacts, first: int, last: int, period: float) -> Array:
     """Displacement of one contact per force on another; their own is left 0.
 
     Each force stands half on either node of the two-point rule of Gauss and Chebyshev, so that with the compliance of
-    flat punches as its diagonal the matrix is one of energies, and positive.
+    flat punches as its diagonal the matrix is one of energies, and positive. For a punch wider than half the period
+    this rule is too coarse: what it does to others is taken from its own solution.
     """
     matrix = np.zeros((last - first, last - first))
     for i in range(last - first):
         for j in range(i):
+            if max(contacts.reach[first + i], contacts.reach[first + j]) > period / 4:
+                matrix[i, j] = matrix[j, i] = _beside_a_wide_punch(contacts, first + i, first + j, period)
+                continue
             for side in (-1, 1):
                 for other in (-1, 1):
                     apart = contacts.position[first + i] - contacts.position[first + j]
@@ -57,6 +61,21 @@ def _mutual(contacts: Contacts, first: int, last: int, period: float) -> Array:
                     matrix[i, j] -= np.log(2 * abs(np.sin(np.pi * apart / period))) / 2
             matrix[j, i] = matrix[i, j]
     return matrix
+
+
+@kernel
+def _beside_a_wide_punch(contacts: Contacts, one: int, other: int, period: float) -> float:
+    """Displacement of the narrower contact per force on the wider, a flat punch of half-width a.
+
+    It is -2 ln sin(pi a/L) - 2 arcosh[sin(pi x/L)/sin(pi a/L)] at the distance x from its middle.
+    """
+    wide, narrow = (one, other) if contacts.reach[one] > contacts.reach[other] else (other, one)
+    edge = np.sin(np.pi * contacts.reach[wide] / period)
+    displacement = -2 * np.log(edge)
+    for side in (-1, 1):
+        x = contacts.position[narrow] + side * np.sqrt(0.5) * contacts.reach[narrow] - contacts.position[wide]
+        displacement -= np.arccosh(max(abs(np.sin(np.pi * x / period)) / edge, 1.0))
+    return displacement
 
 
 @kernel

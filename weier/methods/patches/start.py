@@ -68,7 +68,9 @@ class Starts:
         if points > MAX_POINTS and is_light and self._fewer_waves().period == self.profile.period:
             yield self.from_fewer_waves(load)
         for per_wave in POINTS_PER_WAVE:
-            yield self._from_grid(per_wave, load)
+            found = self._from_grid(per_wave, load)
+            if found is not None:
+                yield found
 
     def from_fewer_waves(self, load: float) -> InitialGuess:
         """Contacts by the pressure on a grid without the last wave, on whose crests Westergaard's theory places them.
@@ -91,8 +93,8 @@ class Starts:
         force *= load * period / force.sum()
         return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, self.tolerance)
 
-    def _from_grid(self, per_wave: int, load: float) -> InitialGuess:
-        """The contacts on a grid, but for those that have no width there."""
+    def _from_grid(self, per_wave: int, load: float) -> InitialGuess | None:
+        """The contacts on a grid, but for those that have no width there; None if all have none."""
         hierarchy, continuum = self._grid(per_wave)
         start = full_contact(hierarchy, load)
         with counted_as(0):
@@ -100,6 +102,8 @@ class Starts:
         here = slice(found.first[0], found.first[0] + found.number[0])
         left, right, force = found.left[here], found.right[here], found.force[here]
         wide = right > left
+        if not wide.any():
+            return None
         middle, half_width = 0.5 * (left + right)[wide], 0.5 * (right - left)[wide]
         return contacts_guess(self.surface, middle, half_width, force[wide], self.tolerance)
 
