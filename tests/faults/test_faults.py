@@ -326,7 +326,7 @@ def square(x):
 """
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@pytest.mark.skipif(jit.disabled(), reason="NUMBA_DISABLE_JIT is set: nothing is compiled")
 @pytest.mark.parametrize("suffix", ["nbi", "nbc"])
 @pytest.mark.parametrize("size", [0, 99])
 def test_a_damaged_cache_of_compiled_kernels(tmp_path, monkeypatch, suffix, size):

@@ -16,6 +16,9 @@ from weier.kernels import jit
 
 PATIENCE = 120  # seconds
 
+# Where a developer sets it, to follow kernels line by line; the gate does not.
+compiled = pytest.mark.skipif(jit.disabled(), reason="NUMBA_DISABLE_JIT is set: nothing is compiled")
+
 PROGRAM = """
 from weier.kernels.jit import kernel
 import constants
@@ -63,7 +66,7 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     assert len(list((tmp_path / "cache").iterdir())) == 2
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_seconds_of_compiling_are_those_of_the_thread_that_waits(folders):
     module, seconds = load(folders[0]), []
 
@@ -132,7 +135,7 @@ def folders(tmp_path, monkeypatch):
     sys.modules.pop("some_kernels", None)
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_two_copies_of_the_same_sources_share_a_cache(folders):
     hits = []
     for folder in folders:
@@ -142,7 +145,7 @@ def test_two_copies_of_the_same_sources_share_a_cache(folders):
     assert hits == [0, 1]
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_a_kernel_inside_another_is_not_cached_by_itself_and_can_still_be_called(folders):
     module = load(folders[0])
     pair = module.Pair(np.ones(3), np.ones(3))
@@ -152,7 +155,7 @@ def test_a_kernel_inside_another_is_not_cached_by_itself_and_can_still_be_called
     assert module.offset(pair) == 1.0
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_a_kernel_inside_another_becomes_machine_code_there_alone(folders, monkeypatch):
     translated, translate = [], JITCodeLibrary._finalize_final_module
     monkeypatch.setattr(
@@ -175,7 +178,7 @@ print(some_kernels.count(3), sum(some_kernels.count.compiled.stats.cache_hits.va
 """
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(folders):
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(jit.PACKAGE.parent), str(folders[0])])}
     command = [sys.executable, "-c", WAITER, str(folders[0].parent / "cache")]
@@ -184,14 +187,14 @@ def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(folders):
     assert said == ["3 0\n", "3 1\n", "3 1\n"]
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_a_kernel_inside_another_is_compiled_once_for_all_integers(folders):
     module = load(folders[0])
     assert module.count(5) == 5
     assert list(module.increment._numba_type_.dispatcher.overloads) == [(types.int64,)]
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_compiling_is_announced_for_what_python_calls(folders, monkeypatch):
     said = []
     monkeypatch.setattr(jit, "LISTENERS", [])
@@ -204,7 +207,7 @@ def test_compiling_is_announced_for_what_python_calls(folders, monkeypatch):
     assert said == ["some_kernels"]
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+@compiled
 def test_a_cache_that_cannot_be_made_stops_nothing(folders, monkeypatch):
     (folders[0] / "file").touch()
     monkeypatch.setattr(jit, "folder", lambda: folders[0] / "file" / "cache")

@@ -134,9 +134,10 @@ class _InnerCompiler(Compiler):
 
     def compile_extra(self, function: Any) -> Any:
         """The compiled kernel, with a key instead of an address by which callers find it."""
-        self.state.library = _InnerLibrary(self.state.targetctx.codegen(), function.__qualname__)
+        code = _InnerLibrary(self.state.targetctx.codegen(), function.__qualname__)
+        self.state["library"] = code
         result = super().compile_extra(function)
-        self.state.targetctx.insert_user_function(result.fndesc, result.fndesc, [result.library])
+        self.state.targetctx.insert_user_function(result.fndesc, result.fndesc, [code])
         return result._replace(entry_point=result.fndesc)
 
 
