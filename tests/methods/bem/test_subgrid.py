@@ -443,6 +443,30 @@ def test_a_birth_beside_a_single_contact_is_within_the_errors(D, birth):
         assert found.resistance_error[0] < 1e-4 * exact.resistance[0]  # away from it they are not wide
 
 
+@pytest.mark.parametrize("per_wave", [16, 24, 32, 64])
+def test_a_term_that_happens_to_be_small_is_not_taken_for_the_rest(per_wave):
+    """Of one contact on 32 points, where waves cancel in the last terms of the polynomial that is left."""
+    profile = Profile(1.8950971387317663, "4/3", 3, (5.519338401415725, 4.179233100616058, 2.2318053188830347))
+    loads = np.geomspace(1e-9, 2e-4, 12)
+    exact, found = patches.curve(profile, loads, 1e-12), curve(profile, loads, points=per_wave * 16)
+    assert np.all(found.patch_count == 1)
+    rounding = 1e-13, 1e-11  # of the reference
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error + rounding[0])
+    assert np.all(
+        np.abs(found.resistance / exact.resistance - 1) <= found.resistance_error / exact.resistance + rounding[1]
+    )
+
+
+@pytest.mark.parametrize("per_wave", [16, 32, 40])
+def test_errors_hold_where_an_edge_runs_along_a_shoulder(per_wave):
+    """A step of it takes a tenth of the load that others take, and each a third less than the one before."""
+    profile = Profile(1.8950971387317663, "4/3", 3, (5.519338401415725, 4.179233100616058, 2.2318053188830347))
+    loads = np.linspace(0.27, 0.29, 15)
+    exact, found = patches.curve(profile, loads, 1e-12), curve(profile, loads, points=per_wave * 16)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+
+
 @pytest.mark.parametrize("per_wave", [16, 32])
 def test_a_contact_of_nearly_the_whole_period_bears_on_a_narrow_one(per_wave):
     """Two gaps are left beside a crest: the energies of both contacts must stay positive for a correction."""

@@ -22,6 +22,9 @@ NEAR_LET_GO = np.array([0.35, 0.4])  # times near wave^2, and near, where a cont
 NEAR_GAP = np.array([0.0025, 0.16])  # times near, for gaps with a polynomial
 GAP = np.array([0.012, 0.07])  # times wave^2, for the same, since polynomials stand for waves
 ALONE = np.array([0.05, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
+# In place of one over the nodes where it is more, times s^2: beside a shoulder of the surface, along which an edge
+# runs fast, fewer nodes than those of the run belong to it.
+UNEVEN, MAX_UNEVEN = 2.2, 3.0
 NEXT = np.array([1.5, 1.9])  # times what these are off by to the next order
 SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others, whose shares it changes
 # The next order of an edge without a polynomial, measured on grids of one wave and on random series: the next step
@@ -106,7 +109,7 @@ def errors_of_edges(
         elif of_contact:
             share = NEAR_LET_GO * near * np.array([angle**2, 1.0]) if let_go else np.zeros(2)
         else:
-            share = ALONE / narrower
+            share = ALONE * max(1 / narrower, min(UNEVEN * steps.longer[run] ** 2, MAX_UNEVEN))
             alone[run] = True
         errors += (share + SHARE * flatness) * steps.change[run]
     return errors + NEXT * np.abs(_next_order(edge, steps, alone))

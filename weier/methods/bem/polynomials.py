@@ -65,7 +65,8 @@ def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) 
 
     The terms are of T_(degree + 1) and T_(degree + 2), less what the fit makes of them, `fitted_next`. Their
     coefficients are those of a wave: they alternate, and fall by `ratio`^2/(4 k (k + 1)) from one of a parity to the
-    next; where they fell more slowly so far, they go on like that.
+    next; where they fell more slowly so far, they go on like that. A last one that is smaller than the one before
+    tells, as where waves cancel in it, counts as large as that.
     """
     coefficients = expansion(polynomial, 0.0, 1.0)
     rest = np.empty((2, TERMS + 2))
@@ -73,11 +74,12 @@ def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) 
         last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
         fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
         slower = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
+        size = max(last, fall * before / slower) if slower > 0 else last
         if slower * last > fall * before:
             fall = min(slower * last / before, 1.0)
         rest[j] = _CHEBYSHEV[degree + 1 + j]
         rest[j, :TERMS] -= fitted_next[j]
-        rest[j] *= -fall * coefficients[max(degree - 1 + j, 0)]
+        rest[j] *= -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
     return rest
 
 
