@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
 import click
@@ -49,6 +49,8 @@ SHARES_BETWEEN = {"h": 1e-3, "R": 1e-4}
 TIGHTER = 1 / 8  # a tolerance of their own, in the residual wanted, where no time is taken
 STEPS = (0.01, 0.03, 0.09)  # of ln p on either side of a load
 REPEATS, LONG = 3, 1.0  # runs to time, and the seconds of one that is timed once
+MAX_SECONDS = 60.0  # of an attempt: no program is asked for a grid on which it would take longer
+GROWTH = 1.3  # the least power of the nodes by which seconds grow
 DRAWN = {"weier_between": 2**14, "weier": 2**15, "tamaas": 2**13}  # the programs of the figure, up to so many nodes
 DRAWN_RESIDUALS = (1e-12, 1e-9)  # of weier, whose errors become small, and of the others
 
@@ -132,20 +134,25 @@ def _compliance(name: str, problem: Problem) -> Array:
     return np.array(h[::-1])
 
 
-def smallest(name: str, quantity: str, target: float, reference: Exact) -> Reached | None:
-    """The smallest of SIZES with which a program keeps within an error, and its time there; None if there is none."""
+def smallest(name: str, quantity: str, target: float, reference: Exact, fewest: int = 0) -> Reached | None:
+    """The smallest of SIZES, from `fewest` on, with which a program keeps within an error, and its time there.
+
+    None if there is none, or it would take more than MAX_SECONDS to see.
+    """
     most = SIZES[-1] if quantity == "R" and name in EDGES else MAX_SIZES[quantity]
-    sizes = [size for size in SIZES if size <= most]
-    shares = SHARES_BETWEEN if name == OURS else SHARES
-    while sizes:
-        points = sizes[0]
+    sizes = [size for size in SIZES if fewest <= size <= most]
+    shares, expected = SHARES_BETWEEN if name == OURS else SHARES, 0.0
+    while sizes and expected <= MAX_SECONDS:
+        points, begin = sizes[0], perf_counter()
         tried = attempt(name, quantity, points, shares[quantity] * target, reference)
+        taken = perf_counter() - begin
         said = f"{quantity} within {target:.0e} by {name}: {points} nodes leave {tried.error:.1e} {tried.how}"
         click.echo(said, err=True)
         if tried.error <= target:
             return Reached(points, _least_seconds(name, tried.prepare()), tried.how)
         enough = points * (tried.error / target) ** (1 / ORDER) if np.isfinite(tried.error) else points
         sizes = [size for size in sizes[1:] if size >= enough]
+        expected = taken * (sizes[0] / points) ** GROWTH if sizes else 0.0
     return None
 
 
@@ -161,11 +168,16 @@ def _least_seconds(name: str, again: Callable[[], Any]) -> float:
 
 
 def measure(name: str, reference: Exact) -> dict[str, list[Reached | None]]:
-    """What a program takes for each target of each quantity."""
-    return {
-        quantity: [smallest(name, quantity, target, reference) for target in targets]
-        for quantity, targets in TARGETS.items()
-    }
+    """What a program takes for each target of each quantity; no smaller error is reached with fewer nodes."""
+    found: dict[str, list[Reached | None]] = {}
+    for quantity, targets in TARGETS.items():
+        fewest: int | None = 0
+        found[quantity] = []
+        for target in targets:
+            reached = None if fewest is None else smallest(name, quantity, target, reference, fewest)
+            fewest = reached and reached.points
+            found[quantity].append(reached)
+    return found
 
 
 def table(found: dict[tuple[str, str, float], Reached | None], programs: Sequence[str]) -> str:

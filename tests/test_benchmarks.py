@@ -135,6 +135,17 @@ def test_the_smallest_grid_is_found(monkeypatch, capsys):
     assert "h within 1e-06 by weier: 65536 nodes leave" in capsys.readouterr().err
 
 
+def test_no_grid_is_tried_that_would_take_too_long(monkeypatch):
+    """An attempt that takes a minute is the last; what it has not reached is not asked for with more nodes."""
+    clock = iter(np.arange(0.0, 6000, 61))
+    monkeypatch.setattr(to_error, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(to_error, "attempt", lambda *at: to_error.Attempt(at[2] ** -2.0, lambda: int))
+    assert to_error.smallest("tamaas", "h", 1e-7, None) is None
+    assert to_error.smallest("tamaas", "h", 1e-5, None).points == 400
+    points = [each and each.points for each in to_error.measure("tamaas", None)["h"]]
+    assert points == [400, 400, None, None]
+
+
 def test_a_table_of_times_says_what_is_not_reached():
     found = {
         (name, quantity, target): to_error.Reached(400, seconds, "")

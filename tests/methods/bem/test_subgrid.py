@@ -246,9 +246,8 @@ def test_the_remainder_of_a_polynomial_is_known_to_a_tenth():
     s, middle = np.linspace(-1, 1, polynomials.TERMS), np.linspace(-0.4, 0.4, 41)
     ratio = 4 * 2 * np.pi / 16  # phase in one s
     wave = np.cos(ratio * s + 1.0)
-    fitted = polynomials.fit_polynomials(
-        s, polynomials.with_next_terms(s, wave[None], polynomials.DEGREE), polynomials.DEGREE
-    )
+    values = np.concatenate([wave[None], polynomials.next_terms(s, polynomials.DEGREE)])
+    fitted = polynomials.fit_polynomials(s, values, polynomials.DEGREE)
     rest = polynomials.remainder(fitted[0], fitted[1:], polynomials.DEGREE, ratio).sum(axis=0)
     missed = np.cos(ratio * middle + 1.0) - [polynomials.value(fitted[0], x) for x in middle]
     said = np.array([polynomials.value(rest, x) for x in middle])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.bem.windows import MAX_MARGIN
+from weier.methods.bem.windows import MAX_MARGIN, Windows, make_windows
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
 
@@ -20,6 +20,7 @@ class Continuum(NamedTuple):
 
     influence : displacement at j nodes from a unit force, of a line without images, shape (nodes,)
     stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,)
+    windows : fits on the nodes about contacts and gaps
     narrow : nodes of the largest contact, or gap, that is given a polynomial: half a finest wave
     angle : 2 pi over the points for each of the finest waves
     period : in lambda_0
@@ -27,6 +28,7 @@ class Continuum(NamedTuple):
 
     influence: Array
     stiffness: Array
+    windows: Windows
     narrow: int
     angle: float
     period: float
@@ -39,6 +41,7 @@ def make_continuum(profile: Profile, points: int) -> Continuum:
     return Continuum(
         _line_influence(nodes) - 2 * np.log(2 * np.pi / points),
         _line_stiffness(nodes) * points / period,
+        _windows(nodes),
         narrow,
         2 * np.pi * profile.waves_per_period[-1] / points,
         period,
@@ -50,6 +53,12 @@ def _line_influence(nodes: int) -> Array:
     j = np.abs(np.arange(-1, nodes + 1.0))
     twice = j * j / 2 * np.log(np.where(j > 0, j, 1))  # integrates ln twice, but for -3/4 j^2
     return np.asarray(3 - 2 * np.diff(twice, 2))
+
+
+@lru_cache(maxsize=4)
+def _windows(nodes: int) -> Windows:
+    """Those of all contacts and gaps with a polynomial, with their margins."""
+    return make_windows(nodes)
 
 
 @lru_cache(maxsize=4)

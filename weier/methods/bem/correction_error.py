@@ -16,8 +16,8 @@ from weier.methods.bem.edge_error import errors_of_edges, is_lone_with_polynomia
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
 from weier.methods.bem.grid_solution import GridSolution
-from weier.methods.bem.narrow_contacts import force_per_half_width, punch_compliance
-from weier.methods.bem.polynomials import NODES, derivative, value
+from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
+from weier.methods.bem.polynomials import shift, slopes, value
 
 REST = 1.2  # times the next two terms of a polynomial, for all further ones
 PLACE = 1.4  # times what the known shift of a contact changes
@@ -31,8 +31,9 @@ SHIFTED = 60.0
 UNFLAT = 7e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
-MOMENTS = np.array([1.7, 2.2])  # times the root of the squares of what second and third moments of contacts change
-RECIPROCITY = np.array([0.1, 1.0])  # times change of force and change of share, since reciprocity is linear
+MOMENTS, RATE_MOMENTS = 1.7, 2.2  # times the root of the squares of what second and third moments of contacts change
+# Times change of force and change of share, since reciprocity is linear: of h, and over the load of R.
+RECIPROCITY, RATE_RECIPROCITY = 0.1, 1.0
 LET_GO = 1.2  # of the force, in g_0 per lambda_0 p_0*, of a contact of the grid that the continuum has not
 PRESSED = 0.05  # of what others press a contact down by more than on the grid
 # Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
@@ -50,37 +51,45 @@ def expected_errors(
 
     `angle` is 2 pi/(points a wave).
     """
-    errors, flatness = _errors_of_the_solver(solution)
+    load = float(np.mean(solution.pressure))
+    error, rate_error, flatness = _errors_of_the_solver(solution)
     if not is_lone_with_polynomial(solution, edge, polynomial):
-        errors[0] += UNFLAT * flatness * solution.rate * np.mean(solution.pressure)
-    errors[1] += RATE_ROUNDING / angle**2 * solution.rate
+        error += UNFLAT * flatness * solution.rate * load
+    rate_error += RATE_ROUNDING / angle**2 * solution.rate
     let_go = False
-    moments = np.zeros(2)
+    moments = rate_moments = 0.0
     for at in range(used):
         if contacts.kind[at] == NARROW and not contacts.touching[at]:
             let_go = True
-            errors[0] += LET_GO * contacts.force[at] * contacts.share[at] / period
+            error += LET_GO * contacts.force[at] * contacts.share[at] / period
         if contacts.touching[at] and contacts.kind[at] != WIDE:
-            errors += REST * _errors_of_the_polynomial(contacts, at, period)
-            errors[1] += PLACE * _errors_of_the_place(contacts, at, period)
-            errors[1] += CURVATURE_ROUNDING * _rounding_of_the_curvature(contacts, at, abs(solution.plane), period)
-            moments += np.array([contacts.off[at], contacts.rate_off[at]]) ** 2
+            off, rate_off = _errors_of_the_polynomial(contacts, at, period)
+            error += REST * off
+            rate_error += REST * rate_off + PLACE * _errors_of_the_place(contacts, at, period)
+            rate_error += CURVATURE_ROUNDING * _rounding_of_the_curvature(contacts, at, abs(solution.plane), period)
+            moments += contacts.off[at] ** 2
+            rate_moments += contacts.rate_off[at] ** 2
             shifted = abs(contacts.share_change[at] * contacts.change[at]) / period
-            errors += RECIPROCITY * np.array([shifted, shifted / np.mean(solution.pressure)])
+            error += RECIPROCITY * shifted
+            rate_error += RATE_RECIPROCITY * shifted / load
             if contacts.kind[at] == BIRTH:
-                errors += _errors_of_a_birth(contacts, at, period)
-    errors += MOMENTS * np.sqrt(moments)
-    errors += errors_of_edges(solution, edge, polynomial, angle, flatness, let_go, period)
+                off, rate_off = _errors_of_a_birth(contacts, at, period)
+                error += off
+                rate_error += rate_off
+    off, rate_off = errors_of_edges(solution, edge, polynomial, angle, flatness, let_go, load, period)
+    error += MOMENTS * np.sqrt(moments) + off
+    rate_error += RATE_MOMENTS * np.sqrt(rate_moments) + rate_off
+    sine, cosine = (np.sin(np.pi / period * contacts.position), np.cos(np.pi / period * contacts.position))
     births = missed = 0.0
     uncertain = False
     for at in range(used):
         if contacts.kind[at] != WIDE:
             off = (
-                HEIGHT_SHARE * errors[0]
+                HEIGHT_SHARE * error
                 + PRESSED * contacts.pressed[at]
                 + 2 * _rest(contacts.height_rest[at], contacts.centre[at])
             )
-            displaced = _displacement_by_moments(contacts, used, at, period / solution.contact.size, period)
+            displaced = _displacement_by_moments(contacts, used, at, sine, cosine, np.pi / solution.contact.size)
             off += displaced
             if contacts.touching[at]:  # the more of the load it takes, the less another can take from it
                 off *= max(1 - (contacts.share[at] + contacts.share_change[at]) / period, 0.0)
@@ -89,11 +98,11 @@ def expected_errors(
             births += drop
             if contacts.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
                 missed += drop * displaced / contacts.closing[at]
-    return errors[0] + missed, errors[1] + births, uncertain
+    return error + missed, rate_error + births, uncertain
 
 
 @kernel
-def _errors_of_the_solver(solution: GridSolution) -> tuple[Array, float]:
+def _errors_of_the_solver(solution: GridSolution) -> tuple[float, float, float]:
     """What residuals leave, all of that of the heights and the square of that of the rate; the latter as a share."""
     residual = flatness = 0.0
     for i in range(solution.contact.size):
@@ -103,43 +112,49 @@ def _errors_of_the_solver(solution: GridSolution) -> tuple[Array, float]:
         else:
             residual = max(residual, solution.deformed[i] - solution.plane)
     share = min(flatness / solution.rate, 1.0) if solution.rate > 0 else 0.0  # in full contact both are rounding
-    return np.array([residual + ROUNDING * abs(solution.plane), SHIFTED * share * flatness]), share
+    return residual + ROUNDING * abs(solution.plane), SHIFTED * share * flatness, share
 
 
 @kernel
-def _size(terms: Array) -> float:
+def _size(one: float, other: float) -> float:
     """Of a sum of two terms, with a share of each in case that their signs are others."""
-    return abs(terms.sum()) + CANCELLED * np.abs(terms).sum()
+    return abs(one + other) + CANCELLED * (abs(one) + abs(other))
 
 
 @kernel
 def _rest(polynomials: Array, s: float) -> float:
     """What the next two terms are there."""
-    return _size(np.array([value(polynomials[0], s), value(polynomials[1], s)]))
+    return _size(value(polynomials[0], s), value(polynomials[1], s))
 
 
 @kernel
-def _errors_of_the_polynomial(contacts: Contacts, at: int, period: float) -> Array:
+def _errors_of_the_polynomial(contacts: Contacts, at: int, period: float) -> tuple[float, float]:
     """What the next two terms of its polynomials change of compliance and resistance.
 
     A height delta z in contact raises the plane by its mean over the Chebyshev nodes; that mean changes with the half
     width a, and a with the force, which is -(a/2) times the mean of t z'.
     """
     force, share = (contacts.force[at] + contacts.change[at], contacts.share[at] + contacts.share_change[at])
-    half_width = contacts.half_width[at]
-    height, height_change, rate = np.zeros(2), np.zeros(2), np.zeros(2)
-    wider = force_per_half_width(contacts.height[at], contacts.centre[at], half_width)
-    for t in NODES:
-        s = contacts.centre[at] + half_width * t
-        for j in range(2):
-            height[j] += value(contacts.height_rest[at, j], s) / NODES.size
-            height_change[j] += t * value(derivative(contacts.height_rest[at, j]), s) / NODES.size
-            rate[j] += value(contacts.rate_rest[at, j], s) / NODES.size
-    off = abs(share) * _size(height) + abs(force) * _size(rate)
-    rate_off = 2 * abs(share) * _size(rate)
+    centre, half_width = contacts.centre[at], contacts.half_width[at]
+    odd, odd_change = _means_of_the_rest(contacts.height_rest[at, 0], centre, half_width)
+    even, even_change = _means_of_the_rest(contacts.height_rest[at, 1], centre, half_width)
+    odd_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 0], centre, half_width)
+    even_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 1], centre, half_width)
+    wider = force_per_half_width(contacts.height[at], centre, half_width)
+    off = abs(share) * _size(odd, even) + abs(force) * _size(odd_rate, even_rate)
+    rate_off = 2 * abs(share) * _size(odd_rate, even_rate)
     if wider > 0:
-        rate_off += share**2 * _size(height_change) / wider
-    return np.array([off, rate_off]) / period
+        rate_off += share**2 * _size(odd_change, even_change) / wider
+    return off / period, rate_off / period
+
+
+@kernel
+def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[float, float]:
+    """Mean of a term over the Chebyshev nodes t of a contact, and that of t times its slope."""
+    moved = rest.copy()
+    shift(moved, centre)
+    mean, _, _, slope_t, _ = means(moved, half_width)
+    return mean, slope_t
 
 
 @kernel
@@ -148,47 +163,51 @@ def _errors_of_the_place(contacts: Contacts, at: int, period: float) -> float:
 
     It moves by slope/z'' if the moments of others, its images or the next two terms tilt the surface.
     """
-    bend = derivative(derivative(contacts.height[at]))
-    twist = value(derivative(bend), contacts.centre[at])
+    _, bend, twist = slopes(contacts.height[at], contacts.centre[at])
     slope = abs(contacts.tilt[at]) * contacts.scale[at]
     for j in range(2):
-        slope += abs(value(derivative(contacts.height_rest[at, j]), contacts.centre[at]))
+        slope += abs(slopes(contacts.height_rest[at, j], contacts.centre[at])[0])
     share = contacts.share[at] + contacts.share_change[at]
-    return float(share**2 / period * abs(twist) * slope / value(bend, contacts.centre[at]) ** 2)
+    return float(share**2 / period * abs(twist) * slope / bend**2)
 
 
 @kernel
 def _rounding_of_the_curvature(contacts: Contacts, at: int, height: float, period: float) -> float:
     """What rounding of heights changes of the resistance, much where waves are low: share^2/L over the curvature."""
-    bend = abs(value(derivative(derivative(contacts.height[at])), contacts.centre[at]))
+    bend = abs(slopes(contacts.height[at], contacts.centre[at])[1])
     share = contacts.share[at] + contacts.share_change[at]
     return float(share**2 / period * height / bend) if bend > 0 else 0.0
 
 
 @kernel
-def _errors_of_a_birth(contacts: Contacts, at: int, period: float) -> Array:
+def _errors_of_a_birth(contacts: Contacts, at: int, period: float) -> tuple[float, float]:
     """What a contact between two nodes changes may be misjudged by."""
-    bend = -value(derivative(derivative(contacts.height[at])), contacts.centre[at])
+    bend = -slopes(contacts.height[at], contacts.centre[at])[1]
     height = BIRTH_SHARE * contacts.penetration[at] * contacts.closing[at] / period
-    return np.array([height, BIRTH_RATE * _drop(contacts, at, contacts.penetration[at], bend, period)])
+    return height, BIRTH_RATE * _drop(contacts, at, contacts.penetration[at], bend, period)
 
 
 @kernel
-def _displacement_by_moments(contacts: Contacts, used: int, at: int, spacing: float, period: float) -> float:
-    """How far a crest may stand off by the second moments of the contacts on the grid: K''/2 of each of these."""
+def _displacement_by_moments(
+    contacts: Contacts, used: int, at: int, sine: Array, cosine: Array, angle: float
+) -> float:
+    """How far a crest may stand off by the second moments of the contacts on the grid: K''/2 of each of these.
+
+    Sine and cosine are of pi x/L at all contacts, `angle` is that of one step of the grid.
+    """
     off = 0.0
     for other in range(used):
         if other != at and contacts.kind[other] != BIRTH:
-            apart = np.sin(np.pi * (contacts.position[at] - contacts.position[other]) / period)
+            apart = sine[at] * cosine[other] - cosine[at] * sine[other]
             share = MOMENT if contacts.kind[other] == WIDE else MOMENT_LEFT
-            off += share * contacts.force[other] * (np.pi * spacing / period / apart) ** 2
+            off += share * contacts.force[other] * (angle / apart) ** 2
     return off
 
 
 @kernel
 def _uncertain_birth(contacts: Contacts, at: int, off: float, period: float) -> float:
     """By how much the resistance would differ if a crest stood so much higher or lower."""
-    bend = -value(derivative(derivative(contacts.height[at])), contacts.centre[at])
+    bend = -slopes(contacts.height[at], contacts.centre[at])[1]
     higher = _drop(contacts, at, contacts.penetration[at] + off, bend, period)
     return higher - _drop(contacts, at, contacts.penetration[at] - off, bend, period)
 

@@ -54,7 +54,7 @@ class Steps(NamedTuple):
 
 
 @kernel
-def find_steps(solution: GridSolution, edge: Edges, period: float) -> Steps:
+def find_steps(solution: GridSolution, edge: Edges, mean_pressure: float, period: float) -> Steps:
     """The steps of all edges; zeros where one is not known."""
     edges = edge.size - 2
     points = solution.pressure.size
@@ -78,8 +78,8 @@ def find_steps(solution: GridSolution, edge: Edges, period: float) -> Steps:
         after = solution.plane - solution.deformed[beyond] - until * (solution.rate - solution.displacement[beyond])
         growth = (after / closing - before / solution.per_load[inside]) / (2 * (since + until))
         stiffer = closing * points / (solution.per_load[inside] * period * NEXT_CLOSING) - 1
-        load = min(since + until, np.mean(solution.pressure))  # a contact is no older than the load
-        steps.change[at] = drop * load, drop
+        load = min(since + until, mean_pressure)  # a contact is no older than the load
+        steps.change[at, 0], steps.change[at, 1] = drop * load, drop
         steps.place[at] = since / (since + until) - 0.5
         steps.stiffer[at] = min(max(stiffer, -MAX_CHANGE), MAX_CHANGE)
         steps.longer[at] = min(max(growth, -MAX_CHANGE), MAX_CHANGE)
@@ -88,12 +88,13 @@ def find_steps(solution: GridSolution, edge: Edges, period: float) -> Steps:
 
 @kernel
 def errors_of_edges(
-    solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float, let_go: bool, period: float
-) -> Array:
+    solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float, let_go: bool,
+    mean_pressure: float, period: float,
+) -> tuple[float, float]:  # fmt: skip
     """What steps that are misjudged change of compliance and resistance at most; `let_go` is of any contact."""
-    steps = find_steps(solution, edge, period)
+    steps = find_steps(solution, edge, mean_pressure, period)
     if is_lone_with_polynomial(solution, edge, polynomial):
-        return _errors_of_images(solution, edge, steps)
+        return _errors_of_images(solution, edge, steps, mean_pressure)
     runs = edge.size - 2
     errors = np.zeros(2)
     alone = np.zeros(runs, np.bool_)
@@ -104,15 +105,17 @@ def errors_of_edges(
         of_contact, of_gap = polynomial[run], polynomial[run - 1]
         if not solution.contact[edge[run + 1] % solution.pressure.size]:
             of_contact, of_gap = of_gap, of_contact
-        if of_gap:
-            share = NEAR_GAP * near + GAP * angle**2
-        elif of_contact:
-            share = NEAR_LET_GO * near * np.array([angle**2, 1.0]) if let_go else np.zeros(2)
-        else:
-            share = ALONE * max(1 / narrower, min(UNEVEN * steps.longer[run] ** 2, MAX_UNEVEN))
-            alone[run] = True
-        errors += (share + SHARE * flatness) * steps.change[run]
-    return errors + NEXT * np.abs(_next_order(edge, steps, alone))
+        alone[run] = not (of_gap or of_contact)
+        for quantity in range(2):
+            if of_gap:
+                share = NEAR_GAP[quantity] * near + GAP[quantity] * angle**2
+            elif of_contact:
+                share = NEAR_LET_GO[quantity] * near * (angle**2 if quantity == 0 else 1.0) if let_go else 0.0
+            else:
+                share = ALONE[quantity] * max(1 / narrower, min(UNEVEN * steps.longer[run] ** 2, MAX_UNEVEN))
+            errors[quantity] += (share + SHARE[quantity] * flatness) * steps.change[run, quantity]
+    higher, faster = _next_order(edge, steps, alone)
+    return errors[0] + NEXT[0] * abs(higher), errors[1] + NEXT[1] * abs(faster)
 
 
 @kernel
@@ -124,29 +127,28 @@ def is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Fla
 
 
 @kernel
-def _errors_of_images(solution: GridSolution, edge: Edges, steps: Steps) -> Array:
+def _errors_of_images(solution: GridSolution, edge: Edges, steps: Steps, mean_pressure: float) -> tuple[float, float]:
     """What the images of a single contact may change."""
     nodes = min(edge[2] - edge[1], edge[3] - edge[2])
-    near = (nodes / solution.pressure.size) ** 2
-    return NEAR_IMAGES * near**2 * steps.change[:, 1].sum() * np.array([np.mean(solution.pressure), 1.0])
+    change = (nodes / solution.pressure.size) ** 4 * steps.change[:, 1].sum()
+    return NEAR_IMAGES[0] * change * mean_pressure, NEAR_IMAGES[1] * change
 
 
 @kernel
-def _next_order(edge: Edges, steps: Steps, alone: Flags) -> Array:
+def _next_order(edge: Edges, steps: Steps, alone: Flags) -> tuple[float, float]:
     """What the next order of the edges that stand alone would change of compliance and resistance."""
-    off = np.zeros(2)
+    off = rate_off = 0.0
     for run in range(alone.size):
         x = steps.place[run]
         if alone[run]:
             r, s = steps.stiffer[run], steps.longer[run]
-            higher = r * _cubic(STIFFER_COMPLIANCE, x) + s * _cubic(LONGER_COMPLIANCE, x)
-            faster = r * _cubic(STIFFER_RESISTANCE, x) + s * _cubic(LONGER_RESISTANCE, x)
-            off += steps.change[run] * np.array([higher, faster])
+            off += steps.change[run, 0] * (r * _cubic(STIFFER_COMPLIANCE, x) + s * _cubic(LONGER_COMPLIANCE, x))
+            rate_off += steps.change[run, 1] * (r * _cubic(STIFFER_RESISTANCE, x) + s * _cubic(LONGER_RESISTANCE, x))
         after = (run + 1) % alone.size
         if alone[run] or alone[after]:
             drop = np.sqrt(steps.change[run, 1] * steps.change[after, 1])
-            off[1] -= CROSS * drop * x * steps.place[after] / (edge[run + 2] - edge[run + 1])
-    return off
+            rate_off -= CROSS * drop * x * steps.place[after] / (edge[run + 2] - edge[run + 1])
+    return off, rate_off
 
 
 @kernel

@@ -269,6 +269,14 @@ def cascade(load: float, hierarchy: Hierarchy, start: Array, whole: GridState) -
 
 
 @kernel
+def resume(load: float, hierarchy: Hierarchy, whole: GridState) -> tuple[float, float, float]:
+    """Solve one load on the finest grid alone, from the pressure in `whole`, as `cascade`."""
+    _contact_from_pressure(whole)
+    plane, residual, pairs = solve_load(load, grid_of(hierarchy, hierarchy.points.size - 1), whole)
+    return plane, residual, float(pairs)
+
+
+@kernel
 def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> DiscreteSolution:
     """Solve every load from the heaviest down; on the coarsest grid each starts from the one before.
 

@@ -10,19 +10,20 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.continuum import Continuum
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.grid_solution import GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.narrow_contacts import crest, gap_edges, gap_energy
-from weier.methods.bem.polynomials import DEGREE, derivative, expansion, fit_polynomials, value
+from weier.methods.bem.polynomials import derivative, expansion, slopes, value
 from weier.methods.bem.windows import (
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
     added_by_triangles,
     average_under_triangle,
+    fit_window,
     margin_of,
+    scale_of,
     side_margin,
-    window,
 )
 
 ZETA_3 = 1.2020569031595942  # Riemann's zeta(3)
@@ -64,16 +65,17 @@ def correct_gap(
         node = (start + i) % points
         gap[i] = solution.plane - solution.deformed[node]
         opening[i] = solution.displacement[node] - solution.rate
-    offset, s, scale = window(nodes, margin)
-    seen = np.empty((3, offset.size))  # pressure that closes this gap, its rate, and z
-    for i in range(offset.size):
+    whole = nodes + 2 * margin
+    offset, scale = continuum.windows.offset[whole], scale_of(whole)
+    seen = np.empty((3, continuum.windows.fitted[whole]))  # pressure that closes this gap, its rate, and z
+    for i in range(seen.shape[1]):
         node = (start - margin + offset[i]) % points
         seen[0, i], seen[1, i], seen[2, i] = (solution.pressure[node], solution.per_load[node], grid.height[node])
         for j in range(nodes):
             stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
             seen[0, i] -= stiffness * gap[j]
             seen[1, i] -= stiffness * opening[j]
-    nodal_pressure, nodal_rate, profile = fit_polynomials(s, seen, min(DEGREE, offset.size - 1))
+    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, whole, seen)
     pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
     rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
@@ -120,7 +122,7 @@ def _fourth(polynomial: Array, scale: float) -> Array:
 def deepest(pressure: Array, reach: float) -> tuple[float, float, float]:
     """Where the pressure is least, at most `reach` from the middle; how far below 0, and its second derivative."""
     least = crest(-pressure, 0.0, reach)
-    return (least, -value(pressure, least), value(derivative(derivative(pressure)), least))
+    return least, -value(pressure, least), slopes(pressure, least)[1]
 
 
 @kernel
@@ -143,7 +145,7 @@ def _uncertain_opening(
 @kernel
 def _is_dip(node: int, solution: GridSolution) -> bool:
     """Whether a node has the least pressure of three in contact, and less than they bend."""
-    after = (node + 1) % solution.pressure.size
+    after = next_node(node, solution.pressure.size)
     if not (solution.contact[node - 1] and solution.contact[node] and solution.contact[after]):
         return False
     left, here, right = (solution.pressure[node - 1], solution.pressure[node], solution.pressure[after])
@@ -154,16 +156,13 @@ def _is_dip(node: int, solution: GridSolution) -> bool:
 def find_dips(solution: GridSolution) -> tuple[Indices, Dips]:
     """Nodes at which a gap may open between two of them, and room for what becomes of them."""
     points = solution.pressure.size
-    dips = 0
-    for node in range(points):
-        dips += _is_dip(node, solution)
-    nodes = np.empty(dips, np.int64)
+    nodes = np.empty(points // 2 + 1, np.int64)
     dips = 0
     for node in range(points):
         if _is_dip(node, solution):
             nodes[dips] = node
             dips += 1
-    return nodes, Dips(np.full(dips, np.nan), np.full(dips, np.nan), np.zeros(dips, np.bool_))
+    return nodes[:dips], Dips(np.full(dips, np.nan), np.full(dips, np.nan), np.zeros(dips, np.bool_))
 
 
 @kernel
@@ -184,12 +183,13 @@ def _open_gap(dip: int, node: int, dips: Dips, solution: GridSolution, grid: Gri
     spacing = continuum.period / points
     total = np.zeros(4)
     margin = side_margin(node, solution.contact)
-    offset, s, scale = window(1, margin)
-    seen = np.empty((3, offset.size))
-    for j in range(offset.size):
-        near = (node - margin + offset[j]) % points
+    whole = 1 + 2 * margin
+    scale = scale_of(whole)
+    seen = np.empty((3, whole))
+    for j in range(whole):
+        near = (node - margin + j) % points
         seen[0, j], seen[1, j], seen[2, j] = (solution.pressure[near], solution.per_load[near], grid.height[near])
-    nodal_pressure, nodal_rate, profile = fit_polynomials(s, seen, offset.size - 1)
+    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, whole, seen)
     pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
     rate = average_under_triangle(nodal_rate, scale)
     least, depth, bend = deepest(pressure, 1 / scale)

@@ -20,6 +20,12 @@ def rate_tolerance(residual: float) -> float:
     return min(MAX_RATE_TOLERANCE, RATE_FACTOR * residual)
 
 
+@kernel
+def next_node(node: int, points: int) -> int:
+    """The node after this one of so many; a remainder takes as long as ten additions."""
+    return node + 1 if node + 1 < points else 0
+
+
 class GridSolution(NamedTuple):
     """A converged solution on N nodes, and its rate per mean pressure; arrays of shape (N,).
 

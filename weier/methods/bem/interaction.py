@@ -9,9 +9,9 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
-from weier.methods.bem.moments import Effects, displacement_by_moments, effects_of_moments, yielding
+from weier.methods.bem.moments import Effects, cotangents, displacement_by_moments, effects_of_moments, yielding
 from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
-from weier.methods.bem.polynomials import derivative, expansion, value
+from weier.methods.bem.polynomials import expansion, slopes, value
 
 MAX_TOGETHER = 40  # contacts whose forces are found together: farther ones hardly feel a shift of force
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
@@ -48,18 +48,23 @@ def _mutual(contacts: Contacts, first: int, last: int, period: float) -> Array:
     flat punches as its diagonal the matrix is one of energies, and positive. For a punch wider than half the period
     this rule is too coarse: what it does to others is taken from its own solution.
     """
-    matrix = np.zeros((last - first, last - first))
-    for i in range(last - first):
+    n = last - first
+    matrix, sine, cosine = np.zeros((n, n)), np.empty((n, 2)), np.empty((n, 2))
+    for i in range(n):
+        for side in range(2):
+            x = contacts.position[first + i] + np.sqrt(0.5) * (2 * side - 1) * contacts.reach[first + i]
+            sine[i, side], cosine[i, side] = np.sin(np.pi * x / period), np.cos(np.pi * x / period)
+    for i in range(n):
         for j in range(i):
             if max(contacts.reach[first + i], contacts.reach[first + j]) > period / 4:
                 matrix[i, j] = matrix[j, i] = _beside_a_wide_punch(contacts, first + i, first + j, period)
                 continue
-            for side in (-1, 1):
-                for other in (-1, 1):
-                    apart = contacts.position[first + i] - contacts.position[first + j]
-                    apart += np.sqrt(0.5) * (side * contacts.reach[first + i] - other * contacts.reach[first + j])
-                    matrix[i, j] -= np.log(2 * abs(np.sin(np.pi * apart / period))) / 2
-            matrix[j, i] = matrix[i, j]
+            product = 1.0  # of 2 sin(pi x/L) at all four distances: a logarithm takes as long as ten of these
+            for side in range(2):
+                for other in range(2):
+                    apart = sine[i, side] * cosine[j, other] - cosine[i, side] * sine[j, other]
+                    product *= 2 * apart
+            matrix[i, j] = matrix[j, i] = -np.log(abs(product)) / 2
     return matrix
 
 
@@ -130,7 +135,7 @@ def _together(
 ) -> tuple[float, float]:
     """`redistribute` for the contacts from `first` to before `last`."""
     n = last - first
-    mutual = _mutual(contacts, first, last, period)
+    mutual, cotangent = _mutual(contacts, first, last, period), cotangents(contacts, first, last, period)
     change = np.zeros(n)  # of each force
     excess = np.zeros(n)  # height of the plane that each asks for, besides what forces elsewhere do
     slope = np.zeros(n)  # of it with the force
@@ -143,12 +148,12 @@ def _together(
     going = True
     for _ in range(MAX_ROUNDS):
         going = _equalise_heights(
-            contacts, first, plane, lifted, period, mutual, touching, change, excess, slope, total
+            contacts, first, plane, lifted, period, mutual, cotangent, touching, change, excess, slope, total
         )
         if not going:
             break
         common = weight = 0.0
-        pressed = mutual @ change + displacement_by_moments(contacts, first, touching, change, period)
+        pressed = mutual @ change + displacement_by_moments(contacts, first, touching, change, cotangent, period)
         for i in range(n):
             if touching[i]:
                 own = contacts.self_compliance[first + i] * change[i]
@@ -165,7 +170,7 @@ def _together(
     if not going:  # to be refused
         return np.nan, np.nan
     _keep(contacts, first, touching, change)
-    return _sums(contacts, first, plane, rate, lifted, period, mutual, touching, change, excess)
+    return _sums(contacts, first, plane, rate, lifted, period, mutual, cotangent, touching, change, excess)
 
 
 @kernel
@@ -217,12 +222,12 @@ def _heights(
 @kernel
 def _equalise_heights(
     contacts: Contacts, first: int, plane: float, lifted: float, period: float, mutual: Array,
-    touching: Flags, change: Array, excess: Array, slope: Array, total: float,
+    cotangent: Array, touching: Flags, change: Array, excess: Array, slope: Array, total: float,
 ) -> bool:  # fmt: skip
     """Newton's method for the change of each force that brings all touching contacts to one height."""
     n = change.size
     right = np.zeros(n)
-    lift = displacement_by_moments(contacts, first, touching, change, period)
+    lift = displacement_by_moments(contacts, first, touching, change, cotangent, period)
     for _ in range(MAX_STEPS):
         if not _heights(contacts, first, plane, lifted, period, touching, change, excess, slope):
             return False
@@ -276,7 +281,7 @@ def _touch_and_let_go(
         elif contacts.kind[at] == BIRTH:
             top = contacts.centre[at] if contacts.half_width[at] == 0 else 0.0
             above = value(contacts.height[at], top) - pressed[i] - plane
-            bend = -value(derivative(derivative(contacts.height[at])), top)
+            bend = -slopes(contacts.height[at], top)[1]
             if above > CLOSE * abs(plane) and bend > 0:
                 touching[i] = changed = True
                 half_width = np.sqrt(2 * above / bend)
@@ -303,16 +308,16 @@ class Weights(NamedTuple):
 @kernel
 def _sums(
     contacts: Contacts, first: int, plane: float, rate: float, lifted: float, period: float, mutual: Array,
-    touching: Flags, change: Array, excess: Array,
+    cotangent: Array, touching: Flags, change: Array, excess: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """Compliance and resistance of these contacts by reciprocity."""
     n = change.size
-    effects = effects_of_moments(contacts, first, touching, change, np.zeros(n), period)
+    effects = effects_of_moments(contacts, first, touching, change, np.zeros(n), cotangent, period)
     weights, shape = _weights(contacts, first, rate, period, touching, change)
     faster, slower, lost = _changes_of_shares(contacts, first, period, mutual, touching, weights, effects)
     if np.isnan(lost):  # to be refused
         return np.nan, np.nan
-    moved = effects_of_moments(contacts, first, touching, change, faster, period)
+    moved = effects_of_moments(contacts, first, touching, change, faster, cotangent, period)
     pressed, pressed_rate = mutual @ change + effects.lift, mutual @ faster + moved.lift_rate
     yielded = _note(contacts, first, period, touching, faster, pressed, moved)
     if lost > MAX_LOST * period:

@@ -14,9 +14,10 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.grid_contacts import NARROW, WIDE, Contacts
 from weier.methods.bem.narrow_contacts import force_per_half_width
-from weier.methods.bem.polynomials import derivative, expansion, value
+from weier.methods.bem.polynomials import expansion, slopes
 
 Slopes = tuple[float, float, float, float]  # K' to K'''', in a tuple, which takes no memory from the heap
+Moments = tuple[float, float, float, float]  # zeroth to third, the same
 
 HATS = 1 / 6  # second moment of the triangle of a nodal pressure, in squares of the nodes' spacing
 
@@ -43,9 +44,9 @@ class Effects(NamedTuple):
 
 @kernel
 def effects_of_moments(
-    contacts: Contacts, first: int, touching: Flags, change: Array, faster: Array, period: float
+    contacts: Contacts, first: int, touching: Flags, change: Array, faster: Array, cotangent: Array, period: float
 ) -> Effects:
-    """Effects on the contacts from `first` on, after these changes of force and share."""
+    """Effects on the contacts from `first` on, after these changes of force and share; `cotangents` between them."""
     n = touching.size
     force, share = _all_moments(contacts, first, touching, change, faster)
     lift, lift_rate, tilt, bend = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
@@ -53,51 +54,73 @@ def effects_of_moments(
     mixed = energy = 0.0
     own = _image_kernel(period)
     for i in range(n):
-        lift[i] += _lift(force[i], own)
-        lift_rate[i] += _lift(share[i], own)
-        tilt[i] += _tilt(force[i], own)
-        bend[i] += _bend(force[i], own)
-        mixed += _energy(force[i], share[i], own)
-        energy += _energy(share[i], share[i], own)
+        f, g = _row(force, i), _row(share, i)
+        lift[i] += _lift(f, own)
+        lift_rate[i] += _lift(g, own)
+        tilt[i] += _tilt(f, own)
+        bend[i] += _bend(f, own)
+        mixed += _energy(f, g, own)
+        energy += _energy(g, g, own)
         for j in range(i):
-            there = _kernel(contacts.position[first + i] - contacts.position[first + j], period)
+            other_f, other_g = _row(force, j), _row(share, j)
+            there = _kernel(cotangent[i, j], period)
             here = _opposite(there)
-            lift[i] += _lift(force[j], there)
-            lift[j] += _lift(force[i], here)
-            lift_rate[i] += _lift(share[j], there)
-            lift_rate[j] += _lift(share[i], here)
-            tilt[i] += _tilt(force[j], there)
-            tilt[j] += _tilt(force[i], here)
-            bend[i] += _bend(force[j], there)
-            bend[j] += _bend(force[i], here)
-            mixed += _energy(force[i], share[j], there) + _energy(force[j], share[i], here)
-            energy += 2 * _energy(share[i], share[j], there)
-            mixed_size[i] += _size(force[i], share[j], there) + _size(force[j], share[i], here)
-            energy_size[i] += 2 * _size(share[i], share[j], there)
+            lift[i] += _lift(other_f, there)
+            lift[j] += _lift(f, here)
+            lift_rate[i] += _lift(other_g, there)
+            lift_rate[j] += _lift(g, here)
+            tilt[i] += _tilt(other_f, there)
+            tilt[j] += _tilt(f, here)
+            bend[i] += _bend(other_f, there)
+            bend[j] += _bend(f, here)
+            mixed += _energy(f, other_g, there) + _energy(other_f, g, here)
+            energy += 2 * _energy(g, other_g, there)
+            mixed_size[i] += _size(f, other_g, there) + _size(other_f, g, here)
+            energy_size[i] += 2 * _size(g, other_g, there)
     return Effects(lift, lift_rate, tilt, bend, mixed, energy, mixed_size, energy_size)
 
 
 @kernel
-def displacement_by_moments(contacts: Contacts, first: int, touching: Flags, change: Array, period: float) -> Array:
+def displacement_by_moments(
+    contacts: Contacts, first: int, touching: Flags, change: Array, cotangent: Array, period: float
+) -> Array:
     """Displacement of each contact by the first to third moments of others, the `lift` of `Effects`."""
     n = touching.size
     lift = np.zeros(n)
     force, _ = _all_moments(contacts, first, touching, change, np.zeros(n))
     own = _image_kernel(period)
     for i in range(n):
-        lift[i] += _lift(force[i], own)
+        f = _row(force, i)
+        lift[i] += _lift(f, own)
         for j in range(i):
-            there = _kernel(contacts.position[first + i] - contacts.position[first + j], period)
-            lift[i] += _lift(force[j], there)
-            lift[j] += _lift(force[i], _opposite(there))
+            there = _kernel(cotangent[i, j], period)
+            lift[i] += _lift(_row(force, j), there)
+            lift[j] += _lift(f, _opposite(there))
     return lift
 
 
 @kernel
-def _kernel(apart: float, period: float) -> Slopes:
+def cotangents(contacts: Contacts, first: int, last: int, period: float) -> Array:
+    """cot(pi x/L) at the distances x of contacts from those before them, shape (contacts, contacts)."""
+    angle = np.pi / period * contacts.position[first:last]
+    sine, cosine = np.sin(angle), np.cos(angle)
+    cotangent = np.zeros((last - first, last - first))
+    for i in range(last - first):
+        for j in range(i):
+            apart = sine[i] * cosine[j] - cosine[i] * sine[j]
+            cotangent[i, j] = (cosine[i] * cosine[j] + sine[i] * sine[j]) / apart
+    return cotangent
+
+
+@kernel
+def _row(moments: Array, i: int) -> Moments:
+    return moments[i, 0], moments[i, 1], moments[i, 2], moments[i, 3]
+
+
+@kernel
+def _kernel(cotangent: float, period: float) -> Slopes:
     """K', K'', K''', K'''' at a distance."""
     a = np.pi / period
-    cotangent = 1 / np.tan(a * apart)
     bend = 1 + cotangent**2
     return (
         -2 * a * cotangent,
@@ -121,26 +144,26 @@ def _image_kernel(period: float) -> Slopes:
 
 
 @kernel
-def _lift(moment: Array, slopes: Slopes) -> float:
+def _lift(moment: Moments, slopes: Slopes) -> float:
     """Displacement by all moments but the force."""
     return slopes[1] / 2 * moment[2] - slopes[0] * moment[1] - slopes[2] / 6 * moment[3]
 
 
 @kernel
-def _tilt(moment: Array, slopes: Slopes) -> float:
+def _tilt(moment: Moments, slopes: Slopes) -> float:
     """Slope of the displacement by all moments."""
     even = slopes[1] * moment[1] + slopes[3] / 6 * moment[3]
     return slopes[0] * moment[0] + slopes[2] / 2 * moment[2] - even
 
 
 @kernel
-def _bend(moment: Array, slopes: Slopes) -> float:
+def _bend(moment: Moments, slopes: Slopes) -> float:
     """Second derivative of the displacement by all moments but the third."""
     return slopes[1] * moment[0] - slopes[2] * moment[1] + slopes[3] / 2 * moment[2]
 
 
 @kernel
-def _energy(one: Array, other: Array, slopes: Slopes) -> float:
+def _energy(one: Moments, other: Moments, slopes: Slopes) -> float:
     """Energy of first to third moments at x_i with those at x_j, up to K''''."""
     odd = slopes[2] / 2 * (one[1] * other[2] - one[2] * other[1])
     last = one[2] * other[2] / 4 - (one[1] * other[3] + one[3] * other[1]) / 6
@@ -148,7 +171,7 @@ def _energy(one: Array, other: Array, slopes: Slopes) -> float:
 
 
 @kernel
-def _size(one: Array, other: Array, slopes: Slopes) -> float:
+def _size(one: Moments, other: Moments, slopes: Slopes) -> float:
     """Size of that energy but for first moments, and of changes of force or share with second moments."""
     odd = abs(slopes[2] / 2) * (abs(one[1] * other[2]) + abs(one[2] * other[1]))
     even = abs(slopes[1] / 2) * (abs(one[0] * other[2]) + abs(one[2] * other[0]))
@@ -165,40 +188,47 @@ def _all_moments(
     for i in range(n):
         force[i, 0], share[i, 0] = change[i], faster[i]
         if touching[i] and contacts.kind[first + i] == NARROW:
-            force[i, 1:], share[i, 1:] = _moments(contacts, first + i, change[i], faster[i])
+            _enter_moments(contacts, first + i, change[i], faster[i], force[i], share[i])
     return force, share
 
 
 @kernel
-def _moments(contacts: Contacts, at: int, change: float, faster: float) -> tuple[Array, Array]:
-    """First to third moments of force and share that the continuum has more than the grid, about `position`."""
+def _enter_moments(
+    contacts: Contacts, at: int, change: float, faster: float, force_moments: Array, share_moments: Array
+) -> None:
+    """Enter first to third moments of force and share that the continuum has more than the grid, about `position`."""
     middle, reach = contacts.scale[at] * contacts.centre[at], contacts.scale[at] * contacts.half_width[at]
     height = expansion(contacts.height[at], contacts.centre[at], contacts.half_width[at])
     others = expansion(contacts.rate[at], contacts.centre[at], contacts.half_width[at])
-    force = _about_middle(contacts.force[at] + change, height, middle, reach)
-    share = _about_middle(contacts.share[at] + faster, -others, middle, reach)
-    return force - contacts.grid_force_moments[at], share - contacts.grid_share_moments[at]
+    force = _about_middle(contacts.force[at] + change, 1.0, height, middle, reach)
+    share = _about_middle(contacts.share[at] + faster, -1.0, others, middle, reach)
+    for k in range(3):
+        force_moments[k + 1] = force[k] - contacts.grid_force_moments[at, k]
+        share_moments[k + 1] = share[k] - contacts.grid_share_moments[at, k]
 
 
 @kernel
-def _about_middle(total: float, height: Array, middle: float, reach: float) -> Array:
-    """Moments of a pressure that carries `total`, and presses flat what has these coefficients of T_k."""
+def _about_middle(
+    total: float, sign: float, coefficient: Array, middle: float, reach: float
+) -> tuple[float, float, float]:
+    """Moments of a pressure that carries `total` and presses flat `sign` times what has these coefficients of T_k."""
+    height = (0.0, sign * coefficient[1], sign * coefficient[2], sign * coefficient[3])
     one, two = reach * height[1] / 4, reach**2 * (total / 2 + height[2] / 4)
     three = reach**3 * 3 * (height[1] + height[3]) / 16
-    return np.array(
-        [
-            total * middle + one,
-            total * middle**2 + 2 * middle * one + two,
-            total * middle**3 + 3 * middle**2 * one + 3 * middle * two + three,
-        ]
+    return (
+        total * middle + one,
+        total * middle**2 + 2 * middle * one + two,
+        total * middle**3 + 3 * middle**2 * one + 3 * middle * two + three,
     )
 
 
 @kernel
-def grid_moments(x: float, spacing: float) -> Array:
-    """First to third moments of a nodal pressure without its size, at x from where they are taken."""
+def add_grid_moments(force: float, x: float, spacing: float, moments: Array) -> None:
+    """Add the first to third moments of a nodal force, at x from where they are taken."""
     spread = HATS * spacing**2
-    return np.array([x, x**2 + spread, x**3 + 3 * x * spread])
+    moments[0] += force * x
+    moments[1] += force * (x**2 + spread)
+    moments[2] += force * (x**3 + 3 * x * spread)
 
 
 @kernel
@@ -211,13 +241,13 @@ def yielding(contacts: Contacts, at: int, effects: Effects, which: int, share: f
     if contacts.kind[at] == WIDE or contacts.half_width[at] == 0:
         return np.zeros(3)
     scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
-    second = derivative(derivative(contacts.height[at]))
-    curvature, twist = -value(second, centre) / scale**2, value(derivative(second), centre) / scale**3
+    _, second, third = slopes(contacts.height[at], centre)
+    curvature, twist = -second / scale**2, third / scale**3
     stiffness = 2 * force_per_half_width(contacts.height[at], centre, half_width) / half_width / scale**2
     if not (stiffness > 0 and curvature > 0):
         return np.zeros(3)
     along = -effects.tilt[which] / curvature
-    others = value(derivative(contacts.rate[at]), centre) / scale
+    others = slopes(contacts.rate[at], centre)[0] / scale
     return (
         np.array(
             [

@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.bem.polynomials import NODES, derivative, expansion, second_kind, value
+from weier.methods.bem.polynomials import MEANS, NODES, derivative, second_kind, shift, slopes, value
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
 CLOSE = 1e-13  # relative size of the last of them
@@ -25,15 +25,17 @@ def contact_edges(height: Array, force: float, centre: float, half_width: float)
     -(half width/2) times the mean of t z'. The two arguments are where the search begins.
     """
     slope = derivative(height)
-    curvature = derivative(slope)
+    shift(slope, centre)
     for _ in range(MAX_STEPS):
-        tilt, tilt_t, bend, bend_t, bend_tt = _means(slope, curvature, centre, half_width)
+        tilt, tilt_t, bend, bend_t, bend_tt = means(slope, half_width)
         missing = -half_width / 2 * tilt_t - force
         down, across = -half_width / 2 * bend_t, -(tilt_t + half_width * bend_tt) / 2
-        centre, half_width, step = _step(tilt, missing, bend, bend_t, down, across, centre, half_width)
-        if step <= CLOSE * (1 + half_width):
+        along, wider = _step(tilt, missing, bend, bend_t, down, across, half_width)
+        centre, half_width = centre + along, half_width + wider
+        shift(slope, along)
+        if abs(along) + abs(wider) <= CLOSE * (1 + half_width):
             if half_width < HERTZ:
-                half_width = _hertz(-value(curvature, centre), force)
+                half_width = _hertz(-slope[1], force)
             return centre, half_width, half_width > 0
     return centre, half_width, False
 
@@ -47,46 +49,51 @@ def _hertz(curvature: float, force: float) -> float:
 @kernel
 def gap_edges(pressure: Array, centre: float, half_width: float) -> tuple[float, float, bool]:
     """The same for a gap: the pressure that would close it, times 1 and t, has no mean over the nodes t."""
-    slope = derivative(pressure)
+    here = pressure.copy()
+    shift(here, centre)
     for _ in range(MAX_STEPS):
-        mean, mean_t, bend, bend_t, bend_tt = _means(pressure, slope, centre, half_width)
-        centre, half_width, step = _step(mean_t, mean, bend_t, bend_tt, bend, bend_t, centre, half_width)
-        if step <= CLOSE * (1 + half_width):
+        mean, mean_t, bend, bend_t, bend_tt = means(here, half_width)
+        along, wider = _step(mean_t, mean, bend_t, bend_tt, bend, bend_t, half_width)
+        centre, half_width = centre + along, half_width + wider
+        shift(here, along)
+        if abs(along) + abs(wider) <= CLOSE * (1 + half_width):
             return centre, half_width, half_width > 0
     return centre, half_width, False
 
 
 @kernel
-def _means(
-    polynomial: Array, slope: Array, centre: float, half_width: float
-) -> tuple[float, float, float, float, float]:
-    """Means over the Chebyshev nodes t of a polynomial and t times it, and of its slope, t times and t^2 times it."""
+def means(polynomial: Array, half_width: float) -> tuple[float, float, float, float, float]:
+    """Means over the Chebyshev nodes t of a polynomial and t times it, and of its slope, t times and t^2 times it.
+
+    The polynomial is one of the distance from the middle of the interval.
+    """
     mean = mean_t = bend = bend_t = bend_tt = 0.0
-    for i in range(NODES.size):
-        t = NODES[i]
-        s = centre + half_width * t
-        here, second = value(polynomial, s) / NODES.size, value(slope, s) / NODES.size
-        mean += here
-        mean_t += t * here
-        bend += second
-        bend_t += t * second
-        bend_tt += t * t * second
+    before, power = 0.0, 1.0  # of the half width
+    for k in range(polynomial.size):
+        here, slope = polynomial[k] * power, k * polynomial[k] * before
+        mean += here * MEANS[k]
+        mean_t += here * MEANS[k + 1]
+        if k > 0:
+            bend += slope * MEANS[k - 1]
+            bend_t += slope * MEANS[k]
+            bend_tt += slope * MEANS[k + 1]
+        before, power = power, power * half_width
     return mean, mean_t, bend, bend_t, bend_tt
 
 
 @kernel
 def _step(
-    first: float, second: float, a: float, b: float, c: float, d: float, centre: float, half_width: float
-) -> tuple[float, float, float]:
-    """Newton's step for two equations with the matrix a b, c d, and its size; infinite where that is singular."""
+    first: float, second: float, a: float, b: float, c: float, d: float, half_width: float
+) -> tuple[float, float]:
+    """Newton's step of centre and half width for two equations with the matrix a b, c d; NaN where it is singular."""
     determinant = a * d - b * c
     if determinant == 0:
-        return centre, half_width, np.inf
+        return np.nan, np.nan
     along = -(first * d - second * b) / determinant
     wider = -(a * second - c * first) / determinant
     along = min(max(along, -1.0), 1.0)
     wider = min(max(wider, -MAX_STRIDE * half_width), max(MAX_STRIDE * half_width, MAX_STRIDE))
-    return centre + along, half_width + wider, abs(along) + abs(wider)
+    return along, wider
 
 
 @kernel
@@ -113,12 +120,9 @@ def contact_energy(height: Array, rate: Array, force: float, share: float, compl
 def force_per_half_width(height: Array, centre: float, half_width: float) -> float:
     """By how much the force grows with the half width, as -(half width/2) times the mean of t z' over the nodes t."""
     slope = derivative(height)
-    bend = derivative(slope)
-    wider = 0.0
-    for t in NODES:
-        s = centre + half_width * t
-        wider -= t / 2 * (value(slope, s) + half_width * t * value(bend, s)) / NODES.size
-    return wider
+    shift(slope, centre)
+    _, tilt_t, _, _, bend_tt = means(slope, half_width)
+    return -(tilt_t + half_width * bend_tt) / 2
 
 
 @kernel
@@ -147,14 +151,12 @@ def gap_energy(pressure: Array, rate: Array, half_width: float) -> tuple[float, 
 @kernel
 def crest(height: Array, start: float, reach: float) -> float:
     """Where the polynomial is highest near `start`, not farther than `reach`."""
-    slope = derivative(height)
-    curvature = derivative(slope)
     s = start
     for _ in range(MAX_STEPS):
-        second = value(curvature, s)
+        first, second, _ = slopes(height, s)
         if second >= 0:
             break
-        further = min(max(s - value(slope, s) / second, start - reach), start + reach)
+        further = min(max(s - first / second, start - reach), start + reach)
         if abs(further - s) <= CLOSE:
             break
         s = further
@@ -173,4 +175,7 @@ def plane_height(
     if not found:
         return np.nan, np.nan, centre, half_width
     compliance = punch_compliance(half_width * scale, period)
-    return expansion(height, centre, half_width)[0] - force * compliance, compliance, centre, half_width
+    mean = 0.0
+    for t in NODES:
+        mean += value(height, centre + half_width * t) / NODES.size
+    return mean - force * compliance, compliance, centre, half_width

@@ -5,6 +5,8 @@ A polynomial is the array of its coefficients c_0, c_1, ... of 1, s, s^2, ..., s
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from weier.kernels.arrays import Array
@@ -14,6 +16,7 @@ DEGREE = 8  # over half a wave, a cosine differs from its best polynomial of thi
 TERMS = DEGREE + 1
 _ANGLES = np.pi * (np.arange(TERMS + 1) + 0.5) / (TERMS + 1)
 NODES = np.cos(_ANGLES)  # of Chebyshev: mean values over them are exact for all products of two such polynomials
+MEANS = np.array([0.0 if k % 2 else math.comb(k, k // 2) / 2**k for k in range(TERMS + 4)])  # of t^k over these nodes
 _EXPANSION = np.cos(np.arange(TERMS)[:, None] * _ANGLES) * np.where(np.arange(TERMS) > 0, 2, 1)[:, None] / NODES.size
 
 
@@ -49,14 +52,13 @@ def fit_polynomials(s: Array, values: Array, degree: int) -> Array:
 
 
 @kernel
-def with_next_terms(s: Array, values: Array, degree: int) -> Array:
-    """The same values, and below them those of the two Chebyshev polynomials after `degree`, shape (k + 2, nodes)."""
-    longer = np.empty((values.shape[0] + 2, s.size))
-    longer[:-2] = values
+def next_terms(s: Array, degree: int) -> Array:
+    """The two Chebyshev polynomials after `degree` at s, shape (2, nodes)."""
+    values = np.empty((2, s.size))
     for j in range(2):
         for i in range(s.size):
-            longer[values.shape[0] + j, i] = value(_CHEBYSHEV[degree + 1 + j], s[i])
-    return longer
+            values[j, i] = value(_CHEBYSHEV[degree + 1 + j], s[i])
+    return values
 
 
 @kernel
@@ -90,6 +92,26 @@ def value(polynomial: Array, s: float) -> float:
     for k in range(polynomial.size - 1, -1, -1):
         total = total * s + polynomial[k]
     return total
+
+
+@kernel
+def slopes(polynomial: Array, s: float) -> tuple[float, float, float]:
+    """Its first three derivatives at s."""
+    total = first = second = third = 0.0
+    for k in range(polynomial.size - 1, -1, -1):
+        third = third * s + second
+        second = second * s + first
+        first = first * s + total
+        total = total * s + polynomial[k]
+    return first, 2 * second, 6 * third
+
+
+@kernel
+def shift(polynomial: Array, by: float) -> None:
+    """Make of the coefficients those of powers of s - by."""
+    for i in range(polynomial.size - 1):
+        for k in range(polynomial.size - 2, i - 1, -1):
+            polynomial[k] += by * polynomial[k + 1]
 
 
 @kernel

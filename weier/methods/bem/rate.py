@@ -12,7 +12,7 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem import fft
 from weier.methods.bem.edges import Edges, find_edges
-from weier.methods.bem.grid_solution import rate_tolerance
+from weier.methods.bem.grid_solution import next_node, rate_tolerance
 from weier.methods.bem.grids import Grid, Hierarchy, grid_of
 from weier.methods.bem.windows import EDGE
 
@@ -29,8 +29,10 @@ def punch_shape(edge: Edges, contact: Flags, shape: Array) -> None:
     for run in range(1, edge.size - 1):
         start, nodes = edge[run], edge[run + 1] - edge[run]
         if contact[start]:
+            node = start
             for i in range(nodes):
-                shape[(start + i) % points] = points / np.sqrt((i + EDGE) * (nodes - 1 - i + EDGE))
+                shape[node] = points / np.sqrt((i + EDGE) * (nodes - 1 - i + EDGE))
+                node = next_node(node, points)
     if edge.size == 2:
         shape[:] = 1.0
 
@@ -82,12 +84,45 @@ def _conjugate_gradients(tolerance: float, edge: Edges, grid: Grid, state: fft.G
 
 
 @kernel
-def solve_rate(hierarchy: Hierarchy, state: fft.GridState) -> tuple[float, float]:
-    """As `fft.solve_rate`, to `rate_tolerance`; coarse pairs of FFTs count by their size."""
+def solve_rate(hierarchy: Hierarchy, state: fft.GridState, ratio: Array) -> tuple[float, float]:
+    """As `fft.solve_rate`, to `rate_tolerance`; coarse pairs of FFTs count by their size.
+
+    `ratio`, shape (N,), is q over the shape of flat punches at the load before, where it is not 0, and becomes that
+    at this one: the start where a coarse grid would not pay.
+    """
     finest = hierarchy.points.size - 1
-    points = hierarchy.points[finest]
     edge = find_edges(state.contact, state.edge)
     punch_shape(edge, state.contact, state.pressure)
+    shape = state.pressure.copy()
+    pairs = _start_from_coarse_grid(hierarchy, state)
+    if pairs == 0:
+        _multiply_in_contact(state.pressure, ratio, state.contact)
+    tolerance = rate_tolerance(hierarchy.tolerance[finest])
+    rate, here = _conjugate_gradients(tolerance, edge, grid_of(hierarchy, finest), state)
+    for i in range(shape.size):
+        if state.contact[i]:
+            ratio[i] = state.pressure[i] / shape[i]
+    return rate, pairs + here
+
+
+@kernel
+def _multiply_in_contact(pressure: Array, ratio: Array, contact: Flags) -> None:
+    """Multiply by the ratio in contact, or by its mean there where it is not known, unless that is nowhere."""
+    total, nodes = 0.0, 0
+    for i in range(ratio.size):
+        if contact[i] and ratio[i] > 0:
+            total += ratio[i]
+            nodes += 1
+    for i in range(ratio.size):
+        if contact[i] and nodes > 0:
+            pressure[i] *= ratio[i] if ratio[i] > 0 else total / nodes
+
+
+@kernel
+def _start_from_coarse_grid(hierarchy: Hierarchy, state: fft.GridState) -> float:
+    """Multiply the shape of flat punches by what a coarse grid makes of it, if that pays; pairs of FFTs by size."""
+    finest = hierarchy.points.size - 1
+    points = hierarchy.points[finest]
     fewest = MIN_PER_WAVE * hierarchy.harmonics.waves_per_period[-1]
     level = 0
     while level < finest and hierarchy.points[level] < fewest:
@@ -112,6 +147,4 @@ def solve_rate(hierarchy: Hierarchy, state: fft.GridState) -> tuple[float, float
                 before, rest = i * coarse_points // points, i * coarse_points % points / points
                 after = (before + 1) % coarse_points
                 state.pressure[i] *= (1 - rest) * coarse.pressure[before] + rest * coarse.pressure[after]
-    tolerance = rate_tolerance(hierarchy.tolerance[finest])
-    rate, here = _conjugate_gradients(tolerance, edge, grid_of(hierarchy, finest), state)
-    return rate, pairs + here
+    return pairs

@@ -14,20 +14,21 @@ from weier.methods.bem.correction_error import expected_errors
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.gaps import correct_gap, find_dips, open_gaps
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts, make_contacts
-from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.grid_solution import GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.interaction import redistribute
-from weier.methods.bem.moments import grid_moments
+from weier.methods.bem.moments import add_grid_moments
 from weier.methods.bem.narrow_contacts import contact_edges, crest
-from weier.methods.bem.polynomials import DEGREE, TERMS, fit_polynomials, remainder, with_next_terms
+from weier.methods.bem.polynomials import TERMS, remainder
 from weier.methods.bem.windows import (
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
     added_by_triangles,
+    fit_window,
     margin_of,
+    scale_of,
     side_margin,
-    window,
 )
 
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
@@ -130,17 +131,17 @@ def add_contact(
     margin = margin_of(edge, run)
     if not polynomial or nodes + 2 * margin < MIN_POLYNOMIAL or not contacts.share[at] > 0:
         return False
-    offset, s, scale = window(nodes, margin)
-    seen = np.empty((2, offset.size))  # z as this contact sees it, and A q of the others
-    for i in range(offset.size):
+    whole = nodes + 2 * margin
+    offset, scale = continuum.windows.offset[whole], scale_of(whole)
+    seen = np.empty((2, continuum.windows.fitted[whole]))  # z as this contact sees it, and A q of the others
+    for i in range(seen.shape[1]):
         node = (start - margin + offset[i]) % points
         seen[0, i], seen[1, i] = solution.deformed[node], solution.displacement[node]
         for j in range(nodes):
             influence = continuum.influence[abs(offset[i] - margin - j)]
             seen[0, i] += influence * force[j]
             seen[1, i] -= influence * share[j]
-    degree = min(DEGREE, offset.size - 1)
-    fitted = fit_polynomials(s, with_next_terms(s, seen, degree), degree)
+    fitted = fit_window(continuum.windows, whole, seen)
     height, rate = fitted[0], fitted[1]
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
     if not found or abs(centre) + width > ((nodes - 1) / 2 + MAX_BEYOND) / scale:
@@ -156,12 +157,12 @@ def add_contact(
     smoothing = added_by_triangles(rate, nodes, scale)
     contacts.kind[at] = NARROW
     contacts.origin[at] = contacts.position[at]
-    enter_polynomials(fitted, degree, scale, centre, width, continuum, spacing, contacts, at)
+    enter_polynomials(fitted, whole, centre, width, continuum, spacing, contacts, at)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
     for i in range(nodes):
-        moments = grid_moments((i - (nodes - 1) / 2) * spacing, spacing)
-        contacts.grid_force_moments[at] += force[i] * moments
-        contacts.grid_share_moments[at] += share[i] * moments
+        x = (i - (nodes - 1) / 2) * spacing
+        add_grid_moments(force[i], x, spacing, contacts.grid_force_moments[at])
+        add_grid_moments(share[i], x, spacing, contacts.grid_share_moments[at])
     contacts.grid_mixed[at] = mixed + np.sum(force * smoothing)
     contacts.grid_energy[at] = own + 2 * energy + np.sum(share * smoothing)
     contacts.grid_cross[at] = energy + np.sum(share * smoothing) / 2
@@ -170,15 +171,16 @@ def add_contact(
 
 @kernel
 def enter_polynomials(
-    fitted: Array, degree: int, scale: float, centre: float, half_width: float, continuum: Continuum, spacing: float,
+    fitted: Array, whole: int, centre: float, half_width: float, continuum: Continuum, spacing: float,
     contacts: Contacts, at: int,
 ) -> None:  # fmt: skip
-    """Enter what was fitted around a contact: heights, rates of others, and the next two terms of each."""
+    """Enter what was fitted in the window of a contact: heights, rates of others, and the next two terms of each."""
+    scale, degree, following = scale_of(whole), continuum.windows.degree[whole], continuum.windows.following[whole]
     contacts.scale[at] = scale * spacing
     contacts.centre[at], contacts.half_width[at] = centre, half_width
     contacts.height[at], contacts.rate[at] = fitted[0], fitted[1]
-    contacts.height_rest[at] = remainder(fitted[0], fitted[2:], degree, scale * continuum.angle)
-    contacts.rate_rest[at] = remainder(fitted[1], fitted[2:], degree, scale * continuum.angle)
+    contacts.height_rest[at] = remainder(fitted[0], following, degree, scale * continuum.angle)
+    contacts.rate_rest[at] = remainder(fitted[1], following, degree, scale * continuum.angle)
 
 
 @kernel
@@ -225,14 +227,10 @@ def correct_edge(start: int, solution: GridSolution) -> tuple[float, float, floa
 @kernel
 def _is_crest(node: int, solution: GridSolution) -> bool:
     """Whether a node is the highest of three in a gap, and no farther below the plane than they bend."""
-    points = solution.deformed.size
-    before, here, after = (
-        solution.deformed[node - 1],
-        solution.deformed[node],
-        solution.deformed[(node + 1) % points],
-    )
-    if solution.contact[node - 1] or solution.contact[node] or solution.contact[(node + 1) % points]:
+    right = next_node(node, solution.deformed.size)
+    if solution.contact[node - 1] or solution.contact[node] or solution.contact[right]:
         return False
+    before, here, after = solution.deformed[node - 1], solution.deformed[node], solution.deformed[right]
     return before <= here and after < here and solution.plane - here < 2 * here - before - after
 
 
@@ -257,13 +255,13 @@ def add_crests(
         if not _is_crest(node, solution):
             continue
         margin = side_margin(node, solution.contact)
-        offset, s, scale = window(1, margin)
-        seen = np.empty((2, offset.size))
-        for j in range(offset.size):
-            near = (node - margin + offset[j]) % points
+        whole = 1 + 2 * margin
+        scale = scale_of(whole)
+        seen = np.empty((2, whole))
+        for j in range(whole):
+            near = (node - margin + j) % points
             seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
-        degree = offset.size - 1
-        fitted = fit_polynomials(s, with_next_terms(s, seen, degree), degree)
+        fitted = fit_window(continuum.windows, whole, seen)
         top = crest(fitted[0], 0.0, 1 / scale)
         contacts.kind[used] = BIRTH
         contacts.position[used] = (node + top * scale) * spacing
@@ -271,7 +269,7 @@ def add_crests(
         contacts.self_compliance[used] = 0.0
         contacts.edge_compliance[used] = contacts.edge_resistance[used] = 0.0
         contacts.origin[used] = node * spacing
-        enter_polynomials(fitted, degree, scale, top, 0.0, continuum, spacing, contacts, used)
+        enter_polynomials(fitted, whole, top, 0.0, continuum, spacing, contacts, used)
         contacts.grid_mixed[used] = contacts.grid_energy[used] = 0.0
         used += 1
     return used

@@ -18,6 +18,9 @@ from weier.methods.bem.grids import Hierarchy, grid_of
 from weier.methods.bem.rate import solve_rate
 from weier.methods.bem.subgrid import correct
 
+MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
+MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
+
 
 class Corrected(NamedTuple):
     """Over the loads, each of shape (loads,): `DiscreteSolution`, with edges of contact between the nodes.
@@ -54,10 +57,19 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
     finest = grid_of(hierarchy, hierarchy.points.size - 1)
     state = fft.make_grid_state(finest.height.size)
     table, end = corrected.contacts, 0
+    ratio, carried = np.zeros(finest.height.size), np.zeros(finest.height.size)
+    few = finest.height.size <= MAX_PER_WAVE * hierarchy.harmonics.waves_per_period[-1]
+    least = MIN_NEAR if few else np.inf
     for load in range(loads.size - 1, -1, -1):
-        plane, residual, pairs = fft.cascade(loads[load], hierarchy, pressure, state)
+        plane, residual, pairs = 0.0, np.inf, 0.0
+        if load + 1 < loads.size and loads[load] > least * loads[load + 1]:
+            relieve(carried, state.pressure, loads[load + 1] - loads[load])
+            plane, residual, pairs = fft.resume(loads[load], hierarchy, state)
+        if not residual <= finest.tolerance:
+            plane, residual, more = fft.cascade(loads[load], hierarchy, pressure, state)
+            pairs += more
         carried, deformed = state.pressure.copy(), state.deformed.copy()
-        rate, more = solve_rate(hierarchy, state)
+        rate, more = solve_rate(hierarchy, state, ratio)
         corrected.residual[load] = residual
         corrected.work[load] = pairs + more
         if residual > finest.tolerance or rate == np.inf:  # to be refused
@@ -76,6 +88,20 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
         corrected.plane, corrected.resistance, table, corrected.residual, corrected.work, corrected.compliance_error,
         corrected.resistance_error,
     )  # fmt: skip
+
+
+@kernel
+def relieve(pressure: Array, per_load: Array, load: float) -> None:
+    """Make of the pressure per load the pressure after so much of the load is gone: its square falls by 2 p q.
+
+    That is exact for one contact on a parabola. Where it leaves nothing, the pressure stays.
+    """
+    left = 0.0
+    for i in range(pressure.size):
+        per_load[i] = np.sqrt(max(pressure[i] * (pressure[i] - 2 * per_load[i] * load), 0.0))
+        left += per_load[i]
+    if not 0 < left < np.inf:
+        per_load[:] = pressure
 
 
 @kernel
