@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 
 from weier import scene as scenes
-from weier.data import dataset
+from weier.data.netcdf import check_whole
 from weier.figures import check_kinds, kinds
 from weier.figures.captions import caption
 from weier.pipeline.claims import check_names
@@ -55,5 +55,5 @@ def products(name):
 def whole(path):
     """Stop at a file that is cut short or of another program: where no job reads it, none would notice."""
     if Path(path).exists():
-        dataset.open_lazily(path).close()
+        check_whole(path)
     return path

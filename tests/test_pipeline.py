@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -214,3 +215,13 @@ def test_a_bad_scene_stops_before_anything_runs(finished):
     path.write_text(SCENE)
     assert done.returncode != 0
     assert "config/scenes/test.yaml: the top level" in done.stdout + done.stderr
+
+
+def test_the_workflow_imports_neither_xarray_nor_numba():
+    """Each run of snakemake waits for its imports, also one that finds nothing to do."""
+    texts = [path.read_text() for path in (Path("Snakefile"), *sorted(Path("rules").glob("*.smk")))]
+    imports = re.findall(r"^from weier.*$", "\n".join(texts), re.M)
+    assert len(imports) > 5
+    code = "; ".join([*imports, "import sys; print(sorted(sys.modules.keys() & {'xarray', 'pandas', 'numba'}))"])
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -21,6 +21,8 @@ loads: [0.1, 1.0]
 methods: [demelio]
 studies:
   one: {product: {D: 1.25, gamma: 5, m: 2}}
+figures:
+  curves: {draw: compliance, studies: [one], title: A title}
 """
 # A command that starts a server as the Snakefile does, tells where, and stays until its standard input ends.
 HOLDER = """
@@ -74,6 +76,16 @@ def test_a_job_leaves_the_same_file_and_imports_nothing(holder, scene_file, tmp_
     done = job(tmp_path, "", *BATCH, python=["-X", "importtime"])
     assert "numpy" in done.stderr
     assert (tmp_path / "data.nc").read_bytes() == by_server
+
+
+def test_a_figure_is_the_same_from_a_server_that_has_drawn_before(holder, scene_file, tmp_path):
+    assert job(tmp_path, "", "batch", "test.yaml", "one-0", "batches/one-0.nc", "cost.nc").returncode == 0
+    files = [f"curves.{suffix}" for suffix in ("pdf", "svg", "png")]
+    for folder, address in (("served", holder[1]), ("alone", "")):
+        done = job(tmp_path, address, "figure", "test.yaml", "curves", f"{folder}/curves.png", "batches")
+        assert done.returncode == 0, done.stderr
+    served, alone = ([(tmp_path / folder / name).read_bytes() for name in files] for folder in ("served", "alone"))
+    assert served == alone
 
 
 def test_what_is_wrong_is_told_as_without_a_server(holder, scene_file, tmp_path):

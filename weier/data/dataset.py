@@ -156,7 +156,7 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
             yield data
         except RuntimeError as error:
             if str(error).startswith("NetCDF: "):
-                raise _damaged(path, error) from None
+                raise netcdf.damaged(path, error) from None
             raise
 
 
@@ -165,17 +165,13 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError) as error:
-        raise _damaged(path, error) from None
-    if "key" not in data.variables and data.attrs.get("program") != provenance.FIXED["program"]:
+        raise netcdf.damaged(path, error) from None
+    try:
+        netcdf.check_origin(path, data.variables, data.attrs.get("program", ""))
+    except ValueError:
         data.close()
-        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
+        raise
     return data
-
-
-def _damaged(path: str | Path, error: Exception) -> ValueError:
-    if not str(path).isprintable() or not Path(path).is_file():
-        return ValueError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
-    return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
 
 
 def _attribute(value: Any) -> Any:

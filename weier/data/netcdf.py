@@ -11,15 +11,19 @@ index.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Final
+from collections.abc import Container, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import netCDF4
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from weier.data.provenance import FIXED
 from weier.data.variables import VARIABLES, ancillary
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CHUNK_CASES = 256
 CHUNK_BYTES = 2**19  # a case of many contact edges is large by itself
@@ -57,6 +61,29 @@ def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) ->
     for name, values in data.variables.items():
         if (cases is None or "case" in values.dims) and not _missing(file, str(name), values):
             file[str(name)][... if cases is None else cases] = _stored(file, str(name), values)
+
+
+def check_whole(path: str | Path) -> None:
+    """Refuse a file that is missing, cut short or not of weier; its values are not read."""
+    try:
+        with netCDF4.Dataset(path) as file:
+            names, program = list(file.variables), getattr(file, "program", "")
+    except (OSError, RuntimeError) as error:
+        raise damaged(path, error) from None
+    check_origin(path, names, program)
+
+
+def check_origin(path: str | Path, names: Container[object], program: str) -> None:
+    """Refuse a file of these variables and this program that is not of weier."""
+    if "key" not in names and program != FIXED["program"]:
+        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
+
+
+def damaged(path: str | Path, error: Exception) -> ValueError:
+    """What to say of a file that cannot be read."""
+    if not str(path).isprintable() or not Path(path).is_file():
+        return ValueError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
+    return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
 
 
 def text_widths(data: xr.Dataset) -> dict[str, int]:

@@ -11,24 +11,25 @@ which takes longer than all the rest.
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from functools import cache
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
-
-import xarray as xr
 
 from weier.data.files import replacing
 from weier.scene import BY_DEFAULT, Grouping, Scene, SceneError
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 MAX_PANELS = 4  # in one column: more would not fit a page
 
 # Files carry no dates, so that the same data give the same bytes.
-METADATA: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 
 class FigureKind(NamedTuple):
@@ -136,6 +137,22 @@ def draw(
         save(import_module(f"weier.figures.{kind}").draw(studies, title, **wanted), path)
 
 
+@cache
+def prepare() -> None:
+    """Load what each figure needs before its own lines: fonts, the grammar of formulae, words on axes, file formats.
+
+    A process that has done so, and forks one for each figure, does it once for all of them.
+    """
+    import matplotlib.style
+
+    from weier.figures.style import LABELS, RC, column
+
+    with matplotlib.style.context(RC, after_reset=True):
+        figure, (axes,) = column(1)
+        axes.set(xscale="log", yscale="log", xlabel=LABELS["mean_pressure"], ylabel=LABELS["resistance"])
+        _write(figure, {suffix: BytesIO() for suffix in METADATA})
+
+
 def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
     known = kinds()
     if kind not in known:
@@ -147,9 +164,18 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
 
 def save(figure: Figure, path: str | Path) -> None:
     """Save a figure in the style that is set, as PDF, SVG and PNG beside each other."""
-    path = Path(path)
-    figure.draw_without_rendering()
+    paths = {suffix: Path(path).with_suffix(f".{suffix}") for suffix in METADATA}
+    with ExitStack() as stack:
+        _write(figure, {suffix: stack.enter_context(replacing(each)) for suffix, each in paths.items()})
+
+
+def _write(figure: Figure, files: Mapping[str, Path | BytesIO]) -> None:
+    """Write a figure into files, by their formats."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)  # measures texts, of which each takes milliseconds, once for the layout and for PNG
+    if engine := figure.get_layout_engine():
+        engine.execute(figure)
     figure.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
-    for suffix, metadata in METADATA.items():
-        with replacing(path.with_suffix(f".{suffix}")) as beside:
-            figure.savefig(beside, format=suffix, metadata=metadata)
+    for suffix, file in files.items():
+        figure.savefig(file, format=suffix, metadata=METADATA[suffix])

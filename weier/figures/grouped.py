@@ -5,7 +5,7 @@ So a figure of a sweep answers the question of the sweep: what does this paramet
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,12 +30,13 @@ Panel = tuple[Axes, list[xr.Dataset]]
 
 
 class Curve(NamedTuple):
-    """The values of one case by one method, and the loads where they are drawn."""
+    """The values of one case by one method, the loads where they are drawn, and the parameters by name."""
 
     case: xr.Dataset
     method: str
     loads: Array
     values: Array
+    parameters: Mapping[str, Hashable]
 
 
 def compare(
@@ -55,7 +56,7 @@ def compare(
     figure, axes = style.column(len(panels), style.HEIGHT if len(panels) <= 2 else LOW)
     result = []
     for number, (panel, value) in enumerate(zip(axes, panels, strict=True)):
-        members = [each for each in drawn if _value(each, grouping.facet) == value]
+        members = [each for each in drawn if each.parameters[grouping.facet] == value]
         _draw(panel, members, drawn, grouping)
         style.name_panel(panel, number, len(panels), _panel_name(members, drawn, grouping))
         panel.set_ylabel(style.LABELS[quantity])
@@ -71,8 +72,9 @@ def compare(
 def _curves(studies: Sequence[xr.Dataset], quantity: str) -> list[Curve]:
     """All curves there are, in the order of the methods."""
     found = [
-        Curve(case, method, *drawn)
+        Curve(case, method, *drawn, parameters | {"method": method})
         for case in curves.cases(studies)
+        for parameters in [_parameters(case)]
         for method in case["solution_method"].values.tolist()
         if (drawn := lines.line(case, quantity, method))
     ]
@@ -82,30 +84,25 @@ def _curves(studies: Sequence[xr.Dataset], quantity: str) -> list[Curve]:
     return sorted(found, key=lambda each: order.index(each.method) if each.method in order else len(order))
 
 
-def _value(curve: Curve, name: str) -> Hashable:
-    """The value of a parameter for a curve: the method, a number, or the phases of all terms."""
-    if not name:
-        return None
-    if name == "method":
-        return curve.method
-    if name == "phase":
-        return round(curves.phase_angle(curve.case), 9)
-    if name == "seed" and np.isfinite(seed := float(curve.case.get("seed", np.nan))):
-        return seed
-    if name in ("phases", "seed"):
-        return tuple(curve.case["phase"].values[np.isfinite(curve.case["phase"].values)].round(9).tolist())
-    return float(curve.case[name])
+def _parameters(case: xr.Dataset) -> dict[str, Hashable]:
+    """What a scene may group a case by: numbers, and the phases of all terms."""
+    phase = case["phase"].values
+    phases = tuple(phase[np.isfinite(phase)].round(9).tolist())
+    seed = float(case.get("seed", np.nan))
+    numbers = {name: float(case[name]) for name in ("D", "gamma", "m")}
+    angle = round(curves.phase_angle(case), 9)
+    return {"": None, **numbers, "phase": angle, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
 
 
 def _values(drawn: Iterable[Curve], name: str) -> list[Hashable]:
     """The values of a parameter, numbers in their order and others in that of their appearance."""
-    values = list(dict.fromkeys(_value(curve, name) for curve in drawn))
+    values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
     return sorted(values, key=float) if name in ("D", "gamma", "m", "phase") else values  # type: ignore[arg-type]
 
 
 def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     """A value of a parameter as a legend writes it."""
-    first = next(curve for curve in drawn if _value(curve, name) == value)
+    first = next(curve for curve in drawn if curve.parameters[name] == value)
     if name == "method":
         return str(style.line(first.method)["label"])
     if isinstance(value, float) and name == "seed":
@@ -119,7 +116,7 @@ def _panel_name(members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grou
     """What all curves of a panel share: the value of the panel, and what is one and the same in the whole figure."""
     parameters = {grouping.facet, *(name for name in ("D", "gamma", "m") if len(_values(drawn, name)) == 1)} - {""}
     ordered = [name for name in ("method", "D", "gamma", "m", "phase", "phases", "seed") if name in parameters]
-    return r",  ".join(_label(members, name, _value(members[0], name)) for name in ordered)
+    return r",  ".join(_label(members, name, members[0].parameters[name]) for name in ordered)
 
 
 def _looks(drawn: Sequence[Curve], grouping: Grouping) -> Callable[[Curve], dict[str, Any]]:
@@ -131,7 +128,7 @@ def _looks(drawn: Sequence[Curve], grouping: Grouping) -> Callable[[Curve], dict
     by_method = grouping.facet != "method" and len(_values(drawn, "method")) > 1
 
     def look(curve: Curve) -> dict[str, Any]:
-        own = family[_value(curve, grouping.colour)]
+        own = family[curve.parameters[grouping.colour]]
         return own | ({"linestyle": style.line(curve.method)["linestyle"]} if by_method else {})
 
     return look
@@ -144,7 +141,7 @@ def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping
     apart = [name for name in ("method", "D", "gamma", "m", *phases) if name not in grouping.median_over]
     groups: dict[tuple[Hashable, ...], list[Curve]] = {}
     for curve in members:
-        groups.setdefault(tuple(_value(curve, name) for name in apart), []).append(curve)
+        groups.setdefault(tuple(curve.parameters[name] for name in apart), []).append(curve)
     for same in groups.values():
         loads, values = lines.on_common_loads([(curve.loads, curve.values) for curve in same])
         style_of_line = look(same[0])
@@ -162,7 +159,7 @@ def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
     by_dash = colour != "method" and grouping.facet != "method" and len(_values(drawn, "method")) > 1
     handles: list[Any] = []
     for value in shown:
-        first = next(curve for curve in drawn if _value(curve, colour) == value)
+        first = next(curve for curve in drawn if curve.parameters[colour] == value)
         own = look(first) | ({"linestyle": "-"} if by_dash else {})
         handles.append(Line2D([], [], **own | {"label": _label(drawn, colour, value)}))
     if by_dash:

@@ -38,6 +38,7 @@ RC: dict[str, Any] = {
     "axes.titlesize": 8.5,
     "axes.titlelocation": "left",
     "axes.titlepad": 4,
+    "axes.titley": 1.0,  # else each drawing measures all ticks again, for labels at the top, which no figure has
     "axes.linewidth": 0.6,
     "figure.titlesize": 9.5,
     "figure.dpi": 300,

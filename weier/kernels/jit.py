@@ -34,8 +34,14 @@ def kernel_sources() -> list[Path]:
     return [PACKAGE.parent / path for path in sources(*modules, without=["method"])]
 
 
+def base_folder() -> Path:
+    """Where the program keeps what it made of its own sources: NUMBA_CACHE_DIR, or a folder in the user's cache."""
+    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(os.environ.get("NUMBA_CACHE_DIR") or Path(user) / "weier")
+
+
 def cache_folder() -> Path:
-    """Where compiled kernels live: NUMBA_CACHE_DIR or the user's cache folder, then a digest.
+    """Where compiled kernels live: in a folder below, named by a digest.
 
     It is one of every source file that kernels stand in or import from, and of the versions of numba and rocket-fft:
     edit any of them and all kernels compile afresh, once, for all copies of the package with these sources. numba
@@ -47,9 +53,7 @@ def cache_folder() -> Path:
     for path in kernel_sources():
         stamp.update(path.read_bytes())
     stamp.update(f"{version('numba')} {version('rocket-fft')} {sys.version}".encode())
-    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    base = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(user) / "weier")
-    return base / f"weier-{stamp.hexdigest()[:16]}"
+    return base_folder() / f"weier-{stamp.hexdigest()[:16]}"
 
 
 @cache

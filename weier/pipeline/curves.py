@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.theory.profile import Profile
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FULL_CONTACT_COMPLIANCE = 0.99  # of the compliance at full contact: above it a linear axis shows no more change
 LIGHT_LOAD_RATIO = 100  # below the load of full contact by more than this, one or two crests carry everything
@@ -24,16 +27,17 @@ def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
     """The cases that share the values of the named coordinates, together, in order of appearance."""
     members: dict[tuple[float, ...], list[xr.Dataset]] = {}
     for case in cases:
-        members.setdefault(tuple(float(case[name]) for name in names), []).append(case)
+        members.setdefault(tuple(float(case.variables[name]) for name in names), []).append(case)
     return list(members.values())
 
 
 def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
     """The values of a variable over the loads by one method, or None if it has none."""
-    methods = case["solution_method"].values.tolist()
+    variables = case.variables  # a dataset takes ten times as long for each, to find its coordinates
+    methods = variables["solution_method"].values.tolist()
     if method not in methods:
         return None
-    values: Array = case[name].values[methods.index(method)]
+    values: Array = variables[name].values[methods.index(method)]
     return values if np.isfinite(values).any() else None
 
 

@@ -8,8 +8,7 @@ batch the functions that it calls, for other steps the label and the style of ea
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from weier.kernels.definitions import definitions, modules_of
 from weier.kernels.sources import PACKAGE
 from weier.methods import registry
 from weier.methods.registry import find_method
+from weier.pipeline.digests import digest, digest_of_definitions, texts_of_modules
 
 BATCH_FUNCTIONS = ("weier.pipeline.batch.solve_batch", "weier.data.dataset.write")
 STUDY = "weier.pipeline.gather.read_study"
@@ -31,17 +31,24 @@ def batch_digest(methods: Iterable[str]) -> str:
 
 @cache
 def _batch_digest(methods: tuple[str, ...]) -> str:
-    return _digest(batch_definitions(methods))
+    names, without = _of_batch(methods)
+    return digest_of_definitions(*names, without=without)
 
 
 def batch_definitions(methods: Iterable[str]) -> dict[str, str]:
     """The text of all that the numbers of a batch by these methods depend on, by name."""
+    names, without = _of_batch(methods)
+    return definitions(*names, without=without)
+
+
+def _of_batch(methods: Iterable[str]) -> tuple[Collection[str], Collection[str]]:
+    """The names that the numbers of a batch begin with, and those that are not followed."""
     used = [find_method(name) for name in methods]
     if any(method.runs_others for method in used):
-        return definitions(*BATCH_FUNCTIONS)
+        return BATCH_FUNCTIONS, ()
     functions = [each for method in used for each in (method.solve, method.applies, method.solution_error) if each]
     own = [name for each in functions for name in _names(each)]
-    return definitions(*BATCH_FUNCTIONS, *own, without=LISTS_NOT_FOLLOWED)
+    return (*BATCH_FUNCTIONS, *own), LISTS_NOT_FOLLOWED
 
 
 def _names(function: Callable[..., Any]) -> Iterator[str]:
@@ -74,22 +81,16 @@ def page_digest() -> str:
 
 def program_digest(name: str) -> str:
     """A digest of all that a module or the modules of a folder depend on, all methods among it."""
-    return _digest(definitions(name, *modules_of(name)))
+    return digest_of_definitions(name, *modules_of(name))
 
 
 def docs_digest() -> str:
     """A digest of the text of all modules, whose docstrings the documentation shows."""
-    return _digest(
-        {str(path.relative_to(PACKAGE)): path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
-    )
+    return digest(texts_of_modules())
 
 
 def _step_digest(*names: str, files: Iterable[Path] = ()) -> str:
     """A digest of what a step without solving depends on: definitions, methods as figures show them, and files."""
     shown = {each.name: repr((each.label, each.numerical, each.style)) for each in registry.METHODS}
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return _digest(definitions(*names, without=LISTS_NOT_FOLLOWED) | shown | texts)
-
-
-def _digest(texts: dict[str, str]) -> str:
-    return hashlib.sha256(repr(sorted(texts.items())).encode()).hexdigest()
+    return digest({"definitions": digest_of_definitions(*names, without=LISTS_NOT_FOLLOWED)} | shown | texts)

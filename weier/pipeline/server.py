@@ -25,15 +25,21 @@ from typing import Any
 ADDRESS = "WEIER_SERVER"
 # What to import before a process is forked for a command; the other commands are run by the job itself.
 IMPORTS: Mapping[str, tuple[str, ...]] = {
-    "batch": ("weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.compile", "jsonschema"),
-    "claims": ("weier.cli.scene", "weier.pipeline.claims", "jsonschema"),
+    "batch": (
+        "weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.batch", "weier.pipeline.compile", "jsonschema",
+    ),
+    "claims": (
+        "weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.gather", "weier.pipeline.labels", "jsonschema",
+    ),
     "figure": (
-        "weier.cli.scene", "weier.pipeline.claims", "weier.figures.style", "jsonschema", "matplotlib.style",
-        "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.backends.backend_svg",
+        "weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.gather", "weier.figures.style", "jsonschema",
+        "matplotlib.style", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf",
+        "matplotlib.backends.backend_svg",
     ),
 }  # fmt: skip
 COMPILER = "weier.kernels.compiler"  # numba, for what solves
 SOLVING = ("batch",)
+DRAWING = ("figure",)
 UNABLE = b"?"  # the answer of a server that is no match for a job
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # of BLAS, which are started on import
 INTERRUPTED = 130  # exit code after Ctrl-C, as of shells
@@ -162,6 +168,8 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
     if command in SOLVING and not (jit := import_module("weier.kernels.jit")).disabled():
         import_module(COMPILER)
         jit.folder()  # reads all sources, once for all jobs
+    if command in DRAWING:
+        import_module("weier.figures").prepare()
     with suppress(OSError, ValueError, IndexError):  # for the process to tell
         os.chdir(folder)
         path, *names = itertools.dropwhile(lambda argument: not argument.endswith(".yaml"), arguments)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from weier.data import markdown
 from weier.data.check import Check
@@ -17,9 +17,10 @@ from weier.pipeline import curves
 from weier.pipeline.claims.claim import CLAIMS, Claim, Measured
 from weier.pipeline.claims.paper import CRITERIA
 from weier.pipeline.claims.readings import MissingError
-from weier.pipeline.gather import batch_file, gather, read_study
-from weier.pipeline.labels import case_labels
 from weier.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["CLAIMS", "Claim", "Measured", "check_names", "evaluate", "write"]
 
@@ -55,6 +56,9 @@ def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> N
         If the scene names a claim that is not in CLAIMS.
 
     """
+    from weier.pipeline.gather import batch_file, gather, read_study  # xarray, which the names of claims do without
+    from weier.pipeline.labels import case_labels
+
     # Only the studies that claims look at are ever in memory, each read once.
     study = cache(partial(read_study, scene, batches=batches))
     measured = {name: evaluate(name, [study(each) for each in names]) for name, names in scene.claims.items()}
@@ -83,6 +87,8 @@ def _distinct(cases: Sequence[xr.Dataset]) -> list[xr.Dataset]:
 
 def _columns(measured: Mapping[str, Measured]) -> xr.Dataset:
     """The claims as variables over the dimension claim; an empty dataset if there are none."""
+    import xarray as xr
+
     if not measured:
         return xr.Dataset()
     claims = [CLAIMS[name] for name in measured]

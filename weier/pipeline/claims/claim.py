@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
-import xarray as xr
 
 from weier.data.check import Check
 
-Cases = Sequence[xr.Dataset]
+if TYPE_CHECKING:
+    import xarray as xr
+
+Cases: TypeAlias = "Sequence[xr.Dataset]"
 
 
 class Measured(NamedTuple):

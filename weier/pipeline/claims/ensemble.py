@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from weier.data.check import Check
 from weier.kernels.arrays import Array
 from weier.pipeline import curves
 from weier.pipeline.claims.claim import Cases, Measured
 from weier.pipeline.claims.readings import describe, need
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MIN_MEMBERS = 6  # of an ensemble: fewer profiles say nothing of the others
 MIN_SHARE = 5 / 6  # of an ensemble, to say what usually happens

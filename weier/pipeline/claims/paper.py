@@ -7,8 +7,9 @@ loads end at interpolated compliances, so that no number depends on how the load
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
 from weier.kernels.arrays import Array
 from weier.pipeline import curves
@@ -49,6 +50,9 @@ from weier.pipeline.claims.readings import (
 )
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import tail_amplitude
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 ESTIMATES = ("archard", "demelio", "layer")  # the three approximations of Section 4
 

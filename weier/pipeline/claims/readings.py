@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
 from weier.kernels.arrays import Array, Flags
 from weier.methods.registry import find_method
 from weier.pipeline import curves
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, high loads above
 ROUNDING = 1e-9  # a difference that rounding may make, of numbers close to 1
