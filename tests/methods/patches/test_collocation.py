@@ -5,8 +5,8 @@ import pytest
 
 from weier import Profile
 from weier.methods.patches.collocation import assemble
+from weier.methods.patches.defect_correction import change_of, products, residuals
 from weier.methods.patches.initial_guess import Intervals, sort_segments
-from weier.methods.patches.products import change_of, products, residuals
 from weier.methods.patches.segments import move_segments
 from weier.methods.patches.surface import surface_of
 

@@ -7,6 +7,7 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import few_contacts
+from weier.methods.patches.collocation import NewtonResult, newton_iteration
 from weier.methods.patches.few_contacts import solve_on_few_nodes, solve_on_many_nodes
 from weier.methods.patches.fields import ContactState
 from weier.methods.patches.initial_guess import (
@@ -17,7 +18,6 @@ from weier.methods.patches.initial_guess import (
     sort_segments,
     transfer_density,
 )
-from weier.methods.patches.newton import NewtonResult, newton_iteration
 from weier.methods.patches.surface import Surface, surface_of
 
 

@@ -9,9 +9,8 @@ from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import bem, patches
 from weier.methods.patches import many_contacts
-from weier.methods.patches.initial_guess import contacts_guess
+from weier.methods.patches.initial_guess import Starts, contacts_guess
 from weier.methods.patches.many_contacts import solve_many_contacts
-from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))

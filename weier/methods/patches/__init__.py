@@ -9,23 +9,26 @@ surface
     the profile as a cosine series, evaluated from its crests
 segments
     contacts or gaps with their Chebyshev nodes
-collocation, newton
-    the equations on a given number of segments, and Newton's method for them, on few nodes
-products, defect_correction
-    the same equations without their matrix, and the solution on many nodes, corrected by that on few
+collocation, defect_correction
+    the equations on a given number of segments with Newton's method for them on few nodes, and without their matrix,
+    with the solution on many nodes, corrected by that on few
 fields
     pressure and gap anywhere, from a solution of the equations
-initial_guess, start
-    the contacts that a load is likely to have, by boundary elements on a coarse grid, or by crests
-inequalities, few_contacts
-    one load on a few contacts or gaps, whose set is right: Newton's method with a dense matrix
+initial_guess
+    the contacts that a load is likely to have, by crests or by boundary elements on a coarse grid
 pair_kernel, pair_sums, punch_forces, punches
     any number of contacts or gaps with given edges, by fast sums and conjugate gradients
-punch_edges, edge_iteration, punch_inequalities, many_contacts
-    one load on any number of contacts or gaps: Newton's method on their edges, and which are missing
+edge_iteration
+    Newton's method on their edges
+inequalities
+    tension and overlap: which segments are missing, and which must be cut
+few_contacts
+    one load on a few contacts or gaps, whose set is right, by a dense matrix
+many_contacts
+    one load on any number of contacts or gaps, whose set is corrected
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
-error_model, candidates, method
+error_model, method
     what the method costs and how accurate it is, and how the rest of the package chooses and calls it
 """
 

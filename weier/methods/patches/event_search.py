@@ -28,16 +28,16 @@ from weier.methods.patches.fields import (
     density,
     gap_from_slope,
 )
-from weier.methods.patches.initial_guess import transfer_density
+from weier.methods.patches.initial_guess import Starts, transfer_density
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
-from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, surface_of
 from weier.theory.profile import Profile
 
 MAX_DECADES = 1.0  # between two loads at first
 MAX_ADVANCE = 0.15  # of an edge between two loads, in the finest waves
 MAX_ROOT_INTERVAL = 0.1  # of ln(p): in shorter intervals the load of an event is sought by root-finding
+MAX_ROOTS = 4  # events of such an interval: more are first taken apart by the contacts under loads in between
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
 LOAD_ACCURACY = 1e-12  # relative
 SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
@@ -167,7 +167,7 @@ class _Search(NamedTuple):
         if is_certain and not changes:
             return []
         middle = float(np.sqrt(low.load) * np.sqrt(high.load))
-        if is_certain and width < MAX_ROOT_INTERVAL:
+        if is_certain and width < MAX_ROOT_INTERVAL and len(changes) <= MAX_ROOTS:
             located = self._locate_all(low, high, changes)
             loads = sorted(load for load, _ in located)
             if loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]:  # one event, or several by symmetry
@@ -191,16 +191,15 @@ class _Search(NamedTuple):
             inside = inside[np.argsort((middle + turns)[inside])]
             if inside.size == 0:
                 changes.append(_Event(True, origin, left, right))
-                is_certain &= self._has_minima(low, 1, origin, left, right)
+                is_certain = is_certain and self._has_minima(low, 1, origin, left, right)
                 continue
             start = before.left[inside] + (shift + turns)[inside]
             end = before.right[inside] + (shift + turns)[inside]
-            is_certain &= self._is_advance(low, origin, left, start[0]) and self._is_advance(
-                low, origin, end[-1], right
-            )
+            for advance in ((left, start[0]), (end[-1], right)):
+                is_certain = is_certain and self._is_advance(low, origin, *advance)
             for a, b in zip(end[:-1], start[1:], strict=True):
                 changes.append(_Event(False, origin, a, b))
-                is_certain &= self._has_minima(low, 0, origin, a, b)
+                is_certain = is_certain and self._has_minima(low, 0, origin, a, b)
         return changes, is_certain
 
     def _is_advance(self, low: ContactState, origin: float, left: float, right: float) -> bool:

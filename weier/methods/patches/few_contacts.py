@@ -12,11 +12,11 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.collocation import NewtonResult, newton_iteration
 from weier.methods.patches.defect_correction import refine
 from weier.methods.patches.fields import ContactState, complementary_residual, expand
 from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.initial_guess import COARSE_TOLERANCE, InitialGuess, refine_density
-from weier.methods.patches.newton import NewtonResult, newton_iteration
 from weier.methods.patches.segments import coefficient_tails, estimate_node_count, increase_node_count
 from weier.methods.patches.surface import CosineSeries, Surface
 

@@ -10,12 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.patches.chebyshev import evaluate_expansion, expansion_coefficients, integrals, partial_integral
+from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest_crest
 
+MIN_SEGMENTS = 40  # from here on, fast sums take less time than each segment at each point
 MAX_POLE_ANGLE = 1e-3  # nearer to a pole, the kernels less that pole come from their power series
 
 
@@ -153,25 +155,43 @@ def _kernels_without_poles(d: float, period: float, images: int) -> tuple[float,
 
 
 @kernel
+def segment_at(segments: Segments, period: float, origin: float, y: float) -> tuple[int, float]:
+    """Index of the segment that holds origin + y, and the coordinate there; -1 and 0 outside the segments."""
+    n, first = segments.centre.size, segments.origin[0] + segments.centre[0]
+    x = origin + y
+    x -= period * np.floor((x - first) / period)
+    low, high = 0, n
+    while high - low > 1:  # the last centre that is not beyond x
+        middle = (low + high) // 2
+        if segments.origin[middle] + segments.centre[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    for j in ((low - 1) % n, low, (low + 1) % n):  # centres are rounded
+        t = local_coordinate(segments, j, period, origin, y)
+        if abs(t) < 1:
+            return j, t
+    return -1, 0.0
+
+
+@kernel
 def density(state: ContactState, period: float, origin: float, y: float) -> float:
     """rho at origin + y: the pressure on a contact or the slope of a gap (dual); 0 outside the segments."""
-    for j in range(state.segments.centre.size):
-        t = local_coordinate(state.segments, j, period, origin, y)
-        if abs(t) < 1:
-            here = slice(state.segments.first_node[j], state.segments.first_node[j + 1])
-            return np.sqrt((1 - t) * (1 + t)) * evaluate_expansion(state.coefficient[here], t)
-    return 0.0
+    j, t = segment_at(state.segments, period, origin, y)
+    if j < 0:
+        return 0.0
+    here = slice(state.segments.first_node[j], state.segments.first_node[j + 1])
+    return np.sqrt((1 - t) * (1 + t)) * evaluate_expansion(state.coefficient[here], t)
 
 
 @kernel
 def gap_from_slope(state: ContactState, period: float, origin: float, y: float) -> float:
     """The gap at origin + y, of a dual state: the integral of its slope; 0 outside the segments."""
-    for j in range(state.segments.centre.size):
-        t = local_coordinate(state.segments, j, period, origin, y)
-        if abs(t) < 1:
-            here = slice(state.segments.first_node[j], state.segments.first_node[j + 1])
-            return state.segments.half_width[j] * partial_integral(state.coefficient[here], t)
-    return 0.0
+    j, t = segment_at(state.segments, period, origin, y)
+    if j < 0:
+        return 0.0
+    here = slice(state.segments.first_node[j], state.segments.first_node[j + 1])
+    return state.segments.half_width[j] * partial_integral(state.coefficient[here], t)
 
 
 @kernel
@@ -192,14 +212,91 @@ def complementary_residual_slope(state: ContactState, series: CosineSeries, cres
     return change - evaluate_series(series, crest, y)[1]
 
 
-@kernel
 def complementary_residuals(state: ContactState, series: CosineSeries, x: Array) -> Array:
     """`complementary_residual` at positions x."""
+    if state.segments.centre.size < MIN_SEGMENTS:
+        return np.asarray(_residuals_one_by_one(state, series, x))
+    x = x - series.period * np.floor(x / series.period)
+    order, value = np.argsort(x, kind="stable"), np.empty(x.size)
+    value[order] = _residuals_by_sums(state, series, x[order])
+    return value
+
+
+@kernel
+def _residuals_one_by_one(state: ContactState, series: CosineSeries, x: Array) -> Array:
     value = np.empty(x.size)
     for i in range(x.size):
         crest, y = nearest_crest(series, x[i])
         value[i] = complementary_residual(state, series, crest, y)
     return value
+
+
+def _residuals_by_sums(state: ContactState, series: CosineSeries, x: Array) -> Array:
+    """The same at ascending positions in [0, L), in the time O(points + nodes): far from a segment by fast sums.
+
+    These replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy integral by that of
+    -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap.
+    """
+    segments = state.segments
+    first, count = segments.first_node, np.diff(segments.first_node)
+    ascending = np.repeat(first[:-1] + first[1:] - 1, count) - np.arange(first[-1])
+    offset = np.repeat(segments.half_width, count) * segments.node
+    tree = make_tree(np.repeat(segments.origin + segments.centre, count), offset[ascending])
+    force = _node_forces(state)
+    total = potential(tree, force[ascending], x, series.period, state.dual)
+    return np.asarray(_correct_near_segments(state, series, force, x, total))
+
+
+@kernel
+def _node_forces(state: ContactState) -> Array:
+    """The weight in Gauss's quadrature times the density or, dual, the gap."""
+    segments, force = state.segments, np.empty(state.phi.size)
+    for j in range(segments.centre.size):
+        here, r = slice(segments.first_node[j], segments.first_node[j + 1]), segments.half_width[j]
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            t = segments.node[q]
+            if state.dual:
+                gap = r * partial_integral(state.coefficient[here], t)
+                force[q] = r * segments.weight[q] * gap / np.sqrt((1 - t) * (1 + t))
+            else:
+                force[q] = r * segments.weight[q] * state.phi[q]
+    return force
+
+
+@kernel
+def _correct_near_segments(state: ContactState, series: CosineSeries, force: Array, x: Array, total: Array) -> Array:
+    """The complementary residual at x from the quadrature over all segments, by closed forms where one is near."""
+    segments, period = state.segments, series.period
+    for j in range(segments.centre.size):
+        centre = segments.origin[j] + segments.centre[j]
+        reach = min(segments.far_field[j] * segments.half_width[j], 0.5 * period)
+        for image in range(-1, 2):
+            middle = centre + image * period
+            for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
+                t = local_coordinate(segments, j, period, x[i], 0.0)
+                near = _near_field(state, j, t, period)
+                total[i] += -near[0] * period / np.pi if state.dual else near[2]
+                total[i] -= _quadrature(state, force, j, t, period)
+    for i in range(x.size):
+        crest, y = nearest_crest(series, x[i])
+        value = evaluate_series(series, crest, y)[0]
+        if state.dual:
+            total[i] = state.load - series.maximum - value - 0.5 / period**2 * total[i]
+        else:
+            total[i] = -2 * total[i] - state.approach - value
+    return total
+
+
+@kernel
+def _quadrature(state: ContactState, force: Array, j: int, t: float, period: float) -> float:
+    """What segment j adds to the sum over all nodes at its own coordinate t."""
+    segments = state.segments
+    angle, total = np.pi / period * segments.half_width[j] * t, 0.0
+    s, c = np.sin(angle), np.cos(angle)
+    for q in range(segments.first_node[j], segments.first_node[j + 1]):
+        sine = s * segments.cosine[q] - c * segments.sine[q]
+        total += force[q] / (sine * sine) if state.dual else force[q] * np.log(abs(2 * sine))
+    return total
 
 
 @kernel
@@ -212,30 +309,37 @@ def complementary_residual_slopes(state: ContactState, series: CosineSeries, x: 
     return value
 
 
-@kernel
 def pressures(state: ContactState, series: CosineSeries, x: Array) -> Array:
     """The pressure at positions x, in p_0*."""
-    p = np.zeros(x.size)
-    for i in range(x.size):
-        crest, y = nearest_crest(series, x[i])
-        if not state.dual:
-            p[i] = density(state, series.period, series.crest_position[crest], y)
-        elif gap_from_slope(state, series.period, series.crest_position[crest], y) == 0:
-            p[i] = complementary_residual(state, series, crest, y)
-    return p
+    inside, value = _values_on_segments(state, series, x)
+    if state.dual:
+        value = np.zeros(x.size)
+        value[~inside] = complementary_residuals(state, series, x[~inside])
+    return value
+
+
+def gaps(state: ContactState, series: CosineSeries, x: Array) -> Array:
+    """The gap at positions x, in g_0."""
+    inside, value = _values_on_segments(state, series, x)
+    if not state.dual:
+        value = np.zeros(x.size)
+        value[~inside] = complementary_residuals(state, series, x[~inside])
+    return value
 
 
 @kernel
-def gaps(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    """The gap at positions x, in g_0."""
-    gap = np.zeros(x.size)
+def _values_on_segments(state: ContactState, series: CosineSeries, x: Array) -> tuple[Flags, Array]:
+    """Whether a segment holds each position, and the pressure there or, dual, the gap; 0 outside."""
+    inside, value = np.zeros(x.size, np.bool_), np.zeros(x.size)
     for i in range(x.size):
         crest, y = nearest_crest(series, x[i])
+        origin = series.crest_position[crest]
+        inside[i] = segment_at(state.segments, series.period, origin, y)[0] >= 0
         if state.dual:
-            gap[i] = gap_from_slope(state, series.period, series.crest_position[crest], y)
-        elif density(state, series.period, series.crest_position[crest], y) == 0:
-            gap[i] = complementary_residual(state, series, crest, y)
-    return gap
+            value[i] = gap_from_slope(state, series.period, origin, y)
+        else:
+            value[i] = density(state, series.period, origin, y)
+    return inside, value
 
 
 @kernel

@@ -9,25 +9,33 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
+from weier.methods.patches.edge_iteration import Problem, Step, distances
 from weier.methods.patches.fields import (
     ContactState,
     complementary_residual_slope,
     complementary_residual_slopes,
     complementary_residuals,
 )
+from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.surface import CosineSeries, nearest_crest
 
-MIN_PROBES = 12  # between two segments, denser at both ends, as the cosine is
-PROBES_PER_WAVE = 5
+PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each interval between segments, closer at its ends
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
 END_DISTANCE = 1e-6  # from the end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits here, as many as the limit has
+MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
+FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
+NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces
+NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
+MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
+MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 
 
 class NegativeIntervals(NamedTuple):
@@ -49,22 +57,22 @@ def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> f
     """
     segments, distance = state.segments, distances_to_next(state.segments, series.period)
     edge = segments.origin + (segments.centre + segments.half_width)
-    probe, interval = _probe_points(series, edge, distance)
+    probe, interval = _probe_points(edge, distance, series)
     slope = complementary_residual_slopes(state, series, probe)
     bracket = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (interval[:-1] == interval[1:]))
     bracket = _possibly_negative(state, series, limit, probe, slope, bracket)
-    x = _minima(state, series, probe[bracket], probe[bracket + 1])
+    x = _bisect_slopes(state, series, probe[bracket], probe[bracket + 1])
     return float(complementary_residuals(state, series, x).min(initial=0.0))
 
 
-def _probe_points(series: CosineSeries, left: Array, distance: Array) -> tuple[Array, Indices]:
-    """Points at shares (1 - cos)/2 of each interval, closer than the finest wave; and the interval of each point."""
-    finest = 2 * np.pi / series.wavenumber[-1]
-    count = MIN_PROBES + np.ceil(0.5 * np.pi * PROBES_PER_WAVE * distance / finest).astype(np.int64)
-    interval = np.repeat(np.arange(distance.size), count)
+def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
+    """Points in intervals between segments, some for each of the finest waves; and the interval of each point."""
+    per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
+    count = MIN_PROBES + np.ceil(per_length * length).astype(np.int64)
+    interval = np.repeat(np.arange(length.size), count)
     number = np.arange(interval.size) - np.repeat(np.cumsum(count) - count, count)
     angle = (number + 0.5) * (np.pi / count[interval])
-    return left[interval] + distance[interval] * 0.5 * (1 - np.cos(angle)), interval
+    return left[interval] + length[interval] * 0.5 * (1 - np.cos(angle)), interval
 
 
 def _possibly_negative(
@@ -78,7 +86,7 @@ def _possibly_negative(
 
 
 @kernel
-def _minima(state: ContactState, series: CosineSeries, low: Array, high: Array) -> Array:
+def _bisect_slopes(state: ContactState, series: CosineSeries, low: Array, high: Array) -> Array:
     """The positions of minima between probes: where the slope of the complementary residual is 0, by bisection."""
     x = np.empty(low.size)
     for i in range(low.size):
@@ -184,3 +192,89 @@ def _find_zero(dual: bool, a: Array, negative: float, positive: float) -> float:
         else:
             positive = middle
     return positive
+
+
+class _Brackets(NamedTuple):
+    """Points low < middle < high with a minimum between them, and the index of the contact on their left."""
+
+    low: Array
+    middle: Array
+    high: Array
+    interval: Indices
+
+
+def gap_or_pressure(problem: Problem, step: Step, x: Array) -> Array:
+    """The gap or, dual, the pressure at ascending points off the segments; negative where a segment is missing."""
+    punches, forces, dual = step.punches, step.forces, problem.dual
+    total = potential(punches.matrix.tree, forces.force, x, punches.period, dual)
+    if dual:
+        return np.asarray(-0.5 / punches.period**2 * total - problem.forcing(x))
+    return np.asarray(forces.plane - 2 * total - problem.forcing(x))
+
+
+def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.float64]:
+    """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2)."""
+    right, gap = _gaps(step)
+    x, gap_before = _probe_points(right, gap, problem.series)
+    value = gap_or_pressure(problem, step, x)
+    lowest = 1 + np.flatnonzero(
+        (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (gap_before[:-2] == gap_before[2:])
+    )
+    low, middle, high = x[lowest - 1], x[lowest], x[lowest + 1]
+    rise = (value[lowest + 1] - value[lowest]) / (high - middle) - (value[lowest] - value[lowest - 1]) / (
+        middle - low
+    )
+    some = value[lowest] < 2 * MAX_RISE * np.maximum(rise, 0) * (high - low) + tolerance
+    if not np.any(some):
+        return np.empty((0, 2))
+    brackets = _Brackets(low[some], middle[some], high[some], gap_before[lowest[some]])
+    centre, depth, curvature, interval = _minima(problem, step, brackets, tolerance)
+    if centre.size == 0:
+        return np.empty((0, 2))
+    room = _room(step, centre, interval)
+    widening = NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH
+    half_width = widening * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
+    half_width = np.minimum(half_width, MAX_NEW_WIDTH * room)
+    return np.stack([centre - half_width, centre + half_width], axis=1)
+
+
+def _minima(
+    problem: Problem, step: Step, brackets: _Brackets, tolerance: float
+) -> tuple[Array, Array, Array, Indices]:
+    """Position, value, curvature and gap of minima below -tolerance, by Newton's method on differences.
+
+    Brackets whose minimum is above for certain are left out as soon as that is known.
+    """
+    stencil = FIRST_STENCIL * (brackets.high - brackets.low)
+    for refinement in range(1, REFINEMENTS + 1):
+        low, middle, high, interval = brackets
+        points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
+        order, value = np.argsort(points, axis=None), np.empty(points.size)
+        value[order] = gap_or_pressure(problem, step, points.ravel()[order])
+        below, here, above = value.reshape(-1, 3).T
+        slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
+        shift = -slope / np.where(curvature > 0, curvature, np.inf)
+        shift = np.clip(middle + shift, low + 1.01 * stencil, high - 1.01 * stencil) - middle
+        fall = -0.5 * np.minimum(shift * slope, 0)
+        margin = MAX_FALL * fall if refinement < REFINEMENTS else fall
+        some = (here - margin < -tolerance) | ((curvature <= 0) & (refinement < REFINEMENTS))
+        brackets = _Brackets(low[some], (middle + shift)[some], high[some], interval[some])
+        stencil = STENCIL_RATIO * stencil[some]
+        if not np.any(some):
+            break
+    return brackets.middle, (here - fall)[some], curvature[some], brackets.interval
+
+
+def _room(step: Step, centre: Array, interval: Indices) -> Array:
+    """From each new contact to the ends of its gap, or halfway to another new one."""
+    right, gap = _gaps(step)
+    halfway = 0.5 * np.diff(centre)
+    to_left = np.minimum(centre - right[interval], np.append(np.inf, halfway))
+    to_right = np.minimum(right[interval] + gap[interval] - centre, np.append(halfway, np.inf))
+    return np.minimum(to_left, to_right)
+
+
+def _gaps(step: Step) -> tuple[Array, Array]:
+    """The left end and the width of the gap on the right of each contact."""
+    centre, r = step.punches.centre, step.punches.half_width
+    return centre + r, distances(centre - r, centre + r, step.punches.period)

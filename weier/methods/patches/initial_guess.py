@@ -1,21 +1,40 @@
-"""Where Newton's method starts on a set of segments, and how a density is carried to another set."""
+"""Where Newton's method starts: the contacts that a load is likely to have, and the density on them.
+
+The contacts come from crests where they are tiny, and from boundary elements elsewhere.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.kernels.loads_done import counted_as
+from weier.methods.bem import fft, subgrid_solver
+from weier.methods.bem.continuum import Continuum, make_continuum
+from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import nodes
-from weier.methods.patches.defect_correction import own_density
+from weier.methods.patches.defect_correction import own_density, residuals
 from weier.methods.patches.fields import ContactState, density
-from weier.methods.patches.products import residuals
 from weier.methods.patches.segments import Segments, distances_to_next, estimate_node_count, make_segments
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
+from weier.theory.profile import Profile
 
+MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
+MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
+MAX_LONE_CONTACTS = 64  # of those whose forces are found from Hertz's theory
+MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
+FORCE_TOLERANCE = 1e-10
+POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
+MAX_POINTS = 2**19  # of a grid: with more, the start from one without the last wave is tried before
+MAX_LOAD = 0.5  # of full contact, for such a start, in which nearly closed gaps are crude
+MIN_DISTANCE = 1e-3  # between two contacts, in the finest waves: closer ones are one
+GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
 OWN_ROUNDS = 2  # of finding each segment's density under the others
@@ -48,15 +67,20 @@ def sort_segments(
 
     They have so many nodes, or else as many as a density within the tolerance is expected to need.
     """
+    crest, layout, order = _lay_out(series, intervals)
+    count = estimate_node_count(*layout, series, tolerance) if node_count is None else node_count[order]
+    return make_segments(crest, *layout, count, series.period), order
+
+
+def _lay_out(series: CosineSeries, intervals: Intervals) -> tuple[Indices, tuple[Array, Array, Array], Indices]:
+    """Crest; origin, centre and half-width, as of `Segments`, in order round the period; and the permutation."""
     crest, centre, half_width = intervals
     if not np.all(half_width > 0):
         raise ConvergenceError("a contact or a gap has lost its width")
     origin = series.crest_position[crest]
     origin = origin - series.period * np.floor((origin + centre) / series.period)
     order = np.argsort(origin + centre, kind="stable")
-    layout = origin[order], centre[order], half_width[order]
-    count = estimate_node_count(*layout, series, tolerance) if node_count is None else node_count[order]
-    return make_segments(crest[order], *layout, count, series.period), order
+    return crest[order], (origin[order], centre[order], half_width[order]), order
 
 
 def contacts_guess(
@@ -72,12 +96,12 @@ def contacts_guess(
     if np.all(distance > 0):
         end = contacts.origin + (contacts.centre + contacts.half_width)
         gaps = nearest_crests(surface.tensions, end + 0.5 * distance)
-        segments, _ = sort_segments(surface.tensions, Intervals(*gaps, 0.5 * distance))
-        needed = [
-            estimate_node_count(each.origin, each.centre, each.half_width, series, tolerance).sum()
-            for each, series in ((contacts, surface.heights), (segments, surface.tensions))
-        ]
-        if needed[1] < MAX_NODE_RATIO * needed[0]:
+        intervals = Intervals(*gaps, 0.5 * distance)
+        on_gaps = estimate_node_count(*_lay_out(surface.tensions, intervals)[1], surface.tensions, tolerance)
+        layout = contacts.origin, contacts.centre, contacts.half_width
+        on_contacts = estimate_node_count(*layout, surface.heights, tolerance)
+        if on_gaps.sum() < MAX_NODE_RATIO * on_contacts.sum():
+            segments, _ = sort_segments(surface.tensions, intervals)
             return InitialGuess(True, segments, np.zeros(segments.node.size), 0.0)
     phi = 2 / np.pi * force[order] / contacts.half_width
     return InitialGuess(False, contacts, np.repeat(phi, np.diff(contacts.first_node)), 0.0)
@@ -121,3 +145,168 @@ def hertz_density(dual: bool, curvature: float, half_width: float, node_count: i
     if dual:
         return -np.pi * curvature * half_width**2 * nodes(node_count)
     return np.full(node_count, curvature * half_width / (2 * np.pi))
+
+
+class _Grid(NamedTuple):
+    """What boundary elements need of one profile on one grid."""
+
+    hierarchy: Hierarchy
+    continuum: Continuum
+
+
+class Starts:
+    """Initial guesses for the loads of one profile, each independent of the other loads."""
+
+    def __init__(self, profile: Profile, surface: Surface, tolerance: float) -> None:
+        """Nothing is computed before it is needed."""
+        self.profile, self.surface, self.tolerance = profile, surface, tolerance
+        self._grid, self._coarse_grid = cache(self._make_grid), cache(self._make_coarse_grid)
+
+    def _make_grid(self, per_wave: int) -> _Grid:
+        points = per_wave * self.profile.waves_per_period[-1]
+        return _Grid(
+            nested_grids(self.profile, points, _grid_tolerance(self.profile)), make_continuum(self.profile, points)
+        )
+
+    def _fewer_waves(self) -> Profile:
+        return self.profile.truncated(self.profile.terms - 1)
+
+    def _make_coarse_grid(self) -> Hierarchy:
+        coarse = self._fewer_waves()
+        points = POINTS_PER_WAVE[0] * coarse.waves_per_period[-1]
+        return nested_grids(coarse, points, _grid_tolerance(coarse))
+
+    def guesses(self, load: float) -> Iterator[InitialGuess]:
+        """What to start from under this load, the most likely first."""
+        lone = lone_contacts(self.surface.heights, load)
+        if lone is not None:
+            yield lone
+        lone = lone_gaps(self.surface.tensions, load)
+        if lone is not None:
+            yield lone
+        points = POINTS_PER_WAVE[0] * self.profile.waves_per_period[-1]
+        is_light = load < MAX_LOAD * self.surface.full_contact_load
+        if points > MAX_POINTS and is_light and self._fewer_waves().period == self.profile.period:
+            yield self.from_fewer_waves(load)
+        for per_wave in POINTS_PER_WAVE:
+            found = self._from_grid(per_wave, load)
+            if found is not None:
+                yield found
+
+    def from_fewer_waves(self, load: float) -> InitialGuess:
+        """Contacts by the pressure on a grid without the last wave, on whose crests Westergaard's theory places them.
+
+        Such a grid has fewer points than the contacts would need, and far fewer iterations, for these grow with the
+        number of contacts. That many contacts are missed or spurious costs less than they save.
+        """
+        hierarchy, period = self._coarse_grid(), self.profile.period
+        grid = fft.make_grid_state(int(hierarchy.points[-1]))
+        fft.cascade(load, hierarchy, full_contact(hierarchy, load), grid)
+        pressure = np.append(grid.pressure, grid.pressure[0])
+        x = self.surface.heights.crest_position
+        local = np.interp(x, np.linspace(0, period, pressure.size), pressure)
+        x, local = x[local > 0], local[local > 0]
+        wave, closing = period / self.profile.waves_per_period[-1], self.profile.full_contact_pressure[-1]
+        half_width = wave / np.pi * np.arcsin(np.sqrt(np.minimum(local / closing, 1)))
+        left, right, force = x - half_width, x + half_width, wave * local
+        first = np.flatnonzero(np.append(True, left[1:] > np.maximum.accumulate(right)[:-1] + MIN_DISTANCE * wave))
+        left, right, force = left[first], np.maximum.reduceat(right, first), np.add.reduceat(force, first)
+        force *= load * period / force.sum()
+        return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, self.tolerance)
+
+    def _from_grid(self, per_wave: int, load: float) -> InitialGuess | None:
+        """The contacts on a grid, but for those that have no width there; None if all have none."""
+        hierarchy, continuum = self._grid(per_wave)
+        start = full_contact(hierarchy, load)
+        with counted_as(0):
+            found = subgrid_solver.solve_loads(hierarchy, start, np.array([load]), continuum).contacts
+        here = slice(found.first[0], found.first[0] + found.number[0])
+        left, right, force = found.left[here], found.right[here], found.force[here]
+        wide = right > left
+        if not wide.any():
+            return None
+        middle, half_width = 0.5 * (left + right)[wide], 0.5 * (right - left)[wide]
+        return contacts_guess(self.surface, middle, half_width, force[wide], self.tolerance)
+
+
+def _grid_tolerance(profile: Profile) -> float:
+    """The residual, in g_0, that Newton's method can start from."""
+    return min(GRID_TOLERANCE, WAVE_SHARE * abs(float(profile.amplitude[-1])))
+
+
+def lone_contacts(series: CosineSeries, load: float) -> InitialGuess | None:
+    """Hertz's contacts on the crests that touch, as they sink in under each other's forces; None if they are wide.
+
+    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by -2 F ln|2 sin(pi d/L)| under
+    one at the distance d.
+    """
+    curvature = crest_curvatures(series)
+    touching = np.flatnonzero(series.crest_offset == 0)
+    force = np.full(touching.size, load * series.period / touching.size)
+    for _ in range(MAX_FORCE_STEPS):
+        if touching.size > MAX_LONE_CONTACTS:
+            return None
+        half_width = 2 * np.sqrt(force / curvature[touching])
+        if not _are_lone(series, touching, half_width):
+            return None
+        between = _influence(series, touching, touching)
+        own = -2 * np.log(np.pi * half_width / series.period)
+        sunk = between @ force + force * (1 + own) - series.crest_offset[touching]
+        matrix = np.block([[between + np.diag(own), np.ones((touching.size, 1))], [np.ones(touching.size), 0.0]])
+        step = np.linalg.solve(matrix, np.append(sunk, force.sum() - load * series.period))
+        approach, change = float(step[-1]), step[:-1]
+        force = np.maximum(force - change, 0.1 * force)
+        if np.abs(change).max() > FORCE_TOLERANCE * force.sum():
+            continue
+        above = approach + series.crest_offset - _influence(series, np.arange(curvature.size), touching) @ force
+        above[touching] = 0.0
+        new = np.flatnonzero(above > 0)
+        if new.size == 0:
+            return _lone_guess(series, False, touching, half_width, curvature, approach)
+        touching, force = np.append(touching, new), np.append(force, above[new] / (1 + own.max()))
+    return None
+
+
+def crest_curvatures(series: CosineSeries) -> Array:
+    """-S'' at all crests, shape (crests,)."""
+    return np.asarray(series.crest_cosine @ (series.amplitude * series.wavenumber**2))
+
+
+def _influence(series: CosineSeries, at: Indices, of: Indices) -> Array:
+    """Displacement of crests under unit forces on others, shape (at, of), in g_0/p_0*; 0 under their own."""
+    apart = np.sin(np.pi / series.period * (series.crest_position[at, None] - series.crest_position[of]))
+    same = at[:, None] == of
+    return np.where(same, 0.0, -2 * np.log(np.abs(2 * np.where(same, 1.0, apart))))
+
+
+def lone_gaps(series: CosineSeries, load: float) -> InitialGuess | None:
+    """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
+    tension = series.maximum - load + series.crest_offset
+    crest = np.flatnonzero(tension > 0)
+    curvature = crest_curvatures(series)
+    half_width = 2 * np.sqrt(tension[crest] / curvature[crest])
+    if crest.size == 0 or not _are_lone(series, crest, half_width):
+        return None
+    return _lone_guess(series, True, crest, half_width, curvature, 0.0)
+
+
+def _are_lone(series: CosineSeries, crest: Indices, half_width: Array) -> bool:
+    """Whether segments on crests, in any order, are parabolic, and so small that they hardly feel each other."""
+    order = np.argsort(series.crest_position[crest])
+    position = series.crest_position[crest][order]
+    distance = np.append(position[1:], position[0] + series.period) - position
+    nearest = np.minimum(distance, np.roll(distance, 1))
+    return bool(
+        np.all(half_width * series.wavenumber[-1] < MAX_RADIANS)
+        and np.all(half_width[order] < MAX_CROWDING * nearest)
+    )
+
+
+def _lone_guess(
+    series: CosineSeries, dual: bool, crest: Indices, half_width: Array, curvature: Array, approach: float
+) -> InitialGuess:
+    """Hertz's density on segments in the middle of crests; `curvature` is that of all crests."""
+    segments, order = sort_segments(series, Intervals(crest, np.zeros(crest.size), half_width))
+    count, bend = np.diff(segments.first_node), curvature[crest][order]
+    phi = [hertz_density(dual, bend[j], segments.half_width[j], count[j]) for j in range(crest.size)]
+    return InitialGuess(dual, segments, np.concatenate(phi), approach)

@@ -1,9 +1,9 @@
 """One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
 
-Newton's method on the edges solves for the pressure, or for the gaps (dual), by conjugate gradients, and the set of
-segments is corrected in bulk where the inequalities of contact do not hold: first roughly, then to the tolerance. The
-solution is checked at other nodes with a fresh operator, and on a few segments by direct sums of closed forms that
-share nothing with the fast ones.
+Newton's method on the edges solves for the pressure, or for the gaps (dual), by conjugate gradients. The set of
+segments is corrected in bulk where the inequalities of contact do not hold: roughly at first if the edges of the
+guess are far off, then to the tolerance. The solution is checked at other nodes with a fresh operator, and on a few
+segments by direct sums of closed forms that share nothing with the fast ones.
 """
 
 from __future__ import annotations
@@ -27,10 +27,8 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.fields import ContactState, complementary_residual
-from weier.methods.patches.inequalities import NegativeIntervals, find_negative_intervals
+from weier.methods.patches.inequalities import NegativeIntervals, find_missing, find_negative_intervals
 from weier.methods.patches.initial_guess import InitialGuess
-from weier.methods.patches.punch_edges import transfer_forces
-from weier.methods.patches.punch_inequalities import find_missing
 from weier.methods.patches.punches import (
     MAX_NODES,
     Bounds,
@@ -39,6 +37,7 @@ from weier.methods.patches.punches import (
     expansion_of_regular_part,
     make_punches,
     solve_forces_on_contacts,
+    transfer_forces,
 )
 from weier.methods.patches.segments import make_segments
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
@@ -104,11 +103,13 @@ def solve_many_contacts(
     problem = Problem(surface.series(guess.dual), load, guess.dual)
     target = _target(problem, tolerance)
     rough, fine = _stages(problem, target)
-    stage = rough
-    now = _guess_from(problem, guess, rough)
+    stage = fine
+    now = _guess_from(problem, guess, fine)
     last_move = np.inf
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
+        if steps == 1 and not step.settled:
+            stage = rough
         is_enough = step.settled if stage is rough else _converged(step, target, last_move)
         last_move = step.moves.largest
         if not is_enough:

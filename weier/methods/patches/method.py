@@ -1,20 +1,21 @@
-"""Contact patches as one of the methods."""
+"""Contact patches as one of the methods, and what they offer to a plan."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.error_model import RESIDUAL_FACTOR
+from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
-from weier.methods.patches.candidates import candidates
+from weier.methods.patches.initial_guess import Starts
 from weier.methods.patches.punch_forces import MAX_DENSE, invert_punches
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
-from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import surface_of
+from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
@@ -47,6 +48,43 @@ def _solve_without_matrix() -> None:
         many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
     centre = np.arange(2.0 * MAX_DENSE)
     invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
+
+
+def candidates(task: Task) -> Iterator[Segment]:
+    """Contact patches where a computer holds them all; none for one wave, which has a closed form."""
+    able = [each for each in error_model.TOLERANCES if error_model.error(each, task.quantity) <= task.tolerance]
+    if task.profile.m > 1 and able:
+        yield _patches(task, able[0])
+
+
+def _patches(task: Task, tolerance: float) -> Segment:
+    waves = task.profile.waves_per_period[-1]
+    held = task.contacts <= error_model.MAX_CONTACTS
+    error = np.where(held, error_model.error(tolerance, task.quantity), np.inf)
+    return make_segment(
+        task,
+        "patches",
+        "exact edges of these contacts cost less than a grid so fine",
+        partial(_solve, task.profile, tolerance),
+        settings={"tolerance": tolerance},
+        discretisation=error,
+        seconds_start=error_model.SECONDS_START,
+        seconds_load=error_model.seconds(waves, task.contacts),
+        memory=error_model.memory(waves, float(task.contacts.max(where=held, initial=1.0))),
+    )
+
+
+def _solve(profile: Profile, tolerance: float, loads: Array) -> SegmentSolution:
+    exact = curve(profile, loads, tolerance)
+    compliance_error = RESIDUAL_FACTOR * exact.residual + COMPLIANCE_ROUNDING * profile.total_amplitude
+    resistance_error = error_model.error(tolerance, RESISTANCE) * np.maximum(exact.resistance, 1)
+    partial_contact = exact.patch_count > 0
+    return SegmentSolution(
+        exact.compliance,
+        exact.resistance,
+        np.where(partial_contact, compliance_error, 0),
+        np.where(partial_contact, resistance_error, 0),
+    )
 
 
 METHOD = Method(

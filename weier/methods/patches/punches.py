@@ -40,6 +40,7 @@ Table = NDArray[np.float64]  # shape (contacts, nodes of each) or (nodes, nodes)
 
 MAX_NODES = 2000  # of one contact, whose own matrix is dense
 MAX_STEPS = 300  # of conjugate gradients
+MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
 
 
 class Rule(NamedTuple):
@@ -281,3 +282,63 @@ def expansion_of_regular_part(punches: Punches, a: Array) -> Array:
     for _, _, node in punches.groups:
         b[node[:, 2:]] -= 0.5 * a[node[:, :-2]]
     return b
+
+
+def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array) -> Array:
+    """Coefficients of psi when the segments have moved: to second order the solution, if Newton's step moved them.
+
+    With w = (dc + t dr)/r, psi + w [(1-t^2) phi' - t phi].
+    """
+    a, moved = regular_part(punches.first_node, b), np.empty(b.size)
+    r = punches.half_width
+    for group in punches.groups:
+        contact, node, count = group.contact, group.node, group.rule.node.size
+        rule = chebyshev_rule(count, False)
+        t = rule.node
+        k = np.arange(1, count)[:, None]
+        bracket = -k * rule.polynomial[1:]  # (1-t^2) U_k' - t U_k = -(k+1) T_(k+1)
+        shift, growth = (centre - punches.centre)[contact, None], (half_width - r)[contact, None]
+        w = np.clip((shift + t * growth) / r[contact, None], -MAX_PREDICTED_MOVE, MAX_PREDICTED_MOVE)
+        psi = b[node] @ rule.polynomial + w * (a[node[:, :-1]] @ bracket)
+        moved[node] = psi @ rule.polynomial.T * (2 / count)
+        moved[node[:, 0]] *= 0.5
+    return moved
+
+
+def transfer_forces(punches: Punches, b: Array, origin: Indices, half_width: Array, node_count: Indices) -> Array:
+    """The forces on other segments, each of which is the old one `origin`, or new where that is -1: then 0."""
+    first = np.concatenate([[0], np.cumsum(node_count)])
+    force, kept = np.zeros(first[-1]), np.flatnonzero(origin >= 0)
+    counts = np.stack([punches.node_count[origin[kept]], node_count[kept]], axis=1)
+    for old, new in np.unique(counts, axis=0):
+        here = kept[(counts[:, 0] == old) & (counts[:, 1] == new)]
+        rows = b[punches.first_node[origin[here]][:, None] + np.arange(old)]
+        force[first[here][:, None] + np.arange(new)] = forces_of_expansion(
+            rows, half_width[here], int(new), punches.dual
+        )
+    return force
+
+
+@kernel
+def sample_forces(
+    centre: Array, half_width: Array, first_node: Indices, b: Array, period: float,
+    new_centre: Array, new_half_width: Array, new_first_node: Indices, which: Indices, force: Array,
+) -> None:  # fmt: skip
+    """Fill in the forces on the contacts `which` from the pressure, less its tension, of the old contacts."""
+    left = centre - half_width
+    for j in which:
+        count = new_first_node[j + 1] - new_first_node[j]
+        for q in range(count):
+            t = -np.cos((q + 0.5) * np.pi / count)
+            x = new_centre[j] + new_half_width[j] * t
+            x -= period * np.floor((x - left[0]) / period)
+            i = np.searchsorted(left, x, side="right") - 1
+            s = (x - centre[i]) / half_width[i]
+            pressure = 0.0
+            if abs(s) < 1:
+                after, here = 0.0, 0.0
+                for k in range(first_node[i + 1] - 1, first_node[i], -1):
+                    here, after = b[k] + 2 * s * here - after, here
+                pressure = max(b[first_node[i]] + s * here - after, 0.0) / np.sqrt((1 - s) * (1 + s))
+            weight = np.pi / count * new_half_width[j] * np.sqrt((1 - t) * (1 + t))
+            force[new_first_node[j] + q] = weight * pressure

@@ -66,7 +66,11 @@ def make_segments(
 ) -> Segments:
     """Segments, already in order, with so many nodes each."""
     first_node = np.concatenate([[0], np.cumsum(node_count)])
-    node, weight, log_weight = np.concatenate([_quadrature_rule(int(k)) for k in node_count], axis=1)
+    rules = np.empty((3, first_node[-1]))
+    for count in np.unique(node_count):
+        these = first_node[:-1][node_count == count, None] + np.arange(count)
+        rules[:, these] = _quadrature_rule(int(count))[:, None]
+    node, weight, log_weight = rules
     sine, cosine = _sines_and_cosines(half_width, node_count, node, period)
     far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
     return Segments(crest, origin, centre, half_width, first_node, node, weight, log_weight, far_field, sine, cosine)

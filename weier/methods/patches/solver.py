@@ -14,9 +14,8 @@ from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import few_contacts, many_contacts
 from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
-from weier.methods.patches.initial_guess import InitialGuess
+from weier.methods.patches.initial_guess import InitialGuess, Starts
 from weier.methods.patches.segments import distances_to_next
-from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile

@@ -8,8 +8,8 @@ import pytest
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
 from weier.methods import bem, patches
-from weier.methods.patches import start
-from weier.methods.patches.start import lone_contacts, lone_gaps
+from weier.methods.patches import initial_guess
+from weier.methods.patches.initial_guess import lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
 
 
@@ -57,7 +57,7 @@ def test_a_load_depends_on_no_other(profile):
 def test_contacts_of_fewer_waves_are_a_start_where_grids_are_large(load, monkeypatch):
     profile = Profile(1.25, 5, 4, 1.0)
     expected = patches.curve(profile, load)
-    monkeypatch.setattr(start, "MAX_POINTS", 0)
+    monkeypatch.setattr(initial_guess, "MAX_POINTS", 0)
     curve = patches.curve(profile, load)
     assert curve.work > expected.work  # the start is another, and worse
     assert curve.patch_count == expected.patch_count
