@@ -74,3 +74,14 @@ def test_two_crests_of_nearly_one_height():
         Profile(1.25, 2, 2, (1e-7, np.pi)), event.mean_pressure[0] * np.array([1 - 1e-6, 1 + 1e-6])
     )
     np.testing.assert_array_equal(around.patch_count, [1, 2])
+
+
+def test_events_among_hundreds_of_contacts():
+    profile, low, high = Profile(1.25, 5, 5, np.arange(5.0)), 1.0, 1.02
+    events = patches.events(profile, low, high)
+    load, sides = events.mean_pressure, np.array([[1 - 1e-6], [1 + 1e-6]])
+    below, above = (patches.curve(profile, side * load).patch_count for side in sides)
+    np.testing.assert_array_equal(above, events.patch_count)
+    np.testing.assert_array_equal(above - below, np.where(events.birth, 1, -1))
+    np.testing.assert_array_equal(below[1:], above[:-1])  # none is missed in between
+    np.testing.assert_array_equal(patches.curve(profile, [low, high]).patch_count, [below[0], above[-1]])

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
@@ -22,9 +23,11 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.few_contacts import solve_on_segments
 from weier.methods.patches.fields import (
+    MIN_SEGMENTS,
     ContactState,
     complementary_residual,
     complementary_residual_slope,
+    complementary_residuals,
     density,
     gap_from_slope,
 )
@@ -41,6 +44,7 @@ MAX_ROOTS = 4  # events of such an interval: more are first taken apart by the c
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
 LOAD_ACCURACY = 1e-12  # relative
 SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
+GAP_ROUNDING = 1e-12  # of the displacement under the whole load: differences of the gap below it are no slopes
 SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
 POSITION_ACCURACY = 1e-8  # of a minimum between two samples, over their distance
 
@@ -182,7 +186,8 @@ class _Search(NamedTuple):
         """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether that is all."""
         period = self.surface.heights.period
         before, after = _contacts_of(low, period), _contacts_of(high, period)
-        changes, is_certain = [], True
+        finest = 2 * np.pi / self.surface.heights.wavenumber[-1]
+        changes, expected, is_certain = [], [], True
         for origin, left, right in zip(*after, strict=True):
             shift = before.origin - origin
             middle = shift + 0.5 * (before.left + before.right)
@@ -191,29 +196,37 @@ class _Search(NamedTuple):
             inside = inside[np.argsort((middle + turns)[inside])]
             if inside.size == 0:
                 changes.append(_Event(True, origin, left, right))
-                is_certain = is_certain and self._has_minima(low, 1, origin, left, right)
+                expected.append((1, origin, left, right))
                 continue
             start = before.left[inside] + (shift + turns)[inside]
             end = before.right[inside] + (shift + turns)[inside]
-            for advance in ((left, start[0]), (end[-1], right)):
-                is_certain = is_certain and self._is_advance(low, origin, *advance)
+            for a, b in ((left, start[0]), (end[-1], right)):
+                expected.append((0, origin, a, b))
+                is_certain = is_certain and b - a < MAX_ADVANCE * finest
             for a, b in zip(end[:-1], start[1:], strict=True):
                 changes.append(_Event(False, origin, a, b))
-                is_certain = is_certain and self._has_minima(low, 0, origin, a, b)
-        return changes, is_certain
+                expected.append((0, origin, a, b))
+        return changes, is_certain and self._has_no_more_minima(low, np.array(expected))
 
-    def _is_advance(self, low: ContactState, origin: float, left: float, right: float) -> bool:
-        """Whether an edge went from one end to the other without the help of a contact born there."""
-        finest = 2 * np.pi / self.surface.heights.wavenumber[-1]
-        return right - left < MAX_ADVANCE * finest and self._has_minima(low, 0, origin, left, right)
+    def _has_no_more_minima(self, low: ContactState, expected: NDArray[np.float64]) -> bool:
+        """Whether the gap of a state has no more minima in some intervals than are expected there.
 
-    def _has_minima(self, low: ContactState, count: int, origin: float, left: float, right: float) -> bool:
-        """Whether the gap of a state has no more minima than so many in an interval."""
-        if not right > left:
+        Expected is a table of that number, an origin and both ends from there. An edge that advances over a minimum
+        does so with the help of a contact born there.
+        """
+        count, origin, left, right = expected[expected[:, 3] > expected[:, 2]].T
+        if count.size == 0:
             return True
         share = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))
-        slope = _gap_slopes(low, self.surface.series(low.dual), origin, left + (right - left) * share)
-        return int(np.sum((slope[:-1] < 0) & (slope[1:] > 0))) <= count
+        y, series = left[:, None] + (right - left)[:, None] * share, self.surface.series(low.dual)
+        if low.dual or low.segments.centre.size < MIN_SEGMENTS:
+            slope = _gap_slopes(low, series, np.repeat(origin, SLOPES), y.ravel()).reshape(y.shape)
+            least = 0.0
+        else:
+            gap = complementary_residuals(low, series, (origin[:, None] + y).ravel()).reshape(y.shape)
+            slope, least = np.diff(gap, axis=1), GAP_ROUNDING * low.load * series.period
+        minima = np.sum((slope[:, :-1] < -least) & (slope[:, 1:] > least), axis=1)
+        return bool(np.all(minima <= count))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[tuple[float, _Event]]:
         """The loads of all changes, each as if it were alone; empty if one cannot be found."""
@@ -301,13 +314,13 @@ def _gap_or_pressure(state: ContactState, series: CosineSeries, of_gap: bool, or
 
 
 @kernel
-def _gap_slopes(state: ContactState, series: CosineSeries, origin: float, y: Array) -> Array:
-    """The slope of the gap at points off the contacts."""
+def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
+    """The slope of the gap at points origin + y off the contacts."""
     slope = np.empty(y.size)
     for i in range(y.size):
-        crest, distance = _from_crest(series, origin, y[i])
+        crest, distance = _from_crest(series, origin[i], y[i])
         if state.dual:
-            slope[i] = density(state, series.period, origin, y[i])
+            slope[i] = density(state, series.period, origin[i], y[i])
         else:
             slope[i] = complementary_residual_slope(state, series, crest, distance)
     return slope
