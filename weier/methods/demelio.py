@@ -79,7 +79,8 @@ def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
     """Sums of gamma^-k and of k gamma^-k over m terms."""
     # sum k r^k = [sum of r^k over the m - 1 last but one - (m - 1) r^(m-1)] r/(1 - r), r = 1/gamma
     fewer = np.maximum(m - 1, 0)
-    return _geometric(gamma, m), (_geometric(gamma, fewer) - fewer * gamma**-fewer) / (gamma - 1)
+    last = fewer * np.exp(-np.log(gamma) * fewer)  # a power takes ten times as long where it vanishes
+    return _geometric(gamma, m), (_geometric(gamma, fewer) - last) / (gamma - 1)
 
 
 def _geometric(gamma: Array, m: Array) -> Array:
