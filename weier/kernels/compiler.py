@@ -115,7 +115,11 @@ class _InnerDispatcher(CPUDispatcher):
     """What compiles a kernel for calls from other kernels, and is never called from Python."""
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """Compile for an integer what is called with 0, and not once more for the type of this number alone."""
+        """Compile for an integer what is called with 0, and not once more for the type of this number alone.
+
+        Ctrl-C ends compiling here, between two kernels: numba is not made to be interrupted anywhere.
+        """
+        interruption.stop_if_asked()
         return super().get_call_template([types.unliteral(each) for each in arguments], keywords)
 
     def add_overload(self, result: Any) -> None:
