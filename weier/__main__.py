@@ -2,19 +2,22 @@
 
 import os
 import sys
+from collections.abc import Sequence
 
 from weier.pipeline.server import INTERRUPTED, STOPPED, delegate
 
 
 def run() -> None:
     """Run the command line, here or by a server."""
-    code = delegate(sys.argv[1:])
-    sys.exit(_run_here() if code is None else code)
+    sys.exit(_run(sys.argv[1:]))
 
 
-def _run_here() -> int | str | None:
+def _run(arguments: Sequence[str]) -> int | str | None:
     """What to exit with; Ctrl-C ends the process here, in the midst of what other threads compute."""
     try:
+        code = delegate(arguments)
+        if code is not None:
+            return code
         from weier.cli import main  # not where a server runs the command
 
         main()

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -155,6 +156,34 @@ def test_ctrl_c_ends_a_job_in_one_sentence(served, holder, long_job):
     assert process.returncode == 130
     assert said.splitlines()[-1].startswith("weier: stopped by Ctrl-C")
     assert "Traceback" not in said
+
+
+def test_ctrl_c_ends_a_job_that_waits_for_the_server(holder, scene_file, tmp_path):
+    """Nobody works for it yet, and the server has the signal."""
+    assert job(tmp_path, holder[1], *BATCH).returncode == 0  # the server is well under way
+    (serving,) = _children(holder[0].pid)
+    os.kill(serving, signal.SIGINT)
+    done = job(tmp_path, holder[1], *BATCH[:3], "another.nc", "cost.nc")
+    assert (done.returncode, done.stderr) == (130, f"{server.STOPPED}\n")
+    assert not (tmp_path / "another.nc").exists()
+
+
+def test_ctrl_c_ends_a_job_and_a_server_that_had_not_answered(tmp_path):
+    address = tmp_path / "socket"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
+        listener.bind(str(address))
+        listener.listen()
+        environment = os.environ | {server.ADDRESS: str(address), "PYTHONPATH": os.getcwd()}
+        command = [sys.executable, "-m", "weier", *BATCH]
+        with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
+            connection, _ = listener.accept()
+            with connection:
+                assert connection.recv(1)
+                process.send_signal(signal.SIGINT)
+                time.sleep(0.5)
+                assert process.poll() is None  # it waits for what whoever works for it has to say
+            _, said = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, said) == (130, f"{server.STOPPED}\n")
 
 
 def test_a_job_that_is_killed_leaves_nobody_at_work(holder, long_job):

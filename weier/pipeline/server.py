@@ -46,6 +46,7 @@ INTERRUPTED = 130  # exit code after Ctrl-C, as of shells
 STOPPED = "weier: stopped by Ctrl-C; files that were being written are as they were"
 QUEUE = 128  # jobs that may wait
 PATIENCE = 0.5  # seconds between looks at what has ended
+INTERRUPTS: list[bool] = []  # of Ctrl-C that this process has seen, for jobs that had none to work for them yet
 
 
 def delegate(arguments: Sequence[str]) -> int | None:
@@ -66,11 +67,18 @@ def delegate(arguments: Sequence[str]) -> int | None:
 
 
 def _wait(connection: socket.socket) -> bytes:
+    interrupted = False
     while True:
         try:
-            return connection.recv(16)
+            answer = connection.recv(16)
         except KeyboardInterrupt:  # the other process has it, too, and says so
+            interrupted = True
             continue
+        except ConnectionResetError:  # by a server that was killed before it read the request
+            answer = b""
+        if interrupted and not answer:  # the server ended by it, before anybody was at work
+            raise KeyboardInterrupt
+        return answer
 
 
 def _identity() -> dict[str, str]:
@@ -120,7 +128,7 @@ def serve(listener: socket.socket, main: Callable[[], None]) -> None:
     main : callable
         The command line: it reads sys.argv and ends by SystemExit.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the jobs end by it, and this when all have
+    signal.signal(signal.SIGINT, lambda *_: INTERRUPTS.append(True))  # the jobs end by it, and this when all have
     address = Path(listener.getsockname())
     with listener:
         started = True
@@ -150,7 +158,8 @@ def _fork(listener: socket.socket, main: Callable[[], None]) -> None:
         if {name: request[name] for name in _identity()} != _identity():
             connection.sendall(UNABLE)
         else:
-            _prepare(request["folder"], *request["arguments"])
+            if not INTERRUPTS:
+                _prepare(request["folder"], *request["arguments"])
             if os.fork() == 0:
                 listener.close()
                 _run(connection, descriptors, request, main)
@@ -203,8 +212,13 @@ def _run(
         sys.argv = ["weier", *request["arguments"]]
         signal.signal(signal.SIGINT, signal.default_int_handler)
         _end_with(connection)
+        if INTERRUPTS:
+            raise KeyboardInterrupt
         main()
         code = 0
+    except KeyboardInterrupt:
+        print(STOPPED, file=sys.stderr)
+        code = INTERRUPTED
     except SystemExit as stopped:
         code = stopped.code or 0
     finally:
