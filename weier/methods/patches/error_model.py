@@ -15,11 +15,11 @@ TOLERANCES = (1e-8, 1e-10, 1e-12)
 MAX_CONTACTS = 50_000  # more were not measured: 42 673 took 140 s a load and 3.3 GB
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 1.2e-3
-SECONDS_WAVE = 1.2e-5  # of each load, to look at every crest
+SECONDS_WAVE = 2.8e-5  # of each load, for boundary elements to start from
 # Of each load by a dense matrix: of each contact, and of its square.
-SECONDS_CONTACT, SECONDS_PAIR = 3e-4, 1e-5
+SECONDS_CONTACT, SECONDS_PAIR = 3e-4, 4e-6
 # Of each load without a matrix: times the contacts to this power, as far as the depth of a tree grows with them.
-SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 1e-3, 1.12
+SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 7e-4, 1.12
 BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4  # every crest; the sums over each contact and its nodes, without a matrix
 NODES_CONTACT = 20  # of a contact, whose matrix is dense
 MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
