@@ -37,8 +37,15 @@ def kernels():
     for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list):
-                found[f"{path}:{node.name}"] = {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
+                found[f"{path}:{node.name}"] = set(names_in(node))
     return found
+
+
+def names_in(tree):
+    """Of functions and of what modules hold, such as "resume" of "fft.resume"."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name | ast.Attribute):
+            yield node.id if isinstance(node, ast.Name) else node.attr
 
 
 @pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")

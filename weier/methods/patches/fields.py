@@ -218,7 +218,7 @@ def complementary_residuals(state: ContactState, series: CosineSeries, x: Array)
         return np.asarray(_residuals_one_by_one(state, series, x))
     x = x - series.period * np.floor(x / series.period)
     order, value = np.argsort(x, kind="stable"), np.empty(x.size)
-    value[order] = _residuals_by_sums(state, series, x[order])
+    value[order] = residuals_by_sums(state, series, x[order])
     return value
 
 
@@ -231,7 +231,7 @@ def _residuals_one_by_one(state: ContactState, series: CosineSeries, x: Array) -
     return value
 
 
-def _residuals_by_sums(state: ContactState, series: CosineSeries, x: Array) -> Array:
+def residuals_by_sums(state: ContactState, series: CosineSeries, x: Array) -> Array:
     """The same at ascending positions in [0, L), in the time O(points + nodes): far from a segment by fast sums.
 
     These replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy integral by that of

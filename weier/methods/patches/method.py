@@ -11,6 +11,7 @@ from weier.kernels.arrays import Array
 from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
+from weier.methods.patches.fields import residuals_by_sums
 from weier.methods.patches.initial_guess import Starts
 from weier.methods.patches.punch_forces import MAX_DENSE, invert_punches
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
@@ -45,7 +46,8 @@ def _solve_without_matrix() -> None:
     Starts(THREE_WAVES, surface, TOLERANCE).from_fewer_waves(0.3)
     for load in (0.3, 0.9 * surface.full_contact_load):  # contacts, and gaps
         guess = list(Starts(THREE_WAVES, surface, TOLERANCE).guesses(load))[-1]
-        many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
+        state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
+        residuals_by_sums(state, surface.series(state.dual), np.linspace(0, 0.9, 10))
     centre = np.arange(2.0 * MAX_DENSE)
     invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
 
