@@ -456,7 +456,7 @@ def test_a_term_that_happens_to_be_small_is_not_taken_for_the_rest(per_wave):
     )
 
 
-@pytest.mark.parametrize("per_wave", [16, 32])
+@pytest.mark.parametrize("per_wave", [16, 32, 40, 44])
 def test_errors_hold_where_an_edge_runs_along_a_shoulder(per_wave):
     """A step of it takes a tenth of the load that others take, and each a third less than the one before."""
     profile = Profile(1.8950971387317663, "4/3", 3, (5.519338401415725, 4.179233100616058, 2.2318053188830347))
@@ -464,6 +464,38 @@ def test_errors_hold_where_an_edge_runs_along_a_shoulder(per_wave):
     exact, found = patches.curve(profile, loads, 1e-12), curve(profile, loads, points=per_wave * 16)
     assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+
+
+def test_errors_hold_where_a_gap_closes_within_a_narrow_contact():
+    """On 16 nodes a wave the gap is still open where it has closed, from its merger to 1.003 of that load."""
+    profile = Profile(1.376849862291913, "3/2", 3, (-0.08726646259971647, -0.1308996938995747, -0.19634954084936207))
+    loads = 0.04017864 * np.array([0.995, 0.998, 1, 1.001, 1.005])
+    exact, found = patches.curve(profile, loads), curve(profile, loads, points=16 * 9)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+    listed = bem.contacts(profile, loads, points=16 * 9)
+    wrong = found.patch_count != exact.patch_count
+    assert wrong.any()
+    assert all(each.uncertain for each, missed in zip(listed, wrong, strict=True) if missed)
+
+
+@pytest.mark.parametrize("points", [16, 400])
+@pytest.mark.parametrize("load", [0.50, 0.546, 0.57])
+def test_errors_hold_where_the_rate_of_one_wide_contact_is_rough(points, load):
+    found = curve(Profile(1.67, 2, 1, (1.56,)), [load], points=points, tolerance=1e-8)
+    assert abs(found.compliance[0] - westergaard.compliance(load)) <= found.compliance_error[0]
+    assert abs(found.resistance[0] - westergaard.resistance(load)) <= found.resistance_error[0]
+
+
+@pytest.mark.parametrize("per_wave", [16, 20, 32])
+def test_no_load_is_refused_where_a_narrow_contact_swallows_the_gap_beside_it(per_wave):
+    """Before a merger no contact of two nodes carries the force that is its own in the continuum."""
+    profile = Profile(1.1, 2, 3, (0.3195330824101316, 0.8996958246728202, 2.876542153370517))
+    loads = 0.31169787404218585 * np.array([0.99, 0.998, 1, 1.0005, 1.001, 1.002, 1.003, 1.01])
+    exact, found = patches.curve(profile, loads), curve(profile, loads, points=per_wave * 4, tolerance=1e-8)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+    assert np.array_equal(found.patch_count, exact.patch_count)
 
 
 @pytest.mark.parametrize("per_wave", [16, 32])
@@ -496,7 +528,7 @@ def test_errors_hold_on_fine_grids_where_the_rate_is_most_of_them(per_wave, tole
     found = curve(profile, loads, points=per_wave * 25, tolerance=tolerance)
     assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
-    assert found.compliance_error.max() < 2500 * tolerance + 1e-6 * (64 / per_wave) ** 2  # UNFLAT times the rate
+    assert found.compliance_error.max() < 5000 * tolerance + 1e-6 * (64 / per_wave) ** 2  # UNFLAT times the rate
 
 
 @pytest.mark.parametrize("per_wave", [16, 32, 64])

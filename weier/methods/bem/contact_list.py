@@ -46,6 +46,12 @@ class ContactTable(NamedTuple):
 
 
 @kernel
+def blank_list() -> ContactList:
+    """None."""
+    return ContactList(np.empty(0), np.empty(0), np.empty(0), np.empty(0), False)
+
+
+@kernel
 def blank_table(loads: int) -> ContactTable:
     """The same with nothing in it yet."""
     return ContactTable(

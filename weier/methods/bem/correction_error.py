@@ -12,7 +12,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
-from weier.methods.bem.edge_error import errors_of_edges, is_lone_with_polynomial
+from weier.methods.bem.edge_error import Steps, errors_of_edges, is_lone_with_polynomial
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
 from weier.methods.bem.grid_solution import GridSolution
@@ -27,8 +27,8 @@ RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what ro
 CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial: half is as measured
 # What is left on any grid: times the square of how far A q is from flat, of the resistance, since a share shifts from
 # contact to contact, or from the middle of one to its edges, with little resistance.
-SHIFTED = 60.0
-UNFLAT = 7e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
+SHIFTED = 120.0
+UNFLAT = 1.4e-2  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
 MOMENTS, RATE_MOMENTS = 1.7, 2.2  # times the root of the squares of what second and third moments of contacts change
@@ -45,8 +45,9 @@ HEIGHT_SHARE = 4.0  # errors of the compliance by which a crest may stand higher
 
 @kernel
 def expected_errors(
-    solution: GridSolution, edge: Edges, polynomial: Flags, contacts: Contacts, used: int, angle: float, period: float
-) -> tuple[float, float, bool]:
+    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, contacts: Contacts, used: int, angle: float,
+    period: float,
+) -> tuple[float, float, bool]:  # fmt: skip
     """Errors of compliance, in g_0, and resistance, in g_0/p_0*; whether a contact may be one too many or too few.
 
     `angle` is 2 pi/(points a wave).
@@ -62,13 +63,14 @@ def expected_errors(
         if contacts.kind[at] == NARROW and not contacts.touching[at]:
             let_go = True
             error += LET_GO * contacts.force[at] * contacts.share[at] / period
+        if contacts.touching[at]:
+            moments += contacts.off[at] ** 2
+            rate_moments += contacts.rate_off[at] ** 2
         if contacts.touching[at] and contacts.kind[at] != WIDE:
             off, rate_off = _errors_of_the_polynomial(contacts, at, period)
             error += REST * off
             rate_error += REST * rate_off + PLACE * _errors_of_the_place(contacts, at, period)
             rate_error += CURVATURE_ROUNDING * _rounding_of_the_curvature(contacts, at, abs(solution.plane), period)
-            moments += contacts.off[at] ** 2
-            rate_moments += contacts.rate_off[at] ** 2
             shifted = abs(contacts.share_change[at] * contacts.change[at]) / period
             error += RECIPROCITY * shifted
             rate_error += RATE_RECIPROCITY * shifted / load
@@ -76,7 +78,7 @@ def expected_errors(
                 off, rate_off = _errors_of_a_birth(contacts, at, period)
                 error += off
                 rate_error += rate_off
-    off, rate_off = errors_of_edges(solution, edge, polynomial, angle, flatness, let_go, load, period)
+    off, rate_off = errors_of_edges(solution, edge, steps, polynomial, angle, flatness, let_go, load)
     error += MOMENTS * np.sqrt(moments) + off
     rate_error += RATE_MOMENTS * np.sqrt(rate_moments) + rate_off
     sine, cosine = (np.sin(np.pi / period * contacts.position), np.cos(np.pi / period * contacts.position))

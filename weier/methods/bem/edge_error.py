@@ -1,4 +1,4 @@
-"""How far the steps of edges of contact may be misjudged, told by how they differ from one to the next.
+"""The next order of edges of contact, and how far their steps may be misjudged, told by how these differ.
 
 A step of an edge from one node to the next changes the compliance by D (a + b) and the resistance by D
 (docs/subgrid.md). Contacts and gaps that share an edge bear on each other by near = (narrower run/both)^2.
@@ -21,12 +21,12 @@ NEAR_IMAGES = np.array([0.13, 0.08])  # times near^2, of the resistance, for one
 NEAR_LET_GO = np.array([0.35, 0.4])  # times near wave^2, and near, where a contact of the grid has let go
 NEAR_GAP = np.array([0.0025, 0.16])  # times near, for gaps with a polynomial
 GAP = np.array([0.012, 0.07])  # times wave^2, for the same, since polynomials stand for waves
-ALONE = np.array([0.05, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
+ALONE = np.array([0.08, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
 # In place of one over the nodes where it is more, times s^2: beside a shoulder of the surface, along which an edge
 # runs fast, fewer nodes than those of the run belong to it.
 UNEVEN, MAX_UNEVEN = 2.2, 3.0
-NEXT = np.array([1.5, 1.9])  # times what these are off by to the next order
-SHARE = np.array([0.1, 1.0])  # times how far A q is from flat, for contacts among others, whose shares it changes
+NEXT = 0.25  # times what these are off by to the next order, which is taken off
+SHARE = 0.6  # times how far A q is from flat and the share of the load of the last node, of the resistance
 # The next order of an edge without a polynomial, measured on grids of one wave and on random series: the next step
 # has a q that is larger by a share r, and a load that is longer by a share of about 2 s. With x = f - 1/2, these are
 # the coefficients of 1, x, x^2 and x^3, times r and s.
@@ -43,11 +43,13 @@ class Steps(NamedTuple):
     """The steps of all edges, of shape (edges,).
 
     change : of compliance, so far at most, and resistance, shape (edges, 2)
+    share : of one more load that the last node takes
     place : x, how far the edge is in its step, from -1/2 to 1/2
     stiffer, longer : r and s, by how much the next step differs
     """
 
     change: Array
+    share: Array
     place: Array
     stiffer: Array
     longer: Array
@@ -58,7 +60,7 @@ def find_steps(solution: GridSolution, edge: Edges, mean_pressure: float, period
     """The steps of all edges; zeros where one is not known."""
     edges = edge.size - 2
     points = solution.pressure.size
-    steps = Steps(np.zeros((edges, 2)), np.zeros(edges), np.zeros(edges), np.zeros(edges))
+    steps = Steps(np.zeros((edges, 2)), np.zeros(edges), np.zeros(edges), np.zeros(edges), np.zeros(edges))
     for at in range(edges):
         start = edge[at + 1] % points
         outwards = -1 if solution.contact[start] else 1
@@ -80,6 +82,7 @@ def find_steps(solution: GridSolution, edge: Edges, mean_pressure: float, period
         stiffer = closing * points / (solution.per_load[inside] * period * NEXT_CLOSING) - 1
         load = min(since + until, mean_pressure)  # a contact is no older than the load
         steps.change[at, 0], steps.change[at, 1] = drop * load, drop
+        steps.share[at] = solution.per_load[inside] / points
         steps.place[at] = since / (since + until) - 0.5
         steps.stiffer[at] = min(max(stiffer, -MAX_CHANGE), MAX_CHANGE)
         steps.longer[at] = min(max(growth, -MAX_CHANGE), MAX_CHANGE)
@@ -88,16 +91,14 @@ def find_steps(solution: GridSolution, edge: Edges, mean_pressure: float, period
 
 @kernel
 def errors_of_edges(
-    solution: GridSolution, edge: Edges, polynomial: Flags, angle: float, flatness: float, let_go: bool,
-    mean_pressure: float, period: float,
+    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, angle: float, flatness: float,
+    let_go: bool, mean_pressure: float,
 ) -> tuple[float, float]:  # fmt: skip
     """What steps that are misjudged change of compliance and resistance at most; `let_go` is of any contact."""
-    steps = find_steps(solution, edge, mean_pressure, period)
     if is_lone_with_polynomial(solution, edge, polynomial):
         return _errors_of_images(solution, edge, steps, mean_pressure)
     runs = edge.size - 2
     errors = np.zeros(2)
-    alone = np.zeros(runs, np.bool_)
     for run in range(runs):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
         narrower = min(here, before)
@@ -105,7 +106,6 @@ def errors_of_edges(
         of_contact, of_gap = polynomial[run], polynomial[run - 1]
         if not solution.contact[edge[run + 1] % solution.pressure.size]:
             of_contact, of_gap = of_gap, of_contact
-        alone[run] = not (of_gap or of_contact)
         for quantity in range(2):
             if of_gap:
                 share = NEAR_GAP[quantity] * near + GAP[quantity] * angle**2
@@ -113,9 +113,10 @@ def errors_of_edges(
                 share = NEAR_LET_GO[quantity] * near * (angle**2 if quantity == 0 else 1.0) if let_go else 0.0
             else:
                 share = ALONE[quantity] * max(1 / narrower, min(UNEVEN * steps.longer[run] ** 2, MAX_UNEVEN))
-            errors[quantity] += (share + SHARE[quantity] * flatness) * steps.change[run, quantity]
-    higher, faster = _next_order(edge, steps, alone)
-    return errors[0] + NEXT[0] * abs(higher), errors[1] + NEXT[1] * abs(faster)
+            errors[quantity] += share * steps.change[run, quantity]
+        errors[1] += SHARE * flatness * solution.rate * steps.share[run]
+    higher, faster = next_order(edge, steps, polynomial)
+    return errors[0] + NEXT * abs(higher), errors[1] + NEXT * abs(faster)
 
 
 @kernel
@@ -135,8 +136,11 @@ def _errors_of_images(solution: GridSolution, edge: Edges, steps: Steps, mean_pr
 
 
 @kernel
-def _next_order(edge: Edges, steps: Steps, alone: Flags) -> tuple[float, float]:
-    """What the next order of the edges that stand alone would change of compliance and resistance."""
+def next_order(edge: Edges, steps: Steps, polynomial: Flags) -> tuple[float, float]:
+    """By how much the next order of the edges that stand alone makes compliance and resistance too large."""
+    alone = np.zeros(polynomial.size, np.bool_)
+    for run in range(alone.size):
+        alone[run] = not (polynomial[run] or polynomial[run - 1])
     off = rate_off = 0.0
     for run in range(alone.size):
         x = steps.place[run]

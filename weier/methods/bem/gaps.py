@@ -13,8 +13,9 @@ from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_solution import GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.narrow_contacts import crest, gap_edges, gap_energy
-from weier.methods.bem.polynomials import derivative, expansion, slopes, value
+from weier.methods.bem.polynomials import derivative, expansion, remainder, slopes, value
 from weier.methods.bem.windows import (
+    CREST_MARGIN,
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
@@ -30,6 +31,8 @@ ZETA_3 = 1.2020569031595942  # Riemann's zeta(3)
 ALIAS = 2 * ZETA_3 / (2 * np.pi) ** 4  # times z'''' dx^3: what aliases of the triangles add to the pressure
 # Of gaps that no node sees: what is left of their share of the numbers, and of their depth, which polynomial and
 # aliases give with an error of angle^5 (measured on one wave at 32 to 256 points, where they are 6e-4 and 1.3e-3).
+REST = 1.2  # times the next two terms of a polynomial of few nodes, for all further ones
+EDGE_REST = 4.0  # the same where the window ends at an edge of contact, near which the pressure is a root
 OPEN_SHARE = 0.01
 OPEN_DEPTH = 0.01
 
@@ -49,16 +52,17 @@ class Dips(NamedTuple):
 @kernel
 def correct_gap(
     start: int, nodes: int, edge: Edges, run: int, solution: GridSolution, grid: Grid, continuum: Continuum
-) -> tuple[float, float, float, float]:
+) -> tuple[float, float, float, float, float, float, bool]:
     """What a narrow gap adds to compliance and resistance, and its edges, in lambda_0; NaN if not found.
 
-    Edges that coincide are of a gap that is closed in the continuum.
+    Edges that coincide are of a gap that is closed in the continuum. Then come errors of both numbers by what its
+    polynomial leaves, and whether it may be closed or open.
     """
     points = solution.pressure.size
     spacing = continuum.period / points
     margin = margin_of(edge, run)
     if nodes + 2 * margin < MIN_POLYNOMIAL:
-        return 0.0, 0.0, np.nan, np.nan
+        return 0.0, 0.0, np.nan, np.nan, 0.0, 0.0, False
     gap = np.empty(nodes)
     opening = np.empty(nodes)  # its rate, per mean pressure
     for i in range(nodes):
@@ -80,7 +84,10 @@ def correct_gap(
     rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
-        return 0.0, 0.0, np.nan, np.nan
+        return 0.0, 0.0, np.nan, np.nan, 0.0, 0.0, False
+    off, rate_off, uncertain = _errors_of_depth(
+        nodal_pressure, pressure, rate, nodes, whole, REST, continuum, spacing
+    )
     grid_mixed = grid_energy = mixed = energy = 0.0
     smoothing = added_by_triangles(rate, nodes, scale)
     for i in range(nodes):
@@ -96,7 +103,29 @@ def correct_gap(
         )
     middle = (start + (nodes - 1) / 2 + centre * scale) * spacing
     compliance, resistance = ((grid_mixed - mixed) / continuum.period, (grid_energy - energy) / continuum.period)
-    return compliance, resistance, middle - half_length, middle + half_length
+    return compliance, resistance, middle - half_length, middle + half_length, off, rate_off, uncertain
+
+
+@kernel
+def _errors_of_depth(
+    nodal_pressure: Array, pressure: Array, rate: Array, nodes: int, whole: int, factor: float, continuum: Continuum,
+    spacing: float,
+) -> tuple[float, float, bool]:  # fmt: skip
+    """Errors of both numbers by `factor` times the next two terms of the pressure; whether these may close the gap.
+
+    They are much where few nodes are in the window, or an edge of contact is near it.
+    """
+    scale, following = scale_of(whole), continuum.windows.following[whole]
+    rest = remainder(nodal_pressure, following, continuum.windows.degree[whole], scale * continuum.angle)
+    least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
+    per_load = value(rate, least)
+    if bend <= 0 or per_load <= 0:
+        return 0.0, 0.0, False
+    off = factor * (abs(value(rest[0], least)) + abs(value(rest[1], least)))
+    if depth <= -off:
+        return 0.0, 0.0, False
+    resistance = (2 * np.pi * per_load * scale * spacing) ** 2 * off / (bend * continuum.period)
+    return resistance * (max(depth, 0.0) + off) / per_load, resistance, abs(depth) <= off
 
 
 @kernel
@@ -199,6 +228,11 @@ def _open_gap(dip: int, node: int, dips: Dips, solution: GridSolution, grid: Gri
     length = scale * spacing
     total[2], total[3] = _uncertain_opening(depth, bend, per_load, length, continuum, spacing)
     dips.uncertain[dip] = total[2] > 0 and abs(depth) * total[3] <= total[2] * per_load
+    factor = REST if margin == CREST_MARGIN else EDGE_REST
+    off, rate_off, uncertain = _errors_of_depth(nodal_pressure, pressure, rate, 1, whole, factor, continuum, spacing)
+    total[2] += off
+    total[3] += rate_off
+    dips.uncertain[dip] |= uncertain
     if depth <= 0:
         return total
     centre, half_width, found = gap_edges(pressure, least, np.sqrt(4 * depth / bend))

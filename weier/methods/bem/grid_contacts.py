@@ -18,8 +18,13 @@ class Contacts(NamedTuple):
     kind : WIDE, NARROW or BIRTH
     position, reach : of the centre, and half width, in lambda_0
     force, share : on the grid, per period, and of it per mean pressure
+    uneven : by how much farther it is displaced per mean pressure than the rate: the rest of an unfinished solution
     self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
     edge_compliance, edge_resistance : what its edges add, if they stand alone
+    edge_drop, edge_yield : by how much one step of these lowers the resistance, and more force, per force
+    run : of the grid that it is; that of its gap for a crest
+    limit : in s, from the origin, how far it may reach as long as its polynomials mean anything
+    lost : whether no contact under its polynomials carries its force; found by `redistribute`
     joined : whether the gap after it is closed in the continuum
     left, right : edges, in lambda_0; found by `redistribute` for those with a polynomial
     touching, change : whether it touches in the continuum, and with how much more force; found by `redistribute`
@@ -44,9 +49,15 @@ class Contacts(NamedTuple):
     reach: Array
     force: Array
     share: Array
+    uneven: Array
     self_compliance: Array
     edge_compliance: Array
     edge_resistance: Array
+    edge_drop: Array
+    edge_yield: Array
+    run: Indices
+    limit: Array
+    lost: Flags
     joined: Flags
     left: Array
     right: Array
@@ -78,8 +89,10 @@ class Contacts(NamedTuple):
 def make_contacts(contacts: int, terms: int) -> Contacts:
     """Room for so many."""
     return Contacts(
-        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
         np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
+        np.zeros(contacts), np.zeros(contacts), np.zeros(contacts, np.int64), np.zeros(contacts),
+        np.zeros(contacts, np.bool_),
         np.zeros(contacts, np.bool_), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts, np.bool_),
         np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts), np.zeros(contacts),
         np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros(contacts), np.zeros(contacts),

@@ -183,6 +183,8 @@ def _keep(contacts: Contacts, first: int, touching: Flags, change: Array) -> Non
             middle = contacts.origin[at] + contacts.centre[at] * contacts.scale[at]
             reach = contacts.half_width[at] * contacts.scale[at]
             contacts.left[at], contacts.right[at] = middle - reach, middle + reach
+            beyond = abs(contacts.centre[at]) + contacts.half_width[at] > contacts.limit[at]
+            contacts.lost[at] = touching[i] and beyond and contacts.kind[at] == NARROW
 
 
 @kernel
@@ -208,6 +210,7 @@ def _heights(
             contacts.scale[at], period,
         )  # fmt: skip
         if not height < np.inf:
+            contacts.lost[at] = contacts.kind[at] == NARROW
             return False
         contacts.centre[at], contacts.half_width[at] = centre, half_width
         slope[i] = compliance
@@ -313,6 +316,8 @@ def _sums(
     """Compliance and resistance of these contacts by reciprocity."""
     n = change.size
     effects = effects_of_moments(contacts, first, touching, change, np.zeros(n), cotangent, period)
+    for i in range(n):  # as if others displaced it by so much: the shares are those of an unfinished solution
+        effects.lift_rate[i] += contacts.uneven[first + i]
     weights, shape = _weights(contacts, first, rate, period, touching, change)
     faster, slower, lost = _changes_of_shares(contacts, first, period, mutual, touching, weights, effects)
     if np.isnan(lost):  # to be refused

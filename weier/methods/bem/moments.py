@@ -236,9 +236,12 @@ def yielding(contacts: Contacts, at: int, effects: Effects, which: int, share: f
     """What tilt and curvature of the displacement by others add to the resistance of one contact, as three terms.
 
     A curvature u'' makes it narrower. A slope u' moves it by -u'/k, to where its own curvature k is
-    another, and along the rates of others.
+    another, and along the rates of others. Edges that stand alone go on with the change of force, by a step at most.
     """
-    if contacts.kind[at] == WIDE or contacts.half_width[at] == 0:
+    if contacts.kind[at] == WIDE:
+        gone = contacts.edge_yield[at] * contacts.change[at]
+        return np.array([-min(max(gone, -contacts.edge_drop[at]), contacts.edge_drop[at]), 0.0, 0.0])
+    if contacts.half_width[at] == 0:
         return np.zeros(3)
     scale, centre, half_width = contacts.scale[at], contacts.centre[at], contacts.half_width[at]
     _, second, third = slopes(contacts.height[at], centre)

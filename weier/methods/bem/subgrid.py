@@ -8,9 +8,10 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.contact_list import ContactList, list_contacts
+from weier.methods.bem.contact_list import ContactList, blank_list, list_contacts
 from weier.methods.bem.continuum import Continuum
 from weier.methods.bem.correction_error import expected_errors
+from weier.methods.bem.edge_error import find_steps, next_order
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.gaps import correct_gap, find_dips, open_gaps
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts, make_contacts
@@ -46,15 +47,32 @@ class Correction(NamedTuple):
 
 @kernel
 def correct(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum) -> Correction:
-    """What the continuum adds to a converged solution, whose edges are `edge`."""
+    """What the continuum adds to a converged solution, whose edges are `edge`.
+
+    Where no contact under its polynomial carries its force, as next to a merger, its edges are taken by themselves.
+    """
+    without = np.zeros(edge.size - 2, np.bool_)
+    while True:
+        correction, lost = _correct_without(without, solution, grid, edge, continuum)
+        if lost < 0:
+            return correction
+        without[lost] = True
+
+
+@kernel
+def _correct_without(
+    without: Flags, solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum
+) -> tuple[Correction, int]:
+    """The same, if the runs `without` have no polynomials, and the run of a contact that is lost, or else -1."""
     runs = edge.size - 2
     points = solution.pressure.size
     owned = np.zeros(runs, np.bool_)  # edges that belong to a narrow contact or gap
-    polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
+    polynomial = narrow_runs(edge, solution.contact, continuum.narrow, without)
     contacts = make_contacts(runs // 2 + count_crests(solution), TERMS)
     contact_of = np.zeros(runs, np.int64)  # of a gap, the one before it
     gap_edge = np.full((runs, 2), np.nan)  # of a gap with a polynomial, in lambda_0
-    compliance = resistance = 0.0
+    compliance = resistance = off = rate_off = 0.0
+    merging = False
     used = 0
     for run in range(runs):
         start, nodes = edge[run + 1] % points, edge[run + 2] - edge[run + 1]
@@ -65,11 +83,16 @@ def correct(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuu
             )
             used += 1
         else:
-            used = add_crests(start, nodes, solution, continuum, contacts, used)
+            used = add_crests(start, nodes, run, solution, continuum, contacts, used)
             if polynomial[run]:
-                closed, slower, left, right = correct_gap(start, nodes, edge, run, solution, grid, continuum)
+                closed, slower, left, right, missed, rate_missed, unclear = correct_gap(
+                    start, nodes, edge, run, solution, grid, continuum
+                )
                 polynomial[run] = left <= right
                 gap_edge[run] = left, right
+                off += missed
+                rate_off += rate_missed
+                merging |= unclear
                 compliance += closed
                 resistance += slower
         if polynomial[run]:
@@ -80,20 +103,38 @@ def correct(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuu
     for run in range(runs):
         place_edge(run, edge[run + 1], owned[run], gap_edge, contact_of, solution, continuum, contacts)
     dip, dips = find_dips(solution)
-    opened, slower, off, rate_off = open_gaps(dip, dips, solution, grid, continuum)
+    opened, slower, missed, rate_missed = open_gaps(dip, dips, solution, grid, continuum)
+    off += missed
+    rate_off += rate_missed
     compliance += opened
     resistance += slower
     higher, faster = redistribute(contacts, used, solution.plane, solution.rate, compliance, continuum.period)
+    for at in range(used):
+        if contacts.lost[at]:
+            return _no_correction(), contacts.run[at]
+    steps = find_steps(solution, edge, float(np.mean(solution.pressure)), continuum.period)
+    lower, slower = next_order(edge, steps, polynomial)
     more_off, more_rate_off, uncertain = expected_errors(
-        solution, edge, polynomial, contacts, used, continuum.angle, continuum.period
+        solution, edge, steps, polynomial, contacts, used, continuum.angle, continuum.period
     )
-    listed = list_contacts(contacts, used, dips, solution, continuum.period, uncertain)
-    return Correction(compliance + higher, resistance + faster, listed, off + more_off, rate_off + more_rate_off)
+    listed = list_contacts(contacts, used, dips, solution, continuum.period, uncertain or merging)
+    return Correction(
+        compliance + higher - lower, resistance + faster - slower, listed, off + more_off, rate_off + more_rate_off
+    ), -1
 
 
 @kernel
-def narrow_runs(edge: Edges, contact: Flags, most: int) -> Flags:
-    """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others."""
+def _no_correction() -> Correction:
+    """One that is to be refused."""
+    return Correction(np.nan, np.nan, blank_list(), np.nan, np.nan)
+
+
+@kernel
+def narrow_runs(edge: Edges, contact: Flags, most: int, without: Flags) -> Flags:
+    """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others.
+
+    The runs `without` get none.
+    """
     runs = edge.size - 2
     nodes = np.empty(runs, np.int64)
     for run in range(runs):
@@ -102,7 +143,7 @@ def narrow_runs(edge: Edges, contact: Flags, most: int) -> Flags:
     taken = np.zeros(runs, np.bool_)
     for run in np.argsort(nodes, kind="mergesort"):
         after = (run + 1) % runs
-        if nodes[run] // 2 <= most and not taken[run] and not taken[after]:
+        if nodes[run] // 2 <= most and not (taken[run] or taken[after] or without[run]):
             chosen[run] = taken[run] = taken[after] = True
     return chosen
 
@@ -121,11 +162,15 @@ def add_contact(
         force[i] = solution.pressure[(start + i) % points] * spacing
         share[i] = solution.per_load[(start + i) % points] * spacing
     half_width = ((nodes - 1) / 2 + EDGE) * spacing
-    contacts.kind[at] = WIDE
+    contacts.kind[at], contacts.run[at] = WIDE, run
     contacts.position[at] = (start + (nodes - 1) / 2) * spacing
     contacts.reach[at] = half_width
     contacts.force[at] = force.sum()
     contacts.share[at] = share.sum()
+    if contacts.share[at] > 0:
+        for i in range(nodes):
+            ahead = solution.displacement[(start + i) % points] - solution.rate
+            contacts.uneven[at] += share[i] / contacts.share[at] * ahead
     contacts.self_compliance[at] = -2 * np.log(np.sin(min(np.pi * half_width / continuum.period, np.pi / 2)))
     contacts.edge_compliance[at] = contacts.edge_resistance[at] = 0.0
     margin = margin_of(edge, run)
@@ -144,7 +189,8 @@ def add_contact(
     fitted = fit_window(continuum.windows, whole, seen)
     height, rate = fitted[0], fitted[1]
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
-    if not found or abs(centre) + width > ((nodes - 1) / 2 + MAX_BEYOND) / scale:
+    limit = ((nodes - 1) / 2 + MAX_BEYOND) / scale
+    if not found or abs(centre) + width > limit:
         return False
     mixed = energy = own = 0.0  # of the grid: with the rate of the others at its own nodes, and of its own
     for i in range(nodes):
@@ -155,7 +201,7 @@ def add_contact(
         energy += share[i] * others
         own += share[i] * (displacement - others)
     smoothing = added_by_triangles(rate, nodes, scale)
-    contacts.kind[at] = NARROW
+    contacts.kind[at], contacts.limit[at] = NARROW, limit
     contacts.origin[at] = contacts.position[at]
     enter_polynomials(fitted, whole, centre, width, continuum, spacing, contacts, at)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
@@ -195,9 +241,12 @@ def place_edge(
     gap = run - 1 if begins else run
     position = gap_edge[gap, 1] if begins else gap_edge[gap, 0]
     if not owned:
-        higher, faster, beyond = correct_edge(node % points, solution)
+        higher, faster, beyond, drop, load = correct_edge(node % points, solution)
         contacts.edge_compliance[which] += higher
         contacts.edge_resistance[which] += faster
+        if load > 0:
+            contacts.edge_drop[which] += drop
+            contacts.edge_yield[which] += drop / (load * contacts.share[which])
         position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
     if begins:
         contacts.left[which] = position
@@ -207,21 +256,24 @@ def place_edge(
 
 
 @kernel
-def correct_edge(start: int, solution: GridSolution) -> tuple[float, float, float]:
-    """What an edge of wide runs adds to compliance and resistance; how far beyond its node it is, in nodes."""
+def correct_edge(start: int, solution: GridSolution) -> tuple[float, float, float, float, float]:
+    """What an edge of wide runs adds to compliance and resistance; how far beyond its node it is, in nodes.
+
+    And its step: the drop of the resistance, and the load that it takes, 0 where it is not known.
+    """
     points = solution.pressure.size
     inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
     closing = solution.displacement[inside] - solution.displacement[outside]
     if not (solution.per_load[inside] > 0 and closing > 0):
-        return 0.0, 0.0, EDGE
+        return 0.0, 0.0, EDGE, 0.0, 0.0
     since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
     until = max(solution.plane - solution.deformed[outside], 0.0) / closing
     if not since + until > 0:
-        return 0.0, 0.0, EDGE
+        return 0.0, 0.0, EDGE, 0.0, 0.0
     step = since / (since + until)
     drop = solution.per_load[inside] * closing / points
     higher = drop * (since + until) * ((step - step * step) / 2 - CURVATURE)
-    return higher, (0.5 - step) * drop, step + EDGE - 0.5
+    return higher, (0.5 - step) * drop, step + EDGE - 0.5, drop, since + until
 
 
 @kernel
@@ -245,7 +297,7 @@ def count_crests(solution: GridSolution) -> int:
 
 @kernel
 def add_crests(
-    start: int, nodes: int, solution: GridSolution, continuum: Continuum, contacts: Contacts, used: int
+    start: int, nodes: int, run: int, solution: GridSolution, continuum: Continuum, contacts: Contacts, used: int
 ) -> int:
     """Enter the crests of a gap that may touch between two nodes; the contacts then used."""
     points = solution.pressure.size
@@ -263,7 +315,7 @@ def add_crests(
             seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
         fitted = fit_window(continuum.windows, whole, seen)
         top = crest(fitted[0], 0.0, 1 / scale)
-        contacts.kind[used] = BIRTH
+        contacts.kind[used], contacts.run[used] = BIRTH, run
         contacts.position[used] = (node + top * scale) * spacing
         contacts.reach[used] = contacts.force[used] = contacts.share[used] = 0.0
         contacts.self_compliance[used] = 0.0
