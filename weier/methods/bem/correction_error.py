@@ -19,7 +19,7 @@ from weier.methods.bem.grid_solution import GridSolution
 from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
 from weier.methods.bem.polynomials import shift, slopes, value
 
-REST = 1.2  # times the next two terms of a polynomial, for all further ones
+REST = 1.4  # times the next two terms of a polynomial, for all further ones
 PLACE = 1.4  # times what the known shift of a contact changes
 CANCELLED = 0.25  # of terms of opposite signs
 ROUNDING = 1e-13  # of the heights
