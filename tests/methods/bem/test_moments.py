@@ -118,7 +118,7 @@ def grid_solution(profile, load, nodes):
     state = fft.make_grid_state(nodes)
     plane, _, _ = fft.cascade(load, hierarchy, full_contact(hierarchy, load), state)
     pressure, deformed = state.pressure.copy(), state.deformed.copy()
-    rate, _ = solve_rate(hierarchy, state, np.zeros(nodes))
+    rate, _ = solve_rate(hierarchy, state)
     return GridSolution(plane, rate, pressure, deformed, state.pressure, -state.deformed, state.contact)
 
 

@@ -17,9 +17,8 @@ from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts
 from weier.methods.bem.grid_solution import GridSolution
 from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
-from weier.methods.bem.polynomials import shift, slopes, value
+from weier.methods.bem.polynomials import REST, shift, slopes, value
 
-REST = 1.4  # times the next two terms of a polynomial, for all further ones
 PLACE = 1.4  # times what the known shift of a contact changes
 CANCELLED = 0.25  # of terms of opposite signs
 ROUNDING = 1e-13  # of the heights
@@ -27,8 +26,8 @@ RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what ro
 CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial: half is as measured
 # What is left on any grid: times the square of how far A q is from flat, of the resistance, since a share shifts from
 # contact to contact, or from the middle of one to its edges, with little resistance.
-SHIFTED = 120.0
-UNFLAT = 1.4e-2  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
+SHIFTED = 60.0
+UNFLAT = 7e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 BIRTH_SHARE = 0.1  # of what a new contact takes off the compliance: how others give way to it is known roughly
 BIRTH_RATE = 0.02  # and off the resistance
 MOMENTS, RATE_MOMENTS = 1.7, 2.2  # times the root of the squares of what second and third moments of contacts change

@@ -26,7 +26,7 @@ ALONE = np.array([0.08, 0.33])  # over the nodes of the narrower run, for edges 
 # runs fast, fewer nodes than those of the run belong to it.
 UNEVEN, MAX_UNEVEN = 2.2, 3.0
 NEXT = 0.25  # times what these are off by to the next order, which is taken off
-SHARE = 0.6  # times how far A q is from flat and the share of the load of the last node, of the resistance
+SHARE = 0.2  # times how far A q is from flat and the share of the load of the last node, of the resistance
 # The next order of an edge without a polynomial, measured on grids of one wave and on random series: the next step
 # has a q that is larger by a share r, and a load that is longer by a share of about 2 s. With x = f - 1/2, these are
 # the coefficients of 1, x, x^2 and x^3, times r and s.
@@ -36,7 +36,7 @@ STIFFER_RESISTANCE = np.array([-0.22, 0.0, 2.3, 0.0])
 LONGER_RESISTANCE = np.array([0.08, 0.0, -0.51, 0.0])
 CROSS = 0.5  # times x x' D/nodes, of the resistance, for two edges of one run
 NEXT_CLOSING = 4.7253  # closing of the next node over the q of the last one, times N/L, at an edge far from others
-MAX_CHANGE = 2.0  # of r and s: they say nothing where a run has one node
+MAX_CHANGE = 2.0  # of r and s: they say nothing where a run has a node or two
 
 
 class Steps(NamedTuple):
@@ -144,7 +144,7 @@ def next_order(edge: Edges, steps: Steps, polynomial: Flags) -> tuple[float, flo
     off = rate_off = 0.0
     for run in range(alone.size):
         x = steps.place[run]
-        if alone[run]:
+        if alone[run] and min(edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]) > 1:  # one node has no steps
             r, s = steps.stiffer[run], steps.longer[run]
             off += steps.change[run, 0] * (r * _cubic(STIFFER_COMPLIANCE, x) + s * _cubic(LONGER_COMPLIANCE, x))
             rate_off += steps.change[run, 1] * (r * _cubic(STIFFER_RESISTANCE, x) + s * _cubic(LONGER_RESISTANCE, x))

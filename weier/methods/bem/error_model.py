@@ -24,7 +24,7 @@ COMPLIANCE = math.pi**2 / 2
 STATED_COMPLIANCE = 1.8
 STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.03, 1.3, 0.012
 LONE_SHARE = 3e-3  # of these where there is one contact, which has no neighbours that bear on it
-RATE_COMPLIANCE, RATE_RESISTANCE = 1.6e-7, 1e-7  # what the rate leaves on any grid, in g_0 and g_0/p_0*
+RATE_COMPLIANCE, RATE_RESISTANCE = 7e-8, 1e-7  # what the rate leaves on any grid, in g_0 and g_0/p_0*
 
 MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer

@@ -13,7 +13,7 @@ from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_solution import GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.narrow_contacts import crest, gap_edges, gap_energy
-from weier.methods.bem.polynomials import derivative, expansion, remainder, slopes, value
+from weier.methods.bem.polynomials import REST, derivative, expansion, remainder, slopes, value
 from weier.methods.bem.windows import (
     CREST_MARGIN,
     EDGE,
@@ -29,10 +29,9 @@ from weier.methods.bem.windows import (
 
 ZETA_3 = 1.2020569031595942  # Riemann's zeta(3)
 ALIAS = 2 * ZETA_3 / (2 * np.pi) ** 4  # times z'''' dx^3: what aliases of the triangles add to the pressure
+EDGE_REST = 4.0  # in place of REST where the window ends at an edge of contact, near which the pressure is a root
 # Of gaps that no node sees: what is left of their share of the numbers, and of their depth, which polynomial and
 # aliases give with an error of angle^5 (measured on one wave at 32 to 256 points, where they are 6e-4 and 1.3e-3).
-REST = 1.2  # times the next two terms of a polynomial of few nodes, for all further ones
-EDGE_REST = 4.0  # the same where the window ends at an edge of contact, near which the pressure is a root
 OPEN_SHARE = 0.01
 OPEN_DEPTH = 0.01
 

@@ -14,6 +14,7 @@ from weier.kernels.jit import kernel
 
 DEGREE = 8  # over half a wave, a cosine differs from its best polynomial of this degree by 1e-6
 TERMS = DEGREE + 1
+REST = 1.6  # times the next two terms of a polynomial (`remainder`), for all further ones
 _ANGLES = np.pi * (np.arange(TERMS + 1) + 0.5) / (TERMS + 1)
 NODES = np.cos(_ANGLES)  # of Chebyshev: mean values over them are exact for all products of two such polynomials
 MEANS = np.array([0.0 if k % 2 else math.comb(k, k // 2) / 2**k for k in range(TERMS + 4)])  # of t^k over these nodes

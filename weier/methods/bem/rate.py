@@ -84,38 +84,19 @@ def _conjugate_gradients(tolerance: float, edge: Edges, grid: Grid, state: fft.G
 
 
 @kernel
-def solve_rate(hierarchy: Hierarchy, state: fft.GridState, ratio: Array) -> tuple[float, float]:
+def solve_rate(hierarchy: Hierarchy, state: fft.GridState) -> tuple[float, float]:
     """As `fft.solve_rate`, to `rate_tolerance`; coarse pairs of FFTs count by their size.
 
-    `ratio`, shape (N,), is q over the shape of flat punches at the load before, where it is not 0, and becomes that
-    at this one: the start where a coarse grid would not pay.
+    It starts from the contact of its own load alone, not from the rate at another load: what a rough rate leaves
+    would depend on that load.
     """
     finest = hierarchy.points.size - 1
     edge = find_edges(state.contact, state.edge)
     punch_shape(edge, state.contact, state.pressure)
-    shape = state.pressure.copy()
     pairs = _start_from_coarse_grid(hierarchy, state)
-    if pairs == 0:
-        _multiply_in_contact(state.pressure, ratio, state.contact)
     tolerance = rate_tolerance(hierarchy.tolerance[finest])
     rate, here = _conjugate_gradients(tolerance, edge, grid_of(hierarchy, finest), state)
-    for i in range(shape.size):
-        if state.contact[i]:
-            ratio[i] = state.pressure[i] / shape[i]
     return rate, pairs + here
-
-
-@kernel
-def _multiply_in_contact(pressure: Array, ratio: Array, contact: Flags) -> None:
-    """Multiply by the ratio in contact, or by its mean there where it is not known, unless that is nowhere."""
-    total, nodes = 0.0, 0
-    for i in range(ratio.size):
-        if contact[i] and ratio[i] > 0:
-            total += ratio[i]
-            nodes += 1
-    for i in range(ratio.size):
-        if contact[i] and nodes > 0:
-            pressure[i] *= ratio[i] if ratio[i] > 0 else total / nodes
 
 
 @kernel

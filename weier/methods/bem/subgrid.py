@@ -52,18 +52,17 @@ def correct(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuu
     Where no contact under its polynomial carries its force, as next to a merger, its edges are taken by themselves.
     """
     without = np.zeros(edge.size - 2, np.bool_)
-    while True:
-        correction, lost = _correct_without(without, solution, grid, edge, continuum)
-        if lost < 0:
-            return correction
-        without[lost] = True
+    correction, again = _correct_without(without, solution, grid, edge, continuum)
+    while again:
+        correction, again = _correct_without(without, solution, grid, edge, continuum)
+    return correction
 
 
 @kernel
 def _correct_without(
     without: Flags, solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum
-) -> tuple[Correction, int]:
-    """The same, if the runs `without` have no polynomials, and the run of a contact that is lost, or else -1."""
+) -> tuple[Correction, bool]:
+    """The same, if the runs `without` have no polynomials; whether more of them, marked there, must not have one."""
     runs = edge.size - 2
     points = solution.pressure.size
     owned = np.zeros(runs, np.bool_)  # edges that belong to a narrow contact or gap
@@ -109,9 +108,12 @@ def _correct_without(
     compliance += opened
     resistance += slower
     higher, faster = redistribute(contacts, used, solution.plane, solution.rate, compliance, continuum.period)
+    again = False
     for at in range(used):
         if contacts.lost[at]:
-            return _no_correction(), contacts.run[at]
+            again = without[contacts.run[at]] = True
+    if again:
+        return _no_correction(), True
     steps = find_steps(solution, edge, float(np.mean(solution.pressure)), continuum.period)
     lower, slower = next_order(edge, steps, polynomial)
     more_off, more_rate_off, uncertain = expected_errors(
@@ -120,7 +122,7 @@ def _correct_without(
     listed = list_contacts(contacts, used, dips, solution, continuum.period, uncertain or merging)
     return Correction(
         compliance + higher - lower, resistance + faster - slower, listed, off + more_off, rate_off + more_rate_off
-    ), -1
+    ), False
 
 
 @kernel

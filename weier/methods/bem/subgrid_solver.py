@@ -57,7 +57,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
     finest = grid_of(hierarchy, hierarchy.points.size - 1)
     state = fft.make_grid_state(finest.height.size)
     table, end = corrected.contacts, 0
-    ratio, carried = np.zeros(finest.height.size), np.zeros(finest.height.size)
+    carried = np.zeros(finest.height.size)
     few = finest.height.size <= MAX_PER_WAVE * hierarchy.harmonics.waves_per_period[-1]
     least = MIN_NEAR if few else np.inf
     for load in range(loads.size - 1, -1, -1):
@@ -69,7 +69,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: 
             plane, residual, more = fft.cascade(loads[load], hierarchy, pressure, state)
             pairs += more
         carried, deformed = state.pressure.copy(), state.deformed.copy()
-        rate, more = solve_rate(hierarchy, state, ratio)
+        rate, more = solve_rate(hierarchy, state)
         corrected.residual[load] = residual
         corrected.work[load] = pairs + more
         if residual > finest.tolerance or rate == np.inf:  # to be refused
