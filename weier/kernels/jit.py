@@ -35,9 +35,16 @@ def kernel_sources() -> list[Path]:
 
 
 def base_folder() -> Path:
-    """Where the program keeps what it made of its own sources: NUMBA_CACHE_DIR, or a folder in the user's cache."""
-    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(os.environ.get("NUMBA_CACHE_DIR") or Path(user) / "weier")
+    """Where the program keeps what it made of its own sources: NUMBA_CACHE_DIR, or a folder in the user's cache.
+
+    Raises OSError, as a folder that is closed to writing, for a user who has no home.
+    """
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        return Path(chosen)
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "weier"
+    except RuntimeError as error:
+        raise OSError("there is no home folder to keep compiled kernels in: set NUMBA_CACHE_DIR") from error
 
 
 def cache_folder() -> Path:

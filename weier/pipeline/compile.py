@@ -106,7 +106,9 @@ def _kind(method: Method, settings: Mapping[str, Any]) -> Settings:
 
 
 def _done(task: Task) -> bool:
-    return (jit.folder() / "compiled" / task.name).exists()
+    with suppress(OSError):
+        return (jit.folder() / "compiled" / task.name).exists()
+    return False
 
 
 def _run_once(task: Task) -> None:
@@ -119,11 +121,11 @@ def _run_once(task: Task) -> None:
 @contextmanager
 def _locked(task: Task, wait: bool) -> Iterator[bool]:
     """Whether this process has the task for itself: until the block ends, or the process; True without a cache."""
-    locks = jit.folder() / "compiled"
     try:
+        locks = jit.folder() / "compiled"
         locks.mkdir(parents=True, exist_ok=True)
         lock = (locks / f"{task.name}.lock").open("w")
-    except OSError:  # closed to writing: each kernel is compiled when it is called
+    except OSError:  # closed to writing, or nowhere: each kernel is compiled when it is called
         yield True
         return
     with lock:
