@@ -4,7 +4,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from weier.pipeline.server import INTERRUPTED, STOPPED, delegate
+from weier.pipeline.server import INTERRUPTED, delegate, say_interrupted
 
 
 def run() -> None:
@@ -22,7 +22,7 @@ def _run(arguments: Sequence[str]) -> int | str | None:
 
         main()
     except KeyboardInterrupt:
-        print(STOPPED, file=sys.stderr)
+        say_interrupted()
     except SystemExit as stopped:
         if stopped.code != INTERRUPTED:
             return stopped.code

@@ -178,7 +178,8 @@ def test_ctrl_c_ends_a_job_and_a_server_that_had_not_answered(tmp_path):
         with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
             connection, _ = listener.accept()
             with connection:
-                assert connection.recv(1)
+                assert connection.makefile("rb").readline()  # the whole request
+                time.sleep(0.1)  # until it waits for the answer
                 process.send_signal(signal.SIGINT)
                 time.sleep(0.5)
                 assert process.poll() is None  # it waits for what whoever works for it has to say
@@ -243,6 +244,57 @@ server._prepare(".", "batch", "--threads", "1", "test.yaml", "one-0")
 frozen = gc.get_freeze_count()
 print("batches" in vars(scene.load("test.yaml")), frozen > len(gc.get_objects()))
 """
+
+
+DRAWN = """
+import sys
+from weier.pipeline import server
+server._prepare(".", "figure", "test.yaml", "curves")
+print(*sorted(name for name in sys.modules if name.startswith("matplotlib.backends.backend_")))
+"""
+
+
+def test_a_figure_finds_the_formats_of_its_files_loaded(scene_file):
+    environment = os.environ | {"PYTHONPATH": os.getcwd()}
+    command = [sys.executable, "-c", DRAWN]
+    done = subprocess.run(command, cwd=scene_file.parent, env=environment, capture_output=True, text=True, check=True)
+    assert {f"matplotlib.backends.backend_{name}" for name in ("agg", "pdf", "svg")} <= set(done.stdout.split())
+
+
+# Such as an import that fails.
+BROKEN = """
+import socket, sys
+from weier.cli import main
+from weier.pipeline import server
+
+def broken(*_):
+    raise ZeroDivisionError
+
+server._load = broken
+server.serve(socket.socket(fileno=int(sys.argv[1])), main)
+"""
+
+
+def test_a_server_that_cannot_load_does_its_jobs_all_the_same(scene_file, tmp_path):
+    (tmp_path / "server").mkdir()
+    address = tmp_path / "server/socket"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
+        listener.bind(str(address))
+        listener.listen()
+        serving = subprocess.Popen(
+            [sys.executable, "-c", BROKEN, str(listener.fileno())],
+            stdin=subprocess.PIPE,
+            pass_fds=[listener.fileno()],
+            env=os.environ | {"PYTHONPATH": os.getcwd()},
+        )
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as killed:
+        killed.connect(str(address))  # by a job that ends before it asks
+    for arguments, code in ((BATCH, 0), ((*BATCH[:2], "two-0", *BATCH[3:]), 1)):
+        done = job(tmp_path, str(address), *arguments)
+        assert done.returncode == code
+        assert done.stderr
+    serving.communicate(timeout=PATIENCE)
+    assert serving.returncode == 0
 
 
 def test_a_job_finds_the_batches_of_its_scene_made_and_out_of_the_collectors_way(scene_file):

@@ -17,7 +17,7 @@ import click
 from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
-from weier.pipeline.server import INTERRUPTED, STOPPED
+from weier.pipeline.server import INTERRUPTED, say_interrupted
 
 # The commands of each module, in the order of the help.
 COMMANDS = {
@@ -40,7 +40,7 @@ class Commands(click.Group):
         try:
             return super().invoke(context)
         except KeyboardInterrupt:
-            print(STOPPED, file=sys.stderr)
+            say_interrupted()
             sys.exit(INTERRUPTED)
 
 

@@ -31,11 +31,7 @@ IMPORTS: Mapping[str, tuple[str, ...]] = {
     "claims": (
         "weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.gather", "weier.pipeline.labels", "jsonschema",
     ),
-    "figure": (
-        "weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.gather", "weier.figures.style", "jsonschema",
-        "matplotlib.style", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf",
-        "matplotlib.backends.backend_svg",
-    ),
+    "figure": ("weier.cli.scene", "weier.pipeline.claims", "weier.pipeline.gather", "jsonschema"),
 }  # fmt: skip
 COMPILER = "weier.kernels.compiler"  # numba, for what solves
 SOLVING = ("batch",)
@@ -46,7 +42,27 @@ INTERRUPTED = 130  # exit code after Ctrl-C, as of shells
 STOPPED = "weier: stopped by Ctrl-C; files that were being written are as they were"
 QUEUE = 128  # jobs that may wait
 PATIENCE = 0.5  # seconds between looks at what has ended
-INTERRUPTS: list[bool] = []  # of Ctrl-C that this process has seen, for jobs that had none to work for them yet
+
+
+class _Interruption:
+    """Whether this process has seen Ctrl-C, for jobs that had none to work for them yet.
+
+    It has no lock, as a threading.Event has, for which a second signal would wait inside the first.
+    """
+
+    seen = False
+
+    def note(self, *_: object) -> None:
+        """Handle the signal."""
+        self.seen = True
+
+
+INTERRUPTION = _Interruption()
+
+
+def say_interrupted() -> None:
+    """Tell that Ctrl-C has ended a command."""
+    print(STOPPED, file=sys.stderr)
 
 
 def delegate(arguments: Sequence[str]) -> int | None:
@@ -128,7 +144,7 @@ def serve(listener: socket.socket, main: Callable[[], None]) -> None:
     main : callable
         The command line: it reads sys.argv and ends by SystemExit.
     """
-    signal.signal(signal.SIGINT, lambda *_: INTERRUPTS.append(True))  # the jobs end by it, and this when all have
+    signal.signal(signal.SIGINT, INTERRUPTION.note)  # the jobs end by it, and this when all have
     address = Path(listener.getsockname())
     with listener:
         started = True
@@ -152,23 +168,32 @@ def _reap(options: int) -> None:
 
 def _fork(listener: socket.socket, main: Callable[[], None]) -> None:
     connection, _ = listener.accept()
-    with connection:
+    with connection, suppress(OSError, ValueError):  # of a job that was killed before it had asked
         _, descriptors, _, _ = socket.recv_fds(connection, 1, 3)
-        request = json.loads(connection.makefile("rb").readline())
-        if {name: request[name] for name in _identity()} != _identity():
-            connection.sendall(UNABLE)
-        else:
-            if not INTERRUPTS:
-                _prepare(request["folder"], *request["arguments"])
-            if os.fork() == 0:
-                listener.close()
-                _run(connection, descriptors, request, main)
-        for descriptor in descriptors:
-            os.close(descriptor)
+        try:
+            request = json.loads(connection.makefile("rb").readline())
+            if {name: request[name] for name in _identity()} != _identity():
+                connection.sendall(UNABLE)
+            else:
+                if not INTERRUPTION.seen:
+                    _prepare(request["folder"], *request["arguments"])
+                if os.fork() == 0:
+                    listener.close()
+                    _run(connection, descriptors, request, main)
+        finally:
+            for descriptor in descriptors:
+                os.close(descriptor)
 
 
 def _prepare(folder: str, command: str, *arguments: str) -> None:
-    """Import what a command needs, and the kernels of its batch: the process that is forked has both.
+    """Load what a command needs, for the process that is forked: as far as that goes, since other jobs wait."""
+    with suppress(Exception):  # whatever it is, the process meets it, too, and tells
+        _load(folder, command, *arguments)
+    gc.freeze()  # or the collector of a job would write to, and so copy, all that it shares with this process
+
+
+def _load(folder: str, command: str, *arguments: str) -> None:
+    """Import what a command needs, and load the kernels of its batch.
 
     Loading the kernels takes longer than solving some dozens of cases.
     """
@@ -178,15 +203,13 @@ def _prepare(folder: str, command: str, *arguments: str) -> None:
         import_module(COMPILER)
         jit.folder()  # reads all sources, once for all jobs
     if command in DRAWING:
-        import_module("weier.figures").prepare()
-    with suppress(OSError, ValueError, IndexError):  # for the process to tell
-        os.chdir(folder)
-        path, *names = itertools.dropwhile(lambda argument: not argument.endswith(".yaml"), arguments)
-        loaded = import_module("weier.scene").load(path)  # and kept, for the other jobs of its run
-        if command in SOLVING:
-            import_module("weier.pipeline.compile").load_for(loaded.batch(names[0]))
-            import_module("weier.data.provenance").versions()  # which ask git
-    gc.freeze()  # or the collector of a job would write to, and so copy, all that it shares with this process
+        import_module("weier.figures").prepare()  # which imports matplotlib, too
+    os.chdir(folder)
+    path, *names = itertools.dropwhile(lambda argument: not argument.endswith(".yaml"), arguments)
+    loaded = import_module("weier.scene").load(path)  # and kept, for the other jobs of its run
+    if command in SOLVING:
+        import_module("weier.pipeline.compile").load_for(loaded.batch(names[0]))
+        import_module("weier.data.provenance").versions()  # which ask git
 
 
 def _end_with(connection: socket.socket) -> None:
@@ -212,12 +235,12 @@ def _run(
         sys.argv = ["weier", *request["arguments"]]
         signal.signal(signal.SIGINT, signal.default_int_handler)
         _end_with(connection)
-        if INTERRUPTS:
+        if INTERRUPTION.seen:
             raise KeyboardInterrupt
         main()
         code = 0
     except KeyboardInterrupt:
-        print(STOPPED, file=sys.stderr)
+        say_interrupted()
         code = INTERRUPTED
     except SystemExit as stopped:
         code = stopped.code or 0
@@ -225,5 +248,6 @@ def _run(
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
-        connection.sendall(str(code if isinstance(code, int) else 1).encode())
+        with suppress(OSError):  # of a job that was killed: nothing may lead from here back into the server
+            connection.sendall(str(code if isinstance(code, int) else 1).encode())
         os._exit(0)
