@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -140,10 +141,16 @@ def test_no_grid_is_tried_that_would_take_too_long(monkeypatch):
     clock = iter(np.arange(100) * (to_error.MAX_SECONDS + 1))
     monkeypatch.setattr(to_error, "process_time", lambda: next(clock))
     monkeypatch.setattr(to_error, "attempt", lambda *at: to_error.Attempt(at[2] ** -2.0, lambda: int))
-    assert to_error.smallest("tamaas", "h", 1e-7, None) is None
+    assert to_error.smallest("tamaas", "h", 1e-7, None).seconds == np.inf
     assert to_error.smallest("tamaas", "h", 1e-5, None).points == 400
-    points = [each and each.points for each in to_error.measure("tamaas", None)["h"]]
-    assert points == [400, 400, None, None]
+    tried = json.loads(json.dumps(to_error.measure("tamaas", None)))  # as files keep it
+    assert [seconds for _, seconds, _ in tried["h"]] == [to_error.MAX_SECONDS + 1] * 2 + [np.inf] * 2
+
+
+def test_what_no_grid_reaches_is_not_what_takes_too_long(monkeypatch):
+    monkeypatch.setattr(to_error, "attempt", lambda *at: to_error.Attempt(1e-5, lambda: int))
+    found = to_error.measure("tamaas", None)["h"]
+    assert [each and each.points for each in found] == [400, 400, None, None]
 
 
 def test_a_table_of_times_says_what_is_not_reached():
@@ -153,11 +160,12 @@ def test_a_table_of_times_says_what_is_not_reached():
         for quantity, targets in to_error.TARGETS.items()
         for target in targets
     }
+    found["tamaas", "R", 1e-2] = to_error.Reached(8192, np.inf, "")
     found["tamaas", "R", 1e-3] = None
     *_, ours, tamaas = to_error.table(found, [to_error.OURS, "tamaas"]).splitlines()
     assert ours.startswith("| weier, edges between nodes | 0.01 s, 400 nodes |")
     assert tamaas.startswith("| tamaas | 100 times, 1 s, 400 nodes |")
-    assert tamaas.endswith("| not reached |")
+    assert tamaas.endswith("| over 60 s | not reached |")
 
 
 def test_the_figure_of_errors_is_written(monkeypatch, tmp_path: Path):
