@@ -20,7 +20,7 @@ from weier.kernels.jit import Kernel
 called, run = set(), Kernel.__call__
 
 def noted(kernel, *arguments):
-    called.add(f"{kernel.function.__code__.co_filename}:{kernel.function.__name__}")
+    called.add(f"{kernel.function.__module__}.{kernel.function.__name__}")
     return run(kernel, *arguments)
 
 Kernel.__call__ = noted
@@ -32,23 +32,59 @@ print(*called, sep="\\n")
 
 
 def kernels():
-    """The names that each kernel mentions, by its file and its own name."""
+    """What each kernel mentions, by its full name, such as "weier.methods.bem.fft.resume"."""
     found = {}
     for path in PACKAGE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list):
-                found[f"{path}:{node.name}"] = set(names_in(node))
+        module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+        found |= kernels_of(module, ast.parse(path.read_text()))
     return found
 
 
+def kernels_of(module, tree):
+    imported = {
+        name.asname or name.name: f"{node.module}.{name.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for name in node.names
+    }
+    return {
+        f"{module}.{node.name}": {full_name(module, imported, each) for each in names_in(node)}
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list)
+    }
+
+
 def names_in(tree):
-    """Of functions and of what modules hold, such as "resume" of "fft.resume"."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name | ast.Attribute):
-            yield node.id if isinstance(node, ast.Name) else node.attr
+    """Such as "step" and "fft.resume"."""
+    return {ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Name | ast.Attribute)}
 
 
-@pytest.mark.skipif(jit.disabled(), reason="nothing is compiled")
+def full_name(module, imported, name):
+    """Of what a module calls so, by its imports, or by its own definitions."""
+    first, dot, rest = name.partition(".")
+    return f"{imported.get(first, f'{module}.{first}')}{dot}{rest}"
+
+
+def test_a_kernel_of_the_same_name_in_another_module_is_not_meant():
+    text = """
+from weier import one
+from weier.two import crest as two_crest
+
+@kernel
+def own(x):
+    return one.crest(x) + two_crest(x) + x.crest
+
+@kernel
+def other(x):
+    return own(x).crest
+"""
+    found = kernels_of("weier.three", ast.parse(text))
+    assert found["weier.three.own"] >= {"weier.one.crest", "weier.two.crest"}
+    assert not {"weier.two_crest", "weier.three.crest"} & set.union(*found.values())
+    assert "weier.three.own" in found["weier.three.other"]
+
+
+@pytest.mark.skipif(jit.disabled(), reason="NUMBA_DISABLE_JIT is set: nothing is compiled")
 def test_every_kernel_is_compiled():
     """Called, or by one that is: numba compiles the branches that are not taken as well."""
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
@@ -58,8 +94,7 @@ def test_every_kernel_is_compiled():
     assert more
     while more:
         compiled |= more
-        names = set.union(*(mentions[kernel] for kernel in more))
-        more = {kernel for kernel in mentions if kernel.rpartition(":")[2] in names} - compiled
+        more = mentions.keys() & set.union(*(mentions[kernel] for kernel in more)) - compiled
     assert mentions.keys() - compiled == set()
 
 
@@ -123,6 +158,15 @@ def test_a_job_takes_another_task_while_one_is_compiled_elsewhere(solved, monkey
         with pytest.raises(InterruptedError):
             compile.compile_for(CASES)
     assert order == [second.method]
+
+
+def test_a_user_without_a_home_has_no_cache(solved, monkeypatch):
+    def no_home():
+        raise OSError("there is no home folder")
+
+    monkeypatch.setattr("weier.kernels.jit.folder", no_home)
+    compile.compile_for(CASES)
+    assert len(solved) == 2
 
 
 def test_a_cache_that_cannot_be_written_stops_nothing(solved, tmp_path, monkeypatch):

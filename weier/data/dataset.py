@@ -156,7 +156,7 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
             yield data
         except RuntimeError as error:
             if str(error).startswith("NetCDF: "):
-                raise netcdf.damaged(path, error) from None
+                raise netcdf.damaged_error(path, error) from None
             raise
 
 
@@ -165,7 +165,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError) as error:
-        raise netcdf.damaged(path, error) from None
+        raise netcdf.damaged_error(path, error) from None
     try:
         netcdf.check_origin(path, data.variables, data.attrs.get("program", ""))
     except ValueError:

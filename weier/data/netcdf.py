@@ -69,7 +69,7 @@ def check_whole(path: str | Path) -> None:
         with netCDF4.Dataset(path) as file:
             names, program = list(file.variables), getattr(file, "program", "")
     except (OSError, RuntimeError) as error:
-        raise damaged(path, error) from None
+        raise damaged_error(path, error) from None
     check_origin(path, names, program)
 
 
@@ -79,7 +79,7 @@ def check_origin(path: str | Path, names: Container[object], program: str) -> No
         raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
 
 
-def damaged(path: str | Path, error: Exception) -> ValueError:
+def damaged_error(path: str | Path, error: Exception) -> ValueError:
     """What to say of a file that cannot be read."""
     if not str(path).isprintable() or not Path(path).is_file():
         return ValueError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")

@@ -139,7 +139,7 @@ class _InnerCompiler(Compiler):
     def compile_extra(self, function: Any) -> Any:
         """The compiled kernel, with a key instead of an address by which callers find it."""
         code = _InnerLibrary(self.state.targetctx.codegen(), function.__qualname__)
-        self.state["library"] = code
+        self.state["library"] = code  # or numba would make one of its own, which it optimises and translates
         result = super().compile_extra(function)
         self.state.targetctx.insert_user_function(result.fndesc, result.fndesc, [code])
         return result._replace(entry_point=result.fndesc)
