@@ -214,8 +214,8 @@ def _cell(found: dict[tuple[str, str, float], Reached | None], name: str, quanti
 def _words(reference: Exact) -> str:
     return (
         f"Contact patches take {reference.seconds:.3g} s for ten digits of both. Not reached: on the finest grid, of "
-        f"{MAX_SIZES['h']} nodes for h and of {MAX_SIZES['R']} for differences. Over {MAX_SECONDS:g} s: it would "
-        "take that to try the next grid, by tighter tolerances than where time is taken, and six curves for differences."
+        f"{MAX_SIZES['h']} nodes for h and of {MAX_SIZES['R']} for differences. Over {MAX_SECONDS:g} s: the next "
+        "grid was not tried, which takes longer than its time here: by tighter tolerances, or six curves for differences."
     )
 
 
