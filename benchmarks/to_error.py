@@ -215,7 +215,7 @@ def _words(reference: Exact) -> str:
     return (
         f"Contact patches take {reference.seconds:.3g} s for ten digits of both. Not reached: on the finest grid, of "
         f"{MAX_SIZES['h']} nodes for h and of {MAX_SIZES['R']} for differences. Over {MAX_SECONDS:g} s: the next "
-        "grid was not tried, which takes longer than its time here: by tighter tolerances, or six curves for differences."
+        "grid was not tried. A try takes longer than a time here: by tighter tolerances, or six curves."
     )
 
 
