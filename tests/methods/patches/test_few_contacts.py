@@ -8,8 +8,9 @@ from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import few_contacts
 from weier.methods.patches.collocation import NewtonResult, newton_iteration
-from weier.methods.patches.few_contacts import solve_on_few_nodes, solve_on_many_nodes
-from weier.methods.patches.fields import ContactState
+from weier.methods.patches.few_contacts import solve_on_few_nodes, solve_on_many_nodes, solve_on_segments
+from weier.methods.patches.fields import ContactState, complementary_residuals
+from weier.methods.patches.inequalities import lowest_outside
 from weier.methods.patches.initial_guess import (
     InitialGuess,
     Intervals,
@@ -118,6 +119,23 @@ def test_what_a_dense_matrix_does_not_solve_is_left_to_sums(fault, monkeypatch):
     assert curve.work != expected.work
     assert curve.compliance == pytest.approx(expected.compliance, abs=1e-12)
     assert curve.resistance == pytest.approx(expected.resistance, rel=1e-9)
+
+
+@pytest.mark.parametrize("above", [1e-2, 1e-4, 1e-6])
+def test_a_shallow_missing_contact_is_seen(above):
+    """Contacts from below a birth, pressed beyond it: the overlap is 1e-6 to 1e-2 of what it soon would be."""
+    events = patches.events(THREE_WAVES, 0.3, 1.0)
+    born = events.mean_pressure[events.birth][0]
+    surface, before = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, born * (1 - 1e-7)).state
+    assert not before.dual
+    series, limit = surface.heights, 1e-10 * before.approach
+    assert lowest_outside(before, series, limit) >= 0
+    beyond, _ = solve_on_segments(surface, transfer_density(surface, before), born * (1 + above), 1e-10)
+    x = np.linspace(-1, 1, 2001) * 10 * above**0.5 / THREE_WAVES.waves_per_period[-1]
+    x = events.x[events.birth][0] + x[np.abs(x) < 0.2 / THREE_WAVES.waves_per_period[-1]]
+    lowest = complementary_residuals(beyond, series, x).min()
+    assert lowest < -limit
+    assert lowest_outside(beyond, series, limit) == pytest.approx(lowest, rel=1e-3)
 
 
 def test_a_guess_with_the_wrong_contacts_is_refused():

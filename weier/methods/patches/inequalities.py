@@ -25,7 +25,8 @@ from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.surface import CosineSeries, nearest_crest
 
-PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each interval between segments, closer at its ends
+PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each interval between segments, closer at its ends, while segments are added
+CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES = 8, 12  # of a result: nothing comes after it that would see what it misses
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
@@ -57,7 +58,7 @@ def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> f
     """
     segments, distance = state.segments, distances_to_next(state.segments, series.period)
     edge = segments.origin + (segments.centre + segments.half_width)
-    probe, interval = _probe_points(edge, distance, series)
+    probe, interval = _probe_points(edge, distance, series, CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES)
     slope = complementary_residual_slopes(state, series, probe)
     bracket = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (interval[:-1] == interval[1:]))
     bracket = _possibly_negative(state, series, limit, probe, slope, bracket)
@@ -65,10 +66,12 @@ def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> f
     return float(complementary_residuals(state, series, x).min(initial=0.0))
 
 
-def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
+def _probe_points(
+    left: Array, length: Array, series: CosineSeries, per_wave: int, least: int
+) -> tuple[Array, Indices]:
     """Points in intervals between segments, some for each of the finest waves; and the interval of each point."""
-    per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
-    count = MIN_PROBES + np.ceil(per_length * length).astype(np.int64)
+    per_length = per_wave * series.wavenumber[-1] / (2 * np.pi)
+    count = least + np.ceil(per_length * length).astype(np.int64)
     interval = np.repeat(np.arange(length.size), count)
     number = np.arange(interval.size) - np.repeat(np.cumsum(count) - count, count)
     angle = (number + 0.5) * (np.pi / count[interval])
@@ -215,7 +218,7 @@ def gap_or_pressure(problem: Problem, step: Step, x: Array) -> Array:
 def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.float64]:
     """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2)."""
     right, gap = _gaps(step)
-    x, gap_before = _probe_points(right, gap, problem.series)
+    x, gap_before = _probe_points(right, gap, problem.series, PROBES_PER_WAVE, MIN_PROBES)
     value = gap_or_pressure(problem, step, x)
     lowest = 1 + np.flatnonzero(
         (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (gap_before[:-2] == gap_before[2:])
