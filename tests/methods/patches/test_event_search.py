@@ -6,6 +6,7 @@ import pytest
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
 from weier.methods import patches
+from weier.methods.patches import event_search, fields
 
 
 def test_events_are_where_the_contacts_change():
@@ -74,6 +75,29 @@ def test_two_crests_of_nearly_one_height():
         Profile(1.25, 2, 2, (1e-7, np.pi)), event.mean_pressure[0] * np.array([1 - 1e-6, 1 + 1e-6])
     )
     np.testing.assert_array_equal(around.patch_count, [1, 2])
+
+
+@pytest.mark.parametrize("sums", [False, True])
+def test_no_minimum_of_the_gap_is_hidden_by_rounding(sums, monkeypatch):
+    """The interval is so narrow that the gap rises by less than its rounding; beside contacts is no minimum."""
+    if sums:
+        for module, name in (
+            (fields, "MIN_SUM_SEGMENTS"),
+            (fields, "MIN_SUM_POINTS"),
+            (event_search, "MIN_SUM_SEGMENTS"),
+        ):
+            monkeypatch.setattr(module, name, 1)
+    born = patches.events(THREE_WAVES, 0.3, 1.0)
+    load, x = born.mean_pressure[born.birth][0], born.x[born.birth][0]
+    solution = patches.solve_load(THREE_WAVES, load * (1 - 1e-9))
+    state, series = solution.state, solution.surface.heights
+    assert not state.dual
+    edge = solution.centre + solution.half_width
+    for width in np.geomspace(1e-6, 1e-2, 9):
+        around = np.array([x]), np.array([-0.93 * width]), np.array([width])
+        np.testing.assert_array_equal(event_search._minima_of_gap(state, series, *around), 1)
+        beside = edge, np.full(edge.size, 1e-3 * width), np.full(edge.size, 1e-2 * width)
+        np.testing.assert_array_equal(event_search._minima_of_gap(state, series, *beside), 0)
 
 
 def test_events_among_hundreds_of_contacts():

@@ -51,7 +51,7 @@ def test_reference_values(reference):
 def test_few_gaps_near_full_contact(share, monkeypatch):
     load = share * FOUR_WAVES.full_contact_load
     few = patches.curve(FOUR_WAVES, [load])
-    monkeypatch.setattr(many_contacts, "MIN_SEGMENTS", 1)
+    monkeypatch.setattr(many_contacts, "MIN_CONTACTS", 1)
     by_steps = patches.curve(FOUR_WAVES, [load])
     assert by_steps.compliance[0] == pytest.approx(few.compliance[0], abs=1e-13)
     assert by_steps.resistance[0] == pytest.approx(few.resistance[0], rel=1e-8)
@@ -73,10 +73,10 @@ def test_many_gaps_near_full_contact():
 def test_both_solvers_agree(monkeypatch):
     loads = np.array([0.3, 2.0, 4.0])
     fast = patches.curve(FOUR_WAVES, loads)
-    assert np.any(fast.patch_count > many_contacts.MIN_SEGMENTS)
-    monkeypatch.setattr(many_contacts, "MIN_SEGMENTS", np.inf)
+    assert np.any(fast.patch_count > many_contacts.MIN_CONTACTS)
+    monkeypatch.setattr(many_contacts, "MIN_CONTACTS", np.inf)
     dense = patches.curve(FOUR_WAVES, loads)
-    monkeypatch.setattr(many_contacts, "MIN_SEGMENTS", 2)
+    monkeypatch.setattr(many_contacts, "MIN_CONTACTS", 2)
     all_fast = patches.curve(FOUR_WAVES, loads)
     for curve in (fast, all_fast):
         np.testing.assert_allclose(curve.compliance, dense.compliance, rtol=0, atol=1e-12)
@@ -136,7 +136,7 @@ def test_events_are_the_same_without_the_matrix(monkeypatch):
     dense = patches.events(THREE_WAVES, low, high)
     assert dense.mean_pressure.size > 2
     assert set(dense.birth) == {False, True}
-    monkeypatch.setattr(many_contacts, "MIN_SEGMENTS", 1)
+    monkeypatch.setattr(many_contacts, "MIN_CONTACTS", 1)
     fast = patches.events(THREE_WAVES, low, high)
     np.testing.assert_allclose(fast.mean_pressure, dense.mean_pressure, rtol=1e-9)  # a residual of 1e-12 g_0
     np.testing.assert_array_equal(fast.birth, dense.birth)
@@ -172,6 +172,6 @@ def test_pressure_and_gap_among_a_thousand_contacts():
 )
 def test_long_periods(profile, load):
     curve = patches.curve(profile, load)
-    assert curve.patch_count[0] > many_contacts.MIN_SEGMENTS
+    assert curve.patch_count[0] > many_contacts.MIN_CONTACTS
     assert curve.residual[0] < 1e-10
     assert curve.work[0] < 10

@@ -25,7 +25,8 @@ def test_fast_sums_are_the_closed_forms(profile, share, dual, monkeypatch):
     x = np.concatenate([np.random.default_rng(0).uniform(-1, 2, 300) * profile.period, near])
     values = []
     for limit in (0, 10**9):
-        monkeypatch.setattr(fields, "MIN_SEGMENTS", limit)
+        monkeypatch.setattr(fields, "MIN_SUM_SEGMENTS", limit)
+        monkeypatch.setattr(fields, "MIN_SUM_POINTS", min(limit, 1))
         values.append((solution.pressure(x), solution.gap(x)))
     (pressure, gap), (closed_pressure, closed_gap) = values
     force = solution.mean_pressure * profile.period
@@ -35,6 +36,37 @@ def test_fast_sums_are_the_closed_forms(profile, share, dual, monkeypatch):
     rounding = pressure * np.finfo(float).eps * profile.period / distance  # of a position, beside the root at an edge
     assert np.all(np.abs(pressure - closed_pressure) <= 1e-11 * pressure.max() + 2 * rounding)
     assert 20 < np.count_nonzero(gap > 0) < x.size - 20
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_points_all_on_contacts_or_all_in_gaps(share, monkeypatch):
+    """Nothing is left for the sums over all contacts or gaps (dual)."""
+    monkeypatch.setattr(fields, "MIN_SUM_SEGMENTS", 5)
+    solution = patches.solve_load(LONG_PERIOD, share * LONG_PERIOD.full_contact_load)
+    assert solution.state.dual == (share == 0.9)
+    assert solution.state.segments.centre.size >= fields.MIN_SUM_SEGMENTS
+    inside = np.repeat(solution.centre, 20)
+    right = solution.centre + solution.half_width
+    gap = (np.roll(right - 2 * solution.half_width, -1) - right) % LONG_PERIOD.period
+    outside = np.repeat(right + 0.5 * gap, 20)
+    assert inside.size >= fields.MIN_SUM_POINTS
+    for x, x_of_gap in ((inside, False), (outside, True), (np.empty(0), True)):
+        np.testing.assert_array_equal(solution.gap(x) > 0, x_of_gap)
+        np.testing.assert_array_equal(solution.pressure(x) > 0, not x_of_gap)
+
+
+def test_few_points_need_no_tree_of_all_nodes(monkeypatch):
+    solution = patches.solve_load(LONG_PERIOD, 0.3 * LONG_PERIOD.full_contact_load)
+    assert solution.state.segments.centre.size >= fields.MIN_SUM_SEGMENTS
+    x = np.linspace(0, LONG_PERIOD.period, 500)
+    expected = solution.gap(x)
+    calls, sums = [], fields.residuals_by_sums
+    monkeypatch.setattr(fields, "residuals_by_sums", lambda *given: calls.append(given[2].size) or sums(*given))
+    few = [solution.gap(each) for each in x[:5]]
+    assert not calls
+    np.testing.assert_allclose(few, expected[:5], atol=1e-12 * solution.mean_pressure * LONG_PERIOD.period)
+    solution.gap(x)
+    assert calls == [np.count_nonzero(expected)]
 
 
 def test_the_segment_at_a_point():

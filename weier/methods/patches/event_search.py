@@ -23,7 +23,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.few_contacts import solve_on_segments
 from weier.methods.patches.fields import (
-    MIN_SEGMENTS,
+    MIN_SUM_SEGMENTS,
     ContactState,
     complementary_residual,
     complementary_residual_slope,
@@ -40,11 +40,13 @@ from weier.theory.profile import Profile
 MAX_DECADES = 1.0  # between two loads at first
 MAX_ADVANCE = 0.15  # of an edge between two loads, in the finest waves
 MAX_ROOT_INTERVAL = 0.1  # of ln(p): in shorter intervals the load of an event is sought by root-finding
-MAX_ROOTS = 4  # events of such an interval: more are first taken apart by the contacts under loads in between
+# Events of such an interval. Symmetry makes two of one load common; roots that differ only tell where to halve the
+# interval, and each takes several solutions where halving takes one.
+MAX_ROOTS = 4
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
 LOAD_ACCURACY = 1e-12  # relative
 SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
-GAP_ROUNDING = 1e-12  # of the displacement under the whole load: differences of the gap below it are no slopes
+GAP_ROUNDING = 1e-12  # of fast sums, over the displacement under the whole load
 SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
 POSITION_ACCURACY = 1e-8  # of a minimum between two samples, over their distance
 
@@ -217,15 +219,7 @@ class _Search(NamedTuple):
         count, origin, left, right = expected[expected[:, 3] > expected[:, 2]].T
         if count.size == 0:
             return True
-        share = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))
-        y, series = left[:, None] + (right - left)[:, None] * share, self.surface.series(low.dual)
-        if low.dual or low.segments.centre.size < MIN_SEGMENTS:
-            slope = _gap_slopes(low, series, np.repeat(origin, SLOPES), y.ravel()).reshape(y.shape)
-            least = 0.0
-        else:
-            gap = complementary_residuals(low, series, (origin[:, None] + y).ravel()).reshape(y.shape)
-            slope, least = np.diff(gap, axis=1), GAP_ROUNDING * low.load * series.period
-        minima = np.sum((slope[:, :-1] < -least) & (slope[:, 1:] > least), axis=1)
+        minima = _minima_of_gap(low, self.surface.series(low.dual), origin, left, right)
         return bool(np.all(minima <= count))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[tuple[float, _Event]]:
@@ -258,7 +252,7 @@ class _Search(NamedTuple):
         """The contacts of `start` under another load, as if none were born or merged in between."""
         if load == start.load:
             return start
-        if start.segments.centre.size >= many_contacts.MIN_SEGMENTS:
+        if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
             return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
         return solve_on_segments(self.surface, transfer_density(self.surface, start), load, self.starts.tolerance)[0]
 
@@ -278,6 +272,39 @@ def _gaps_between(contacts: _Contacts, which: range, period: float) -> Iterator[
     for i, j in pairwise(which):
         here, after = contacts.origin[i] + contacts.right[i], contacts.origin[j % n] + contacts.left[j % n]
         yield _Event(False, contacts.origin[i], contacts.right[i], contacts.right[i] + (after - here) % period)
+
+
+def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
+    """How many minima the slopes of the gap show from origin + left to origin + right, each of shape (intervals,).
+
+    Between many contacts, fast sums give the gap, and its rise the sign of the slope; where rounding hides a rise,
+    the slope itself is evaluated, so that no minimum is hidden.
+    """
+    width = (right - left)[:, None]
+    number = np.arange(SLOPES + 1.0)
+    y = left[:, None] + width * _shares(number[:-1] + 0.5)
+    at = np.broadcast_to(origin[:, None], y.shape)
+    if state.dual or state.segments.centre.size < MIN_SUM_SEGMENTS:
+        sign = np.sign(_gap_slopes(state, series, at.ravel(), y.ravel())).reshape(y.shape)
+    else:
+        around = origin[:, None] + (left[:, None] + width * _shares(number))
+        rise = np.diff(complementary_residuals(state, series, around.ravel()).reshape(around.shape), axis=1)
+        sign, unknown = np.sign(rise), np.abs(rise) < _gap_rounding(state, series)
+        sign[unknown] = np.sign(_gap_slopes(state, series, at[unknown], y[unknown]))
+    for i in range(1, SLOPES):
+        sign[:, i] = np.where(sign[:, i] == 0, sign[:, i - 1], sign[:, i])
+    return np.asarray(np.sum((sign[:, :-1] < 0) & (sign[:, 1:] > 0), axis=1))
+
+
+def _shares(number: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Parts of an interval, closer at its ends: 0 for the number 0, and 1 for SLOPES."""
+    return np.asarray(0.5 * (1 - np.cos(number * (np.pi / SLOPES))))
+
+
+def _gap_rounding(state: ContactState, series: CosineSeries) -> float:
+    """What rounding leaves of the gap by fast sums, in g_0: of the sums, and of positions on the steepest flank."""
+    steepest = float(np.abs(series.amplitude) @ series.wavenumber)
+    return series.period * (GAP_ROUNDING * state.load + float(np.finfo(float).eps) * steepest)
 
 
 def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:

@@ -201,7 +201,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 
 def _solvers(guess: InitialGuess) -> list[Callable[..., tuple[ContactState, int]]]:
     """What to solve a guess by: a dense matrix if it has few segments, and what corrects a wrong set of them."""
-    if guess.segments.centre.size < many_contacts.MIN_SEGMENTS:
+    if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         return [few_contacts.solve_few_contacts, many_contacts.solve_many_contacts]
     return [many_contacts.solve_many_contacts]
 
