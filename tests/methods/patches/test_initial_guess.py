@@ -58,6 +58,7 @@ def test_contacts_of_fewer_waves_are_a_start_where_grids_are_large(load, monkeyp
     profile = Profile(1.25, 5, 4, 1.0)
     expected = patches.curve(profile, load)
     monkeypatch.setattr(initial_guess, "MAX_POINTS", 0)
+    monkeypatch.setattr(initial_guess, "MAX_LOAD", 1.0)
     curve = patches.curve(profile, load)
     assert curve.work > expected.work  # the start is another, and worse
     assert curve.patch_count == expected.patch_count

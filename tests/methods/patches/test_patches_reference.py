@@ -113,12 +113,14 @@ def logarithmic_moment(phi, count):
 
 @pytest.mark.parametrize("profile", [THREE_WAVES, Profile(1.6, "5/2", 3, (0.0, 2.0, 4.0))])
 def test_boundary_elements_agree_within_their_error(profile):
-    loads = np.geomspace(1e-2, 4.0, 8)
+    loads = np.geomspace(1e-2, 4.0, 60)
     exact = patches.curve(profile, loads)
-    worst = []
+    most = []
     for per_wave in (32, 64, 128):
         elements = bem.curve(profile, loads, points=per_wave * profile.waves_per_period[-1])
-        worst.append(np.abs(elements.compliance - exact.compliance).max())
-    print(f"gamma {profile.gamma}: {worst}")
-    assert worst[0] < 3e-3
-    assert worst[2] < worst[0] / 6  # 16, did edges not fall between nodes
+        error = np.abs(elements.compliance - exact.compliance)
+        assert np.all(error <= elements.compliance_error)
+        most.append(np.quantile(error, 0.9))
+    print(f"gamma {profile.gamma}: {most}")
+    assert most[0] < 1e-6
+    assert most[2] < most[0] / 16  # an order of 2 at least: single loads vary with where their edges stand
