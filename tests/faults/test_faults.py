@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.marks import compiled
 from weier.data import dataset
 from weier.kernels import jit
 from weier.kernels.sources import PACKAGE
@@ -326,7 +327,7 @@ def square(x):
 """
 
 
-@pytest.mark.skipif(jit.disabled(), reason="NUMBA_DISABLE_JIT is set: nothing is compiled")
+@compiled
 @pytest.mark.parametrize("suffix", ["nbi", "nbc"])
 @pytest.mark.parametrize("size", [0, 99])
 def test_a_damaged_cache_of_compiled_kernels(tmp_path, monkeypatch, suffix, size):

@@ -13,13 +13,11 @@ import pytest
 from numba import types
 from numba.core.codegen import JITCodeLibrary
 
+from tests.marks import compiled
 from weier.kernels import jit
 from weier.kernels.interruption import ask_to_stop, interruptible
 
 PATIENCE = 120  # seconds
-
-# Where a developer sets it, to follow kernels line by line; the gate does not.
-compiled = pytest.mark.skipif(jit.disabled(), reason="NUMBA_DISABLE_JIT is set: nothing is compiled")
 
 PROGRAM = """
 from weier.kernels.jit import kernel

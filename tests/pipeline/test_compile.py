@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from weier.kernels import jit
+from tests.marks import compiled
 from weier.kernels.sources import PACKAGE
 from weier.pipeline import compile
 from weier.pipeline.compile import compile_kernels
@@ -84,7 +84,7 @@ def other(x):
     assert "weier.three.own" in found["weier.three.other"]
 
 
-@pytest.mark.skipif(jit.disabled(), reason="NUMBA_DISABLE_JIT is set: nothing is compiled")
+@compiled
 def test_every_kernel_is_compiled():
     """Called, or by one that is: numba compiles the branches that are not taken as well."""
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
