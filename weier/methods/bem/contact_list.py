@@ -47,7 +47,7 @@ class ContactTable(NamedTuple):
 
 @kernel
 def blank_list() -> ContactList:
-    """None."""
+    """A list of no contacts."""
     return ContactList(np.empty(0), np.empty(0), np.empty(0), np.empty(0), False)
 
 

@@ -48,20 +48,40 @@ class Dips(NamedTuple):
     uncertain: Flags
 
 
+class GapCorrection(NamedTuple):
+    """What a narrow gap adds to a solution on the grid.
+
+    compliance, resistance : in g_0 and g_0/p_0*
+    left, right : edges, in lambda_0; NaN where they are not found, the same where it is closed in the continuum
+    compliance_error, resistance_error : by what its polynomial leaves
+    uncertain : whether it may be closed or open
+    """
+
+    compliance: float
+    resistance: float
+    left: float
+    right: float
+    compliance_error: float
+    resistance_error: float
+    uncertain: bool
+
+
+@kernel
+def _no_correction() -> GapCorrection:
+    """That of a gap whose edges are not found: they are taken one by one."""
+    return GapCorrection(0.0, 0.0, np.nan, np.nan, 0.0, 0.0, False)
+
+
 @kernel
 def correct_gap(
     start: int, nodes: int, edge: Edges, run: int, solution: GridSolution, grid: Grid, continuum: Continuum
-) -> tuple[float, float, float, float, float, float, bool]:
-    """What a narrow gap adds to compliance and resistance, and its edges, in lambda_0; NaN if not found.
-
-    Edges that coincide are of a gap that is closed in the continuum. Then come errors of both numbers by what its
-    polynomial leaves, and whether it may be closed or open.
-    """
+) -> GapCorrection:
+    """What a narrow gap adds to compliance and resistance by its polynomial."""
     points = solution.pressure.size
     spacing = continuum.period / points
     margin = margin_of(edge, run)
     if nodes + 2 * margin < MIN_POLYNOMIAL:
-        return 0.0, 0.0, np.nan, np.nan, 0.0, 0.0, False
+        return _no_correction()
     gap = np.empty(nodes)
     opening = np.empty(nodes)  # its rate, per mean pressure
     for i in range(nodes):
@@ -83,7 +103,7 @@ def correct_gap(
     rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
-        return 0.0, 0.0, np.nan, np.nan, 0.0, 0.0, False
+        return _no_correction()
     off, rate_off, uncertain = _errors_of_depth(
         nodal_pressure, pressure, rate, nodes, whole, REST, continuum, spacing
     )
@@ -102,7 +122,9 @@ def correct_gap(
         )
     middle = (start + (nodes - 1) / 2 + centre * scale) * spacing
     compliance, resistance = ((grid_mixed - mixed) / continuum.period, (grid_energy - energy) / continuum.period)
-    return compliance, resistance, middle - half_length, middle + half_length, off, rate_off, uncertain
+    return GapCorrection(
+        compliance, resistance, middle - half_length, middle + half_length, off, rate_off, uncertain
+    )  # fmt: skip
 
 
 @kernel

@@ -84,16 +84,14 @@ def _correct_without(
         else:
             used = add_crests(start, nodes, run, solution, continuum, contacts, used)
             if polynomial[run]:
-                closed, slower, left, right, missed, rate_missed, unclear = correct_gap(
-                    start, nodes, edge, run, solution, grid, continuum
-                )
-                polynomial[run] = left <= right
-                gap_edge[run] = left, right
-                off += missed
-                rate_off += rate_missed
-                merging |= unclear
-                compliance += closed
-                resistance += slower
+                gap = correct_gap(start, nodes, edge, run, solution, grid, continuum)
+                polynomial[run] = gap.left <= gap.right
+                gap_edge[run] = gap.left, gap.right
+                compliance += gap.compliance
+                resistance += gap.resistance
+                off += gap.compliance_error
+                rate_off += gap.resistance_error
+                merging |= gap.uncertain
         if polynomial[run]:
             owned[run] = owned[(run + 1) % runs] = True
     for run in range(runs):
@@ -243,13 +241,13 @@ def place_edge(
     gap = run - 1 if begins else run
     position = gap_edge[gap, 1] if begins else gap_edge[gap, 0]
     if not owned:
-        higher, faster, beyond, drop, load = correct_edge(node % points, solution)
-        contacts.edge_compliance[which] += higher
-        contacts.edge_resistance[which] += faster
-        if load > 0:
-            contacts.edge_drop[which] += drop
-            contacts.edge_yield[which] += drop / (load * contacts.share[which])
-        position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
+        found = correct_edge(node % points, solution)
+        contacts.edge_compliance[which] += found.compliance
+        contacts.edge_resistance[which] += found.resistance
+        if found.load > 0:
+            contacts.edge_drop[which] += found.drop
+            contacts.edge_yield[which] += found.drop / (found.load * contacts.share[which])
+        position = (node - found.beyond if begins else node - 1 + found.beyond) * continuum.period / points
     if begins:
         contacts.left[which] = position
     else:
@@ -257,25 +255,38 @@ def place_edge(
         contacts.joined[which] = gap_edge[run, 0] == gap_edge[run, 1]
 
 
-@kernel
-def correct_edge(start: int, solution: GridSolution) -> tuple[float, float, float, float, float]:
-    """What an edge of wide runs adds to compliance and resistance; how far beyond its node it is, in nodes.
+class EdgeCorrection(NamedTuple):
+    """What an edge of wide runs adds to a solution on the grid.
 
-    And its step: the drop of the resistance, and the load that it takes, 0 where it is not known.
+    compliance, resistance : in g_0 and g_0/p_0*
+    beyond : how far it is beyond its node, in nodes
+    drop : of the resistance in its step, D
+    load : that its step takes, a + b; 0 where it is not known
     """
+
+    compliance: float
+    resistance: float
+    beyond: float
+    drop: float
+    load: float
+
+
+@kernel
+def correct_edge(start: int, solution: GridSolution) -> EdgeCorrection:
+    """What an edge of wide runs adds to compliance and resistance, and its step."""
     points = solution.pressure.size
     inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
     closing = solution.displacement[inside] - solution.displacement[outside]
     if not (solution.per_load[inside] > 0 and closing > 0):
-        return 0.0, 0.0, EDGE, 0.0, 0.0
+        return EdgeCorrection(0.0, 0.0, EDGE, 0.0, 0.0)
     since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
     until = max(solution.plane - solution.deformed[outside], 0.0) / closing
     if not since + until > 0:
-        return 0.0, 0.0, EDGE, 0.0, 0.0
+        return EdgeCorrection(0.0, 0.0, EDGE, 0.0, 0.0)
     step = since / (since + until)
     drop = solution.per_load[inside] * closing / points
     higher = drop * (since + until) * ((step - step * step) / 2 - CURVATURE)
-    return higher, (0.5 - step) * drop, step + EDGE - 0.5, drop, since + until
+    return EdgeCorrection(higher, (0.5 - step) * drop, step + EDGE - 0.5, drop, since + until)
 
 
 @kernel
