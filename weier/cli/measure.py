@@ -57,7 +57,10 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 @output("path")
 @output("table")
 def extremes(path: Path, table: Path) -> None:
-    """Examine every method where digits are lost."""
+    """Examine every method where digits are lost.
+
+    The data go to PATH, and the page to TABLE.
+    """
     from weier.accuracy import extremes as report  # as in tradeoff
     from weier.data import dataset
 

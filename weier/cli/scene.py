@@ -36,7 +36,10 @@ def compile() -> None:
 @output("cost")
 @click.option("--threads", type=click.IntRange(1), default=1, show_default=True, help="Cases at a time.")
 def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> None:
-    """Solve one batch of a scene."""
+    """Solve the batch NAME of a scene.
+
+    The curves go to DATA, and the seconds that they took to COST.
+    """
     from weier.data import dataset
     from weier.pipeline.batch import solve_batch
     from weier.pipeline.compile import compile_for
@@ -78,7 +81,7 @@ def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
 def claims(scene_file: Path, path: Path, table: Path, batches: Path) -> None:
     """Check the claims of a scene, and write its whole dataset.
 
-    The data come from the folder BATCHES.
+    The curves come from the folder BATCHES. The dataset goes to PATH, and the claims to TABLE.
     """
     from weier.pipeline import claims as claim
 

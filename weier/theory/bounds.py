@@ -50,7 +50,7 @@ def complete_bounds(
     full_contact : array_like
         Compliance of the complete series at full contact, the sum of all g_n, which it never exceeds.
     error : array_like
-        What h may be off.
+        How far h may be off.
 
     Returns
     -------
@@ -140,11 +140,11 @@ def chord_bounds(
     mean_pressure : array_like, shape (loads,)
         Mean pressures p > 0.
     compliance, error : array_like, shape (loads,)
-        Compliance h and what it may be off, above or below.
+        Compliance h, and how far it may be off above or below.
     other : array_like, shape (loads, others)
         Other loads p' > 0 of each, above or below it.
     others : array_like, shape (2, loads, others)
-        Compliance there, and what it may be off.
+        Compliance there, and how far it may be off.
 
     Returns
     -------
