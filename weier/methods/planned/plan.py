@@ -42,7 +42,7 @@ class Plan:
 
     @property
     def error(self) -> float:
-        """Largest expected error, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
+        """Largest expected error: of h in g_0, or of R relative to the larger of itself and 1 g_0/p_0*."""
         return max(float(segment.error.max()) for segment in self.segments)
 
     @property
