@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 PER_WAVE = (16, 32, 64, 256)
 LOADS = 40
-MAX_WAVES = 64  # of the finest term: contact patches are dense
+MAX_WAVES = 64  # of the finest term, so that contact patches take milliseconds a load
 QUANTILES = (0.5, 0.9, 1)
 RATIOS = (Fraction(3, 2), Fraction(5, 2), Fraction(7, 3), Fraction(5, 3), Fraction(4, 3))
 

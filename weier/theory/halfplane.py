@@ -1,8 +1,8 @@
 """The elastic half-plane under periodic pressure: what N equal elements of linear pressure do to the surface.
 
-A pressure wave p_k sinks by u_k = p_k/|k| (k in waves per lambda_0), and the mean pressure is removed, u_0 = 0.
-On N equal elements with linear pressure the same is a circulant matrix, known exactly through its eigenvalues:
-no sum over image loads is cut off (Section 5.1 of the paper; Johnson 1985, Eq. 2.37 and Fig. 5.17c).
+A pressure wave p_k displaces the surface by u_k = p_k/|k|, with k in waves per lambda_0; the mean pressure is
+removed, u_0 = 0. On N equal elements with linear pressure the same is a circulant matrix, known exactly through its
+eigenvalues: no sum over image loads is cut off (Section 5.1 of the paper; Johnson 1985, Eq. 2.37 and Fig. 5.17c).
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
     Returns
     -------
     array, shape (points//2 + 1,)
-        In g_0/p_0*, for 0, 1, ... waves a period, in the order of `numpy.fft.rfft`; the first is 0. Not to be written
-        to: who asks again gets the same array.
+        In g_0/p_0*, for 0, 1, ... waves a period, in the order of `numpy.fft.rfft`; the first is 0. Do not write
+        to it: the next call returns the same array.
 
     Notes
     -----

@@ -100,7 +100,7 @@ def curve(
         nodes, as in Section 5.1. The fast solver does the former unless told, and takes at least 16 points for each
         of the finest waves then; the dense solver knows the latter only.
     points_per_wave : int, optional
-        Nodes for each of the finest waves, in the place of `points`: the same of profiles of any period.
+        Nodes for each of the finest waves, instead of `points`: the same for profiles of any period.
 
     Returns
     -------
