@@ -19,7 +19,8 @@ MADE = (
 )
 PICTURE = "![Digits of one profile over all loads, and condition numbers](extremes.png)"
 NOTE = """\
-Each row is one method on one extreme, at the loads of that extreme, in p\\_0\\*.
+Each row is one method on one extreme, at the loads of that extreme, in p\\_0\\*. An *ulp* is one unit in the last
+place of a number.
 
 **Outcome.** Every load must end in a finite number, or in an error that says in a sentence what is wrong; a number in
 parentheses refers to the sentences below. Where the curve of all loads ends in an error, each load is tried by
