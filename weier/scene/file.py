@@ -24,7 +24,7 @@ from weier.scene.study import CaseProduct, Study
 from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-BATCH_SIZE = 25  # cases, beside which starting a batch counts: 0.3 s, or 3 s on a cluster
+BATCH_SIZE = 25  # cases: a batch takes 0.3 s to start, and 3 s on a cluster
 MAX_BATCH_BYTES = 4 * 2**30  # of one batch
 RENAMED_KEYS = {"most_cases": "max_cases"}
 
