@@ -123,8 +123,9 @@ def inverse(eigenvalue: Array) -> Array:
 
 def full_contact(hierarchy: Hierarchy, load: float) -> Array:
     """Pressure that would flatten the coarsest grid under this load."""
-    grid = grid_of(hierarchy, 0)
-    return load + np.fft.irfft(grid.inverse * np.fft.rfft(grid.height), grid.height.size)
+    points = int(hierarchy.points[0])
+    height, inverse = hierarchy.height[:points], hierarchy.inverse[: points // 2 + 1]
+    return load + np.fft.irfft(inverse * np.fft.rfft(height), points)
 
 
 @kernel
