@@ -10,7 +10,7 @@ from weier.methods.patches import few_contacts
 from weier.methods.patches.collocation import NewtonResult, newton_iteration
 from weier.methods.patches.few_contacts import solve_on_few_nodes, solve_on_many_nodes, solve_on_segments
 from weier.methods.patches.fields import ContactState, complementary_residuals
-from weier.methods.patches.inequalities import lowest_outside
+from weier.methods.patches.inequalities import cell_of, doubtful_cells, lowest_outside
 from weier.methods.patches.initial_guess import (
     InitialGuess,
     Intervals,
@@ -114,7 +114,7 @@ def test_what_a_dense_matrix_does_not_solve_is_left_to_sums(fault, monkeypatch):
     elif fault == "residual":
         monkeypatch.setattr(few_contacts, "contact_residual", lambda *_: 1e-3)
     else:
-        monkeypatch.setattr(few_contacts, "lowest_outside", lambda *_: -1.0)
+        monkeypatch.setattr(few_contacts, "violates_inequalities", lambda *_: True)
     curve = patches.curve(THREE_WAVES, 0.5)
     assert curve.work != expected.work
     assert curve.compliance == pytest.approx(expected.compliance, abs=1e-12)
@@ -147,3 +147,24 @@ def test_a_guess_with_the_wrong_contacts_is_refused():
     guess = contacts_guess(surface, contacts.centre[1:], contacts.half_width[1:], force, 1e-10)
     with pytest.raises(ConvergenceError, match=r"another set of contacts|Newton's method fails"):
         few_contacts.solve_few_contacts(surface, guess, 0.5, 1e-10)
+
+
+def test_a_gap_is_positive_wherever_a_tangent_says_so():
+    """Also where a contact is missing, pressed beyond its birth: the cell that it belongs to is doubtful."""
+    events = patches.events(THREE_WAVES, 0.3, 1.0)
+    born, place = events.mean_pressure[events.birth][0], events.x[events.birth][0]
+    surface, before = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, born * (1 - 1e-7)).state
+    beyond, _ = solve_on_segments(surface, transfer_density(surface, before), born * 1.01, 1e-10)
+    heights = surface.heights
+    x = np.append((np.arange(4000) + 0.5) * THREE_WAVES.period / 4000, place)
+    cell = np.array([cell_of(heights, position) for position in x])
+    above = THREE_WAVES.height(x) - heights.maximum - heights.cell_offset[cell]
+    assert above.max() < 1e-12  # no point of a cell is higher than its maximum, but for rounding
+    doubtful = doubtful_cells(beyond, heights)
+    gap = complementary_residuals(beyond, heights, x)
+    assert gap[-1] < 0
+    assert doubtful[cell[-1]]
+    assert np.mean(doubtful) < 0.5
+    assert np.all(gap[~doubtful[cell]] > 0)
+    light = solved_state(0.003, 1e-10)[1]
+    assert np.sum(doubtful_cells(light, heights)) == 1  # the crest that is in contact

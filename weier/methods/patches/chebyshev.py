@@ -42,11 +42,14 @@ def collocation_point(a: int, count: int) -> float:
 
 
 @kernel
-def _sines(count: int) -> Array:
+def sines(count: int) -> Array:
     """sin(j pi/(count+1)) over one period of the sine, j = 0..2 count + 1."""
-    sine = np.empty(2 * count + 2)
-    for j in range(sine.size):
-        sine[j] = np.sin(j * (np.pi / (count + 1)))
+    half = count + 1
+    sine = np.empty(2 * half)
+    sine[0] = sine[half] = 0.0
+    for j in range(1, half // 2 + 1):
+        sine[j] = sine[half - j] = np.sin(j * (np.pi / half))
+        sine[half + j] = sine[2 * half - j] = -sine[j]
     return sine
 
 
@@ -54,13 +57,22 @@ def _sines(count: int) -> Array:
 def expansion_coefficients(values: Array) -> Array:
     """Coefficients a_k of the sum a_k U_k that takes `values` at the nodes."""
     count = values.size
-    sine = _sines(count)
+    sine = sines(count)
     a = np.zeros(count)
     for k in range(count):
+        angle = 0
         for q in range(count):
-            a[k] += sine[q + 1] * sine[(k + 1) * (q + 1) % (2 * count + 2)] * values[q]
+            angle = advance(angle, k + 1, sine.size)
+            a[k] += sine[q + 1] * sine[angle] * values[q]
         a[k] *= 2 / (count + 1)
     return a
+
+
+@kernel
+def advance(angle: int, step: int, period: int) -> int:
+    """(angle + step) % period of two numbers below the period, without a division."""
+    angle += step
+    return angle - period if angle >= period else angle
 
 
 @kernel
@@ -73,43 +85,65 @@ def evaluate_expansion(a: Array, t: float) -> float:
 
 
 @kernel
-def integrals(a: Array, t: float) -> tuple[float, float, float]:
-    """The Cauchy integral, its derivative in t and the logarithmic potential at any real t.
-
-    The derivative has no finite value at t = 1 and t = -1.
-    """
-    # Within [-1, 1], T_k and U_k follow y_(k+1) = 2 t y_k - y_(k-1). Outside, rho^-k stands for T_k, and its
-    # derivative over k for U_(k-1); both follow y_(k+1) = y_k/rho. So one recurrence with two factors serves all.
-    if abs(t) <= 1:
-        rho, T, factor, factor_before, U = 0.0, t, 2 * t, 1.0, 1.0
-    else:
-        root = np.copysign(np.sqrt((t - 1) * (t + 1)), t)
-        rho = t + root
-        T, factor, factor_before, U = 1 / rho, 1 / rho, 0.0, -1 / (rho * root)
-    cauchy, slope = 0.0, 0.0
-    potential = 0.5 * a[0] * (np.log(abs(rho)) if rho != 0 else 0.0) - 0.5 * a[0] * np.log(2.0)
-    T_before, U_before = 1.0, 0.0
-    # In round k, T is T_(k+1), U is U_k, and T_(k+1)' = (k+1) U_k. Without their factors of pi:
-    # cauchy = sum a_k T_(k+1), slope = sum a_k T_(k+1)', potential = sum a_k (L_k - L_(k+2))/2.
-    for k in range(a.size):
-        cauchy += a[k] * T
-        slope += a[k] * (k + 1) * U
-        T_after = factor * T - factor_before * T_before
-        if k > 0:
-            potential -= 0.5 * a[k] * T_before / k
-        potential += 0.5 * a[k] * T_after / (k + 2)
-        T_before, T = T, T_after
-        U_before, U = U, factor * U - factor_before * U_before
-    return np.pi * cauchy, np.pi * slope, np.pi * potential
+def _outer_radius(t: float) -> float:
+    """rho, of a point outside [-1, 1]."""
+    return t + np.copysign(np.sqrt((t - 1) * (t + 1)), t)
 
 
+@kernel
+def cauchy_integral(a: Array, t: float) -> float:
+    """int sqrt(1-s^2) phi(s)/(t-s) ds = pi sum a_k T_(k+1)(t) at any real t."""
+    if abs(t) > 1:
+        total, w = 0.0, 1 / _outer_radius(t)
+        for k in range(a.size - 1, -1, -1):
+            total = (total + a[k]) * w
+        return np.pi * total
+    b_after, b = 0.0, 0.0
+    for k in range(a.size - 1, -1, -1):
+        b, b_after = a[k] + 2 * t * b - b_after, b
+    return np.pi * (t * b - b_after)
+
+
+@kernel
+def cauchy_slope(a: Array, t: float) -> float:
+    """The derivative of `cauchy_integral` in t, pi sum a_k (k+1) U_k(t); it has no finite value at t = 1 and -1."""
+    if abs(t) > 1:
+        total, rho = 0.0, _outer_radius(t)
+        for k in range(a.size - 1, -1, -1):
+            total = (total + (k + 1) * a[k]) / rho
+        return -np.pi * total / (rho - t)
+    b_after, b = 0.0, 0.0
+    for k in range(a.size - 1, -1, -1):
+        b, b_after = (k + 1) * a[k] + 2 * t * b - b_after, b
+    return np.pi * b
+
+
+@kernel
+def log_integral(a: Array, t: float) -> float:
+    """int sqrt(1-s^2) phi(s) ln|t-s| ds at any real t: a sum of T_n/n with the factors (a_(n-2) - a_n)/2."""
+    outside = abs(t) > 1
+    w = 1 / _outer_radius(t) if outside else 0.0
+    double, back = (w, 0.0) if outside else (2 * t, 1.0)
+    b_after, b = 0.0, 0.0
+    for n in range(a.size + 1, 0, -1):
+        factor = (a[n - 2] if n > 1 else 0.0) - (a[n] if n < a.size else 0.0)
+        b, b_after = factor / (2 * n) + double * b - back * b_after, b
+    total = w * b if outside else t * b - b_after
+    return np.pi * (total - 0.5 * a[0] * (np.log(2.0) + (np.log(abs(w)) if outside else 0.0)))
+
+
+@kernel
 def log_weights(count: int) -> Array:
-    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`."""
-    k = np.arange(1, count + 2)
-    L = -np.pi * np.append(np.log(2.0), np.array([1, 0, -1, 0])[k % 4] / k)  # T_k(0) = 1, 0, -1, 0
-    q = np.arange(1, count + 1)
-    sine = np.sin(np.outer(q, q) % (2 * count + 2) * (np.pi / (count + 1)))
-    return np.asarray(sine[0] * (sine @ (L[:-2] - L[2:])) / (count + 1))
+    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`, from L_k - L_(k+2) at t = 0."""
+    sine, weight = sines(count), np.empty(count)
+    for q in range(count):
+        total, angle, step, sign = 0.0, q + 1, advance(q + 1, q + 1, sine.size), 1.0
+        for k in range(0, count, 2):  # T_k(0) = 1, 0, -1, 0
+            own = -np.log(2.0) if k == 0 else -sign / k
+            total += sine[angle] * (own - sign / (k + 2))
+            angle, sign = advance(angle, step, sine.size), -sign
+        weight[q] = np.pi * sine[q + 1] * total / (count + 1)
+    return weight
 
 
 @kernel

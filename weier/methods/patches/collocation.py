@@ -21,7 +21,7 @@ overlap: then their number is wrong.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
@@ -31,7 +31,8 @@ from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import collocation_point
-from weier.methods.patches.segments import Segments, distances_to_next, move_segments, values_of_next
+from weier.methods.patches.pair_kernel import take_logarithms
+from weier.methods.patches.segments import Segments, distances_to_next, move_segments
 from weier.methods.patches.surface import CosineSeries, evaluate_series
 
 Factors = tuple[Array, NDArray[np.int32]]
@@ -57,6 +58,7 @@ class System(NamedTuple):
     width: int
 
 
+@kernel
 def assemble(
     segments: Segments, phi: Array, approach: float, series: CosineSeries, load: float, dual: bool
 ) -> tuple[Array, Array]:
@@ -66,8 +68,7 @@ def assemble(
     system = System(np.zeros((size, size)), np.zeros((size, 2)), N, N + n)
     _fill_segment_rows(system, segments, phi, approach, series, load, dual)
     if dual:
-        _fill_closure_rows(system, segments, phi)
-        _fill_mean_gap_row(system, segments, phi, approach, series.period)
+        _fill_closure_rows(system, segments, phi, approach, series.period)
     else:
         _fill_load_row(system, segments, phi, load * series.period, series.period)
     return system.jacobian, system.right_side
@@ -175,25 +176,21 @@ def _fill_height_row(
     Contact j contributes V_j = 2 int rho ln|2 sin(pi (x-s)/L)| ds, with dV_j/dc_j = -dV_j/dx and r_j dV_j/dr_j. The
     whole, approach + z - max z + sum V_j, has the derivative z' - sum dV_j/dc_j in c_i.
     """
-    jacobian, row, factor = system.jacobian, system.width + i, np.pi / series.period
+    jacobian, row = system.jacobian, system.width + i
     value, slope, _ = evaluate_series(series, segments.crest[i], segments.centre[i])
     scale = 1 / segments.half_width[i]
     total = (approach + value) * scale
     dtotal_dc = slope
+    potential, dln_dx, dln_dr = log_potentials(segments, i, series.period)
     for j in range(segments.centre.size):
         r = segments.half_width[j]
-        s, c = angle_between_centres(segments, i, j, factor)
         dV_dc, dV_dr = 0.0, 0.0
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
             weight = r * segments.weight[q]
-            if i == j:
-                potential, dln_dx, dln_dr = log_potential_at_own_centre(segments, q, r, factor)
-            else:
-                potential, dln_dx, dln_dr = log_potential_at_other_centre(segments, q, r, factor, s, c)
-            jacobian[row, q] = 2 * potential * scale
-            total += 2 * potential * phi[q] * scale
-            dV_dc -= 2 * weight * phi[q] * dln_dx
-            dV_dr += 2 * (potential + weight * dln_dr) * phi[q]
+            jacobian[row, q] = 2 * potential[q] * scale
+            total += 2 * potential[q] * phi[q] * scale
+            dV_dc -= 2 * weight * phi[q] * dln_dx[q]
+            dV_dr += 2 * (potential[q] + weight * dln_dr[q]) * phi[q]
         dtotal_dc -= dV_dc
         jacobian[row, system.centre + j] += dV_dc * r * scale
         jacobian[row, system.width + j] += dV_dr * scale
@@ -203,65 +200,66 @@ def _fill_height_row(
 
 
 @kernel
-def log_potential_at_own_centre(segments: Segments, q: int, r: float, factor: float) -> tuple[float, float, float]:
-    """Node q of contact i at the centre of that contact, s = r t away: w r ln|2 sin(pi s/L)|, d ln/dx, r d ln/dr.
+def log_potentials(segments: Segments, i: int, period: float) -> tuple[Array, Array, Array]:
+    """Of all nodes, at the centre of segment i: w r ln|2 sin(pi (x-s)/L)|, d ln/dx and r d ln/dr.
 
-    d ln/dx counts as 0, since the contact moves with its centre; r d ln/dr = (pi s/L) cot(pi s/L). The singular part
-    ln|t| is integrated in closed form by `Segments.log_weight`.
+    From a node of another segment, d ln/dx = (pi/L) cot(pi (x-s)/L) and r d ln/dr = -r t d ln/dx. From one of its
+    own, s = r t away, d ln/dx counts as 0, since the segment moves with its centre, r d ln/dr = (pi s/L) cot(pi s/L),
+    and the singular part ln|t| is integrated in closed form by `Segments.log_weight`.
     """
-    weight, x = r * segments.weight[q], r * segments.node[q]
-    small = factor * abs(x) < MIN_ANGLE
-    log = np.log(2 * factor) if small else np.log(abs(2 * segments.sine[q] / x))
-    dln_dr = 1.0 if small else factor * x * segments.cosine[q] / segments.sine[q]
-    return weight * (np.log(r) + log) + r * segments.log_weight[q], 0.0, dln_dr
+    factor, n, N = np.pi / period, segments.centre.size, segments.node.size
+    distance, dln_dx, dln_dr = np.empty(N), np.zeros(N), np.ones(N)
+    for j in range(n):
+        s, c = angle_between_centres(segments, i, j, factor)
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            x, sine, cosine = segments.half_width[j] * segments.node[q], segments.sine[q], segments.cosine[q]
+            if i != j:
+                distance[q] = abs(2 * (s * cosine - c * sine))
+                dln_dx[q] = factor * (c * cosine + s * sine) / (s * cosine - c * sine)
+                dln_dr[q] = -x * dln_dx[q]
+            elif factor * abs(x) < MIN_ANGLE:
+                distance[q] = 2 * factor * segments.half_width[j]
+            else:
+                distance[q] = abs(2 * sine / segments.node[q])
+                dln_dr[q] = factor * x * cosine / sine
+    take_logarithms(distance)
+    for j in range(n):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            distance[q] *= segments.half_width[j] * segments.weight[q]
+            if i == j:
+                distance[q] += segments.half_width[j] * segments.log_weight[q]
+    return distance, dln_dx, dln_dr
 
 
 @kernel
-def log_potential_at_other_centre(
-    segments: Segments, q: int, r: float, factor: float, s: float, c: float
-) -> tuple[float, float, float]:
-    """The same for node q of another contact, whose centre is away by the angle with the sine s and the cosine c.
-
-    d/dx ln|2 sin(pi (x-s)/L)| = (pi/L) cot(pi (x-s)/L), and r d ln/dr = -r t d ln/dx.
-    """
-    sine = s * segments.cosine[q] - c * segments.sine[q]
-    dln_dx = factor * (c * segments.cosine[q] + s * segments.sine[q]) / sine
-    return r * segments.weight[q] * np.log(abs(2 * sine)), dln_dx, -r * segments.node[q] * dln_dx
-
-
 def _fill_load_row(system: System, segments: Segments, phi: Array, force: float, period: float) -> None:
     """The contacts carry the load, int rho dx = p L; the row is divided by the largest half-width."""
-    scale = 1 / segments.half_width.max()
-    weight = scale * _at_nodes(segments, segments.half_width) * segments.weight
-    carried = _segment_sums(segments, weight * phi)
-    system.jacobian[-1, : phi.size], system.jacobian[-1, system.width : -1] = weight, carried
-    system.right_side[-1] = carried.sum() - scale * force, -scale * period
+    scale, carried = 1 / segments.half_width.max(), 0.0
+    for j in range(segments.centre.size):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            weight = scale * segments.half_width[j] * segments.weight[q]
+            system.jacobian[-1, q] = weight
+            system.jacobian[-1, system.width + j] += weight * phi[q]
+        carried += system.jacobian[-1, system.width + j]
+    system.right_side[-1, 0], system.right_side[-1, 1] = carried - scale * force, -scale * period
 
 
-def _fill_closure_rows(system: System, segments: Segments, phi: Array) -> None:
-    """int rho dx = 0: each gap, which opens at one end of its segment, has closed at the other."""
-    row = system.width + _at_nodes(segments, np.arange(segments.centre.size))
-    system.jacobian[row, np.arange(phi.size)] = segments.weight
-    system.right_side[system.width : -1, 0] = _segment_sums(segments, segments.weight * phi)
+@kernel
+def _fill_closure_rows(system: System, segments: Segments, phi: Array, approach: float, period: float) -> None:
+    """int rho dx = 0: each gap, which opens at one end of its segment, has closed at the other.
 
-
-def _fill_mean_gap_row(system: System, segments: Segments, phi: Array, approach: float, period: float) -> None:
-    """The approach is minus the mean gap: approach = (1/L) int (x - c) rho dx."""
-    jacobian = system.jacobian
-    weight = _at_nodes(segments, segments.half_width**2) * segments.weight * segments.node / period
-    moment = _segment_sums(segments, weight * phi)
-    jacobian[-1, : phi.size], jacobian[-1, system.width : -1], jacobian[-1, -1] = weight, 2 * moment, -1.0
-    system.right_side[-1, 0] = moment.sum() - approach
-
-
-def _at_nodes(segments: Segments, value: NDArray[Any]) -> NDArray[Any]:
-    """The value of each segment at all of its nodes."""
-    return np.repeat(value, np.diff(segments.first_node))
-
-
-def _segment_sums(segments: Segments, value: Array) -> Array:
-    """The sum over the nodes of each segment."""
-    return np.add.reduceat(value, segments.first_node[:-1])
+    And the approach is minus the mean gap: approach = (1/L) int (x - c) rho dx.
+    """
+    jacobian, right_side = system.jacobian, system.right_side
+    jacobian[-1, -1], right_side[-1, 0] = -1.0, -approach
+    for j in range(segments.centre.size):
+        row, r = system.width + j, segments.half_width[j]
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            weight = r * r * segments.weight[q] * segments.node[q] / period
+            jacobian[row, q], jacobian[-1, q] = segments.weight[q], weight
+            right_side[row, 0] += segments.weight[q] * phi[q]
+            right_side[-1, 0] += weight * phi[q]
+            jacobian[-1, row] += 2 * weight * phi[q]
 
 
 class NewtonResult(NamedTuple):
@@ -293,15 +291,14 @@ def newton_iteration(
     step_size = np.inf
     for steps in range(1, MAX_STEPS + 1):
         jacobian, right_side = assemble(segments, phi, approach, series, load, dual)
-        solution, factors = _solve(jacobian, right_side)
-        step, previous_size = -solution[:, 0], step_size
-        step_size = max(relative_step(segments, phi, step), _largest_loss(segments, step, series.period))
+        factors = _factorise(jacobian)
+        previous_size = step_size
+        segments, phi, approach, step_size = _take_step(segments, phi, approach, factors, right_side, series.period)
         if not step_size < np.inf:
             break
-        phi, approach = phi + step[: phi.size], approach + step[-1]
-        segments = apply_step(segments, step[phi.size :], series.period)
         if _is_small(step_size, previous_size, tolerance):
-            return NewtonResult(steps, segments, phi, approach, -solution[:, 1], factors)
+            sensitivity = -back_substitute(factors, right_side[:, 1].copy())
+            return NewtonResult(steps, segments, phi, approach, sensitivity, factors)
     raise ConvergenceError(f"Newton's method fails under the mean pressure {load:.6g} p_0*", float(step_size))
 
 
@@ -310,38 +307,80 @@ def _is_small(step_size: float, previous_size: float, tolerance: float) -> bool:
     return step_size < tolerance or (step_size < MAX_ROUNDING_STEP and step_size > MIN_ROUNDING_RATIO * previous_size)
 
 
-def _solve(matrix: Array, right_side: Array) -> tuple[Array, Factors]:
-    """The solution, NaN if the matrix is singular, and the factors used."""
-    lu, pivot, singular = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)  # LAPACK's columns are numpy's rows
-    if singular:
-        return np.full_like(right_side, np.nan), (lu, pivot)
-    return back_substitute((lu, pivot), right_side), (lu, pivot)
+def _factorise(matrix: Array) -> Factors:
+    """The factors of a matrix; if it is singular, what is solved with them is not finite."""
+    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)  # LAPACK's columns are numpy's rows
+    return lu.T, pivot
 
 
+@kernel
 def back_substitute(factors: Factors, right_side: Array) -> Array:
-    """Solve with factors."""
-    return np.asarray(scipy.linalg.lapack.dgetrs(*factors, right_side, trans=1)[0])
+    """Solve with factors of the transposed matrix, whose columns are the rows of this array."""
+    lu, pivot = factors
+    x, n = right_side.copy(), right_side.size
+    for j in range(n):
+        x[j] = (x[j] - _dot(lu[j, :j], x[:j])) / lu[j, j]
+    for j in range(n - 2, -1, -1):
+        x[j] -= _dot(lu[j, j + 1 :], x[j + 1 :])
+    for j in range(n - 1, -1, -1):
+        x[j], x[pivot[j]] = x[pivot[j]], x[j]
+    return x
 
 
+@kernel
+def _dot(a: Array, b: Array) -> float:
+    """The product of two vectors, as four sums, which the compiler brings together in one register."""
+    s, t, u, v = 0.0, 0.0, 0.0, 0.0
+    whole = a.size // 4 * 4
+    for i in range(0, whole, 4):
+        s, t, u, v = s + a[i] * b[i], t + a[i + 1] * b[i + 1], u + a[i + 2] * b[i + 2], v + a[i + 3] * b[i + 3]
+    for i in range(whole, a.size):
+        s += a[i] * b[i]
+    return s + t + (u + v)
+
+
+@kernel
+def _take_step(
+    segments: Segments, phi: Array, approach: float, factors: Factors, right_side: Array, period: float
+) -> tuple[Segments, Array, float, float]:
+    """The unknowns after a step, and its size: inf or NaN if it cannot be taken, and nothing has changed."""
+    step = -back_substitute(factors, right_side[:, 0].copy())
+    size = relative_step(segments, phi, step)
+    if size < np.inf:
+        size = max(size, _largest_loss(segments, step, period))
+    if not size < np.inf:
+        return segments, phi, approach, size
+    return apply_step(segments, step[phi.size :], period), phi + step[: phi.size], approach + step[-1], size
+
+
+@kernel
 def relative_step(segments: Segments, phi: Array, step: Array) -> float:
     """The largest relative change of any segment's density, centre or width; NaN if the step is not finite."""
     if not np.all(np.isfinite(step)):
         return np.nan
-    starts = segments.first_node[:-1]
-    change = np.maximum.reduceat(np.abs(step[: phi.size]), starts) / np.maximum.reduceat(np.abs(phi), starts)
-    return float(max(change.max(), np.abs(step[phi.size : -1]).max()))
+    largest = np.abs(step[phi.size : -1]).max()
+    for j in range(segments.centre.size):
+        here = slice(segments.first_node[j], segments.first_node[j + 1])
+        largest = max(largest, np.abs(step[here]).max() / np.abs(phi[here]).max())
+    return largest
 
 
+@kernel
 def _largest_loss(segments: Segments, step: Array, period: float) -> float:
     """The largest change of a distance between segments, over itself; inf if one of them or a width is lost."""
     n, r, distance = segments.centre.size, segments.half_width, distances_to_next(segments, period)
     growth, shift = step[-1 - n : -1], step[-1 - 2 * n : -1 - n]
-    loss = (r * (growth + shift) + values_of_next(r * (growth - shift))) / distance
-    if np.any(loss >= 1) or np.any(growth <= -1):
-        return np.inf
-    return float(np.abs(loss).max())
+    largest = 0.0
+    for j in range(n):
+        k = (j + 1) % n
+        loss = (r[j] * (growth[j] + shift[j]) + r[k] * (growth[k] - shift[k])) / distance[j]
+        if loss >= 1 or growth[j] <= -1:
+            return np.inf
+        largest = max(largest, abs(loss))
+    return largest
 
 
+@kernel
 def apply_step(segments: Segments, step: Array, period: float) -> Segments:
     """The segments moved and widened by so many half-widths."""
     n, r = segments.centre.size, segments.half_width

@@ -19,7 +19,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import expansion_coefficients
+from weier.methods.patches.chebyshev import advance, expansion_coefficients, sines
 from weier.methods.patches.collocation import (
     Factors,
     NewtonResult,
@@ -27,18 +27,17 @@ from weier.methods.patches.collocation import (
     apply_step,
     back_substitute,
     collocation_points,
-    log_potential_at_other_centre,
-    log_potential_at_own_centre,
+    log_potentials,
     relative_step,
 )
-from weier.methods.patches.segments import Segments, make_segments
+from weier.methods.patches.segments import Segments, are_resolved, make_segments
 from weier.methods.patches.surface import CosineSeries, evaluate_series
 
 MAX_STEPS = 12
 MAX_RATIO = 0.5  # of a step over the one before: with more, the slow modes need more nodes
 MAX_ROUNDING_STEP = 1e-5  # steps below this that no longer shrink are rounding, as in a contact just born
 SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
-MAX_RESISTANCE_CHANGE = 1e-8  # of it by the last correction, where rounding ends them
+MAX_RESISTANCE_ERROR = 1e-8  # of it, where rounding ends them
 
 
 class Change(NamedTuple):
@@ -55,6 +54,7 @@ class Change(NamedTuple):
     approach: float
 
 
+@kernel
 def change_of(unknowns: Array, segments: int) -> Change:
     """The parts of a vector of unknowns."""
     nodes = unknowns.size - 2 * segments - 1
@@ -87,8 +87,10 @@ def residuals(
             _add_cauchy_sums(row[first : first + points.shape[0]], segments, density, period, points, i, j)
         if not dual:
             value = evaluate_series(series, segments.crest[i], segments.centre[i])[0]
-            potential = _potential(segments, phi, period, i)
-            row[heights + i] = (approach + value + 2 * potential) / segments.half_width[i]
+            potential, total = log_potentials(segments, i, period)[0], 0.0
+            for q in range(phi.size):
+                total += potential[q] * phi[q]
+            row[heights + i] = (approach + value + 2 * total) / segments.half_width[i]
     if dual:
         row[-1] = -approach
         for j in range(n):
@@ -125,22 +127,6 @@ def _angles(segments: Segments, period: float, points: Array, i: int, j: int) ->
         sine[a] = s * points[a, 2] + c * points[a, 1]
         cosine[a] = c * points[a, 2] - s * points[a, 1]
     return sine, cosine
-
-
-@kernel
-def _potential(segments: Segments, phi: Array, period: float, i: int) -> float:
-    """int rho ln|2 sin(pi (x-s)/L)| ds at the centre of segment i."""
-    total, factor = 0.0, np.pi / period
-    for j in range(segments.centre.size):
-        r = segments.half_width[j]
-        if i == j:
-            for q in range(segments.first_node[j], segments.first_node[j + 1]):
-                total += log_potential_at_own_centre(segments, q, r, factor)[0] * phi[q]
-        else:
-            s, c = angle_between_centres(segments, i, j, factor)
-            for q in range(segments.first_node[j], segments.first_node[j + 1]):
-                total += log_potential_at_other_centre(segments, q, r, factor, s, c)[0] * phi[q]
-    return total
 
 
 @kernel
@@ -200,101 +186,142 @@ def _add_cauchy_changes(
 
 @kernel
 def _potential_change(segments: Segments, phi: Array, change: Change, period: float, i: int) -> float:
-    """The change of `_potential`, where segment i moves along with its centre."""
-    total, factor = 0.0, np.pi / period
-    own = segments.half_width[i] * change.centre[i]
+    """The change of int rho ln|2 sin(pi (x-s)/L)| ds at the centre of segment i, which moves along."""
+    total, own = 0.0, segments.half_width[i] * change.centre[i]
+    potential, dln_dx, dln_dr = log_potentials(segments, i, period)
     for j in range(segments.centre.size):
         r, wider = segments.half_width[j], change.half_width[j]
-        if i == j:
-            for q in range(segments.first_node[j], segments.first_node[j + 1]):
-                potential, _, dln_dr = log_potential_at_own_centre(segments, q, r, factor)
-                total += potential * (change.phi[q] + phi[q] * wider)
-                total += r * segments.weight[q] * phi[q] * dln_dr * wider
-        else:
-            s, c = angle_between_centres(segments, i, j, factor)
-            for q in range(segments.first_node[j], segments.first_node[j + 1]):
-                potential, dln_dx, dln_dr = log_potential_at_other_centre(segments, q, r, factor, s, c)
-                total += potential * (change.phi[q] + phi[q] * wider)
-                moved = dln_dx * (own - r * change.centre[j]) + dln_dr * wider
-                total += r * segments.weight[q] * phi[q] * moved
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            moved = dln_dx[q] * (own - r * change.centre[j]) + dln_dr[q] * wider
+            total += potential[q] * (change.phi[q] + phi[q] * wider) + r * segments.weight[q] * phi[q] * moved
     return total
+
+
+class Refined(NamedTuple):
+    """Solution and sensitivity on many nodes.
+
+    steps : corrections of both
+    segments, phi, approach, coefficient, sensitivity : as in `ContactState`
+    resolved : whether the density is, on all segments
+    step_size : of the last correction; inf if the corrections do not shrink
+    resistance_error : relative, that the corrections of the sensitivity leave
+    """
+
+    steps: int
+    segments: Segments
+    phi: Array
+    approach: float
+    coefficient: Array
+    sensitivity: Array
+    resolved: bool
+    step_size: float
+    resistance_error: float
 
 
 def refine(
     coarse: NewtonResult, node_count: Indices, series: CosineSeries, load: float, dual: bool, tolerance: float
-) -> NewtonResult:
-    """Solve on so many nodes of each segment, from the solution on few: its result with the unknowns on many nodes.
+) -> Refined:
+    """Solve on so many nodes of each segment, from the solution on few.
 
-    The steps are corrections of the solution and of its sensitivity. ConvergenceError is raised unless they fall
-    below the tolerance, or to rounding.
+    ConvergenceError is raised unless the corrections fall below the tolerance, or to rounding.
     """
+    refined = _refine(coarse, node_count, series, load, dual, tolerance)
+    if not refined.step_size < np.inf:
+        raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
+    if refined.resistance_error > MAX_RESISTANCE_ERROR:
+        raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
+    return refined
+
+
+@kernel
+def _refine(
+    coarse: NewtonResult, node_count: Indices, series: CosineSeries, load: float, dual: bool, tolerance: float
+) -> Refined:
     few = coarse.segments
     segments = make_segments(few.crest, few.origin, few.centre, few.half_width, node_count, series.period)
     phi = prolong_density(coarse.phi, few.first_node, segments.first_node, np.zeros(segments.node.size))
-    approach, N = coarse.approach, segments.node.size
-    step_size = np.inf
-    for steps in range(1, MAX_STEPS + 1):
+    approach, N, found = coarse.approach, segments.node.size, coarse.sensitivity
+    step_size, steps, more, resistance_error, is_stuck, is_small = np.inf, 0, 0, np.inf, False, False
+    while steps < MAX_STEPS and not (is_stuck or is_small):
+        steps += 1
         row = residuals(segments, phi, approach, series, load, dual)
         step = -_correction(row, coarse.factors, few, segments, series.period, dual)
         previous, step_size = step_size, relative_step(segments, phi, step)
         is_stuck = not step_size < 1.0 or step_size > MAX_RATIO * previous
         if not is_stuck:
-            phi, approach, segments = (
-                phi + step[:N],
-                approach + step[-1],
-                apply_step(segments, step[N:], series.period),
-            )
+            phi, approach = phi + step[:N], approach + step[-1]
+            segments = apply_step(segments, step[N:], series.period)
         ratio = step_size / previous if previous < np.inf else 1.0
-        if step_size < MAX_ROUNDING_STEP if is_stuck else step_size * ratio < tolerance:
-            sensitivity, more = _sensitivity(coarse, segments, phi, series, load, dual)
-            return NewtonResult(steps + more, segments, phi, approach, sensitivity, coarse.factors)
-        if is_stuck:
-            break
-    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", step_size)
+        is_small = step_size < MAX_ROUNDING_STEP if is_stuck else step_size * ratio < tolerance
+    if is_small:
+        found, more, resistance_error = _sensitivity(coarse, segments, phi, series, load, dual)
+    else:
+        step_size = np.inf
+    coefficient = expand(segments, phi)
+    resolved = bool(are_resolved(segments, coefficient, tolerance).all())
+    return Refined(steps + more, segments, phi, approach, coefficient, found, resolved, step_size, resistance_error)
 
 
+@kernel
+def expand(segments: Segments, phi: Array) -> Array:
+    """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
+    a = np.empty(phi.size)
+    for j in range(segments.centre.size):
+        here = slice(segments.first_node[j], segments.first_node[j + 1])
+        a[here] = expansion_coefficients(phi[here])
+    return a
+
+
+@kernel
 def _sensitivity(
     coarse: NewtonResult, segments: Segments, phi: Array, series: CosineSeries, load: float, dual: bool
-) -> tuple[Array, int]:
-    """The derivatives of the unknowns in the mean pressure, and the corrections that they took."""
+) -> tuple[Array, int, float]:
+    """The derivatives of the unknowns in the mean pressure, the corrections, and the resistance's error."""
     few, n, N = coarse.segments, segments.centre.size, phi.size
-    forcing = np.zeros(N + 2 * n + 1)
+    forcing, found = np.zeros(N + 2 * n + 1), np.empty(N + 2 * n + 1)
     if dual:
         forcing[: N + n] = -2 * np.pi * series.period
     else:
         forcing[-1] = series.period / segments.half_width.max()
-    start = prolong_density(coarse.sensitivity, few.first_node, segments.first_node, np.zeros(N))
-    found = np.concatenate([start, coarse.sensitivity[few.node.size :]])
-    previous = np.inf
+    found[:N] = prolong_density(coarse.sensitivity, few.first_node, segments.first_node, np.zeros(N))
+    found[N:] = coarse.sensitivity[few.node.size :]
+    previous, resistance_error = np.inf, np.inf
     for step in range(1, MAX_STEPS + 1):
         left = forcing - products(segments, phi, series, dual, change_of(found, n))
         change = _correction(left, coarse.factors, few, segments, series.period, dual)
-        found += change
-        size, resistance_change = relative_step(segments, phi, load * change), abs(change[-1] / found[-1])
+        found = found + change
+        size, resistance_error = relative_step(segments, phi, load * change), abs(change[-1] / found[-1])
         ratio, previous = size / previous, size
-        if step > 1 and resistance_change * ratio < SENSITIVITY_TOLERANCE:
-            return found, step
+        if step > 1 and resistance_error * ratio < SENSITIVITY_TOLERANCE:
+            resistance_error *= ratio
+            break
         if ratio > MAX_RATIO:
             break
-    if resistance_change > MAX_RESISTANCE_CHANGE:
-        raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
-    return found, step
+    return found, step, resistance_error
 
 
+@kernel
 def _correction(row: Array, factors: Factors, few: Segments, many: Segments, period: float, dual: bool) -> Array:
     """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves."""
     fewer, fast = restrict(row, few.first_node, many.first_node, period, dual)
-    slow = back_substitute(factors, fewer)
-    density = prolong_density(slow, few.first_node, many.first_node, fast)
-    return np.concatenate([density, slow[few.node.size :]])
+    slow, N = back_substitute(factors, fewer), many.node.size
+    change = np.empty(row.size)
+    change[:N] = prolong_density(slow, few.first_node, many.first_node, fast)
+    change[N:] = slow[few.node.size :]
+    return change
 
 
 @kernel
 def _cosines(count: int) -> Array:
     """cos(j pi/(2 (count+1))) over one period."""
-    cosine = np.empty(4 * count + 4)
-    for j in range(cosine.size):
-        cosine[j] = np.cos(j * (np.pi / (2 * count + 2)))
+    quarter = count + 1
+    cosine = np.empty(4 * quarter)
+    for j in range(quarter):
+        cosine[j] = np.cos(j * (np.pi / (2 * quarter)))
+        cosine[2 * quarter - j] = cosine[2 * quarter + j] = -cosine[j]
+        if j > 0:
+            cosine[4 * quarter - j] = cosine[j]
+    cosine[quarter] = cosine[3 * quarter] = 0.0
     return cosine
 
 
@@ -312,9 +339,10 @@ def restrict(row: Array, few: Indices, many: Indices, period: float, dual: bool)
         count, less = many[i + 1] - many[i], few[i + 1] - few[i]
         cosine, coarser = _cosines(count), _cosines(less)
         for m in range(count + 1):
-            total = 0.0
-            for a in range(count + 1):
-                total += row[many[i] + i + a] * cosine[m * (2 * a + 1) % cosine.size]
+            total, angle = 0.0, m
+            for a in range(count + 1):  # at the angle m (2 a + 1)
+                total += row[many[i] + i + a] * cosine[angle]
+                angle = advance(angle, 2 * m, cosine.size)
             total *= (2 if m > 0 else 1) / (count + 1)
             if m > less:
                 fast[many[i] + m - 1] = total / period
@@ -322,8 +350,10 @@ def restrict(row: Array, few: Indices, many: Indices, period: float, dual: bool)
                     lift = np.pi * (1 / (m - 1) + 1 / (m + 1)) * (1 if (m - 1) % 4 == 0 else -1)
                     lifted[i] -= lift * total / period
             else:
+                angle = m
                 for b in range(less + 1):
-                    fewer[few[i] + i + b] += total * coarser[m * (2 * b + 1) % coarser.size]
+                    fewer[few[i] + i + b] += total * coarser[angle]
+                    angle = advance(angle, 2 * m, coarser.size)
     fewer[few[-1] + n :] = row[many[-1] + n :]
     fewer[few[-1] + n : -1] -= lifted
     return fewer, fast
@@ -337,16 +367,17 @@ def prolong_density(phi: Array, few: Indices, many: Indices, fast: Array) -> Arr
         count, less = many[i + 1] - many[i], few[i + 1] - few[i]
         a = fast[many[i] : many[i + 1]].copy()
         a[: min(less, count)] += expansion_coefficients(phi[few[i] : few[i + 1]])[: min(less, count)]
-        cosine = _cosines(count)
-        quarter = count + 1
+        sine = sines(count)
         for q in range(count):
-            for k in range(count):  # U_k(cos x) sin x = sin((k+1) x), and sin x = cos(x - pi/2)
-                angle = 2 * (q + 1) * (k + 1) - quarter
-                finer[many[i] + q] += a[k] * cosine[angle % cosine.size]
-            finer[many[i] + q] /= cosine[(2 * (q + 1) - quarter) % cosine.size]
+            angle = 0
+            for k in range(count):  # U_k(cos x) sin x = sin((k+1) x)
+                angle = advance(angle, q + 1, sine.size)
+                finer[many[i] + q] += a[k] * sine[angle]
+            finer[many[i] + q] /= sine[q + 1]
     return finer
 
 
+@kernel
 def own_density(row: Array, segments: Segments, period: float) -> Array:
     """The change of phi that takes off a residual as if every segment stood alone."""
     none = np.zeros(segments.first_node.size, np.int64)

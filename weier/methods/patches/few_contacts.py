@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.collocation import NewtonResult, newton_iteration
 from weier.methods.patches.defect_correction import refine
-from weier.methods.patches.fields import ContactState, complementary_residual, expand
+from weier.methods.patches.fields import ContactState, complementary_residual
 from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.initial_guess import COARSE_TOLERANCE, InitialGuess, refine_density
 from weier.methods.patches.segments import coefficient_tails, estimate_node_count, increase_node_count
@@ -65,64 +64,60 @@ def solve_on_many_nodes(
     expected = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
     count, steps = np.maximum(expected, np.diff(few.first_node)), 0
     for _ in range(MAX_NODE_ROUNDS):
-        refined = refine(coarse, count, series, load, dual, tolerance)
-        steps += refined.steps
-        coefficient = expand(refined.segments, refined.phi)
-        more = increase_node_count(refined.segments, coefficient, load, tolerance)
-        if more is None:
-            unknowns = refined.approach, refined.segments, refined.phi, coefficient, refined.sensitivity
+        r = refine(coarse, count, series, load, dual, tolerance)
+        steps += r.steps
+        if r.resolved:
+            unknowns = r.approach, r.segments, r.phi, r.coefficient, r.sensitivity
             return ContactState(dual, load, *unknowns, np.nan), steps
-        count = more
+        count = increase_node_count(r.segments, r.coefficient, load, tolerance)
     raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
 
 
 def _check_inequalities(surface: Surface, state: ContactState, tolerance: float) -> None:
-    """ConvergenceError if there is overlap or tension: off the segments, or on them.
+    """ConvergenceError if there is overlap or tension: off the segments, or on them."""
+    if violates_inequalities(state, surface.series(state.dual), tolerance):
+        raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
+
+
+@kernel
+def violates_inequalities(state: ContactState, series: CosineSeries, tolerance: float) -> bool:
+    """Whether there is overlap or tension.
 
     While the nodes of a segment do not resolve its density, the inequalities are not known any better.
     """
     unresolved = coefficient_tails(state.segments, state.coefficient)
     outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
     scale = state.load if state.dual else abs(state.approach)
-    limit = max(tolerance, outside, float(unresolved.max())) * scale
-    lowest = lowest_outside(state, surface.series(state.dual), limit)
-    negative = find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside)))
-    if lowest < -limit or negative.segment.size > 0:
-        raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
-
-
-def contact_residual(surface: Surface, state: ContactState) -> float:
-    """Largest violation of a contact condition on the segments, as a length in g_0.
-
-    The potentials come from closed forms at the nodes, so that neither the matrix nor the collocation points are used
-    again. The gap on a contact counts as it is; a pressure in a gap counts by its displacement over the gap's width.
-    """
-    return float(np.max(_segment_residuals(state, surface.series(state.dual))))
+    limit = max(tolerance, outside, unresolved.max()) * scale
+    if lowest_outside(state, series, limit) < -limit:
+        return True
+    return find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside))).segment.size > 0
 
 
 @kernel
-def _segment_residuals(state: ContactState, series: CosineSeries) -> Array:
-    """Of each segment, in g_0: the gap on a contact; in a gap, 2 r times the pressure, and the gap at its far end.
+def contact_residual(state: ContactState, series: CosineSeries) -> float:
+    """Largest violation of a contact condition on the segments, as a length in g_0.
 
-    Every second node is enough, since the residual varies like a polynomial with a degree of the number of nodes.
+    The gap on a contact counts as it is; in a gap, 2 r times the pressure, its displacement over the gap's width, and
+    the gap at the far end. The potentials come from closed forms at the nodes, so that neither the matrix nor the
+    collocation points are used again. Every second node is enough, since the residual varies like a polynomial with a
+    degree of the number of nodes.
     """
-    segments = state.segments
-    worst = np.zeros(segments.centre.size)
-    for j in range(worst.size):
+    segments, worst = state.segments, 0.0
+    for j in range(segments.centre.size):
         r = segments.half_width[j]
         for q in range(segments.first_node[j], segments.first_node[j + 1], 2):
             y = segments.centre[j] + r * segments.node[q]
-            worst[j] = max(worst[j], abs(complementary_residual(state, series, segments.crest[j], y)))
-        worst[j] *= 2 * r if state.dual else 1.0
+            off = abs(complementary_residual(state, series, segments.crest[j], y)) * (2 * r if state.dual else 1.0)
+            worst = max(worst, off)
         if state.dual:
-            a = state.coefficient[segments.first_node[j]]
-            worst[j] = max(worst[j], abs(0.5 * np.pi * r * a))
+            worst = max(worst, abs(0.5 * np.pi * r * state.coefficient[segments.first_node[j]]))
     return worst
 
 
 def _with_residual(surface: Surface, state: ContactState, tolerance: float) -> ContactState:
     """The state with its residual, if that is small and the contacts carry the load, p L = (pi/2) sum r a_0."""
-    period, residual = surface.heights.period, contact_residual(surface, state)
+    period, residual = surface.heights.period, contact_residual(state, surface.series(state.dual))
     scale = state.load * period if state.dual else state.approach
     relative = residual / scale if scale > 0 else np.inf  # no indentation: Newton's method lost all digits on its way
     if not state.dual:

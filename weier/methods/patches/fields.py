@@ -12,7 +12,14 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
-from weier.methods.patches.chebyshev import evaluate_expansion, expansion_coefficients, integrals, partial_integral
+from weier.methods.patches.chebyshev import (
+    cauchy_integral,
+    cauchy_slope,
+    evaluate_expansion,
+    log_integral,
+    partial_integral,
+)
+from weier.methods.patches.pair_kernel import take_logarithms
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest_crest
@@ -21,7 +28,18 @@ from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest
 # from 250 on among 71 gaps: the time of their tree and that of one point both grow as the nodes do.
 MIN_SUM_POINTS = 100
 MIN_SUM_SEGMENTS = 40  # fewer cost little either way: 13 gaps at 1000 points 1.1 ms, and 0.8 ms by sums
-MAX_POLE_ANGLE = 1e-3  # nearer to a pole, the kernels less that pole come from their power series
+POTENTIAL, CAUCHY, SLOPE = 0, 1, 2  # which integral over the density: of ln|2 sin|, of cot, and the latter's slope
+# Nearer to a pole, the kernels less that pole come from their power series in (angle/pi)^2: with z the zeta function,
+# cot(a) - 1/a = -(2/pi) sum z(2k) (a/pi)^(2k-1), whose integral is ln(sin(a)/a). What is left out is below 1e-16.
+MAX_POLE_ANGLE = 0.5
+_ORDER = np.arange(1, 11)
+_ZETA = np.array(
+    [
+        float(np.sum(np.arange(1.0, 1e3) ** (-2.0 * k))) if k > 2 else np.pi ** (2 * k) / (6.0, 90.0)[k - 1]
+        for k in _ORDER
+    ]
+)
+POLE_FREE_SERIES = np.stack([-_ZETA / _ORDER, -2 / np.pi * _ZETA, -2 / np.pi**2 * _ZETA * (2 * _ORDER - 1)])
 
 
 class ContactState(NamedTuple):
@@ -50,17 +68,6 @@ class ContactState(NamedTuple):
 
 
 @kernel
-def expand(segments: Segments, phi: Array) -> Array:
-    """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
-    a = np.empty(phi.size)
-    for j in range(segments.centre.size):
-        part = expansion_coefficients(phi[segments.first_node[j] : segments.first_node[j + 1]])
-        for k in range(part.size):
-            a[segments.first_node[j] + k] = part[k]
-    return a
-
-
-@kernel
 def local_coordinate(segments: Segments, j: int, period: float, origin: float, y: float) -> float:
     """The coordinate t, within -1..1 on segment j, of that image of origin + y which is nearest to its centre."""
     d = origin - segments.origin[j] + (y - segments.centre[j])
@@ -68,93 +75,120 @@ def local_coordinate(segments: Segments, j: int, period: float, origin: float, y
 
 
 @kernel
-def cauchy_integral(state: ContactState, period: float, origin: float, y: float) -> tuple[float, float]:
-    """int rho cot(pi (x-s)/L) ds at x = origin + y, any x, and its derivative in x."""
-    segments, factor = state.segments, np.pi / period
-    value, slope = 0.0, 0.0
-    for j in range(segments.centre.size):
-        r, t = segments.half_width[j], local_coordinate(segments, j, period, origin, y)
-        if abs(t) > segments.far_field[j]:
-            s, c = np.sin(factor * r * t), np.cos(factor * r * t)
-            for q in range(segments.first_node[j], segments.first_node[j + 1]):
-                sine, cosine = segments.sine[q], segments.cosine[q]
-                cot = (c * cosine + s * sine) / (s * cosine - c * sine)
-                weighted_phi = r * segments.weight[q] * state.phi[q]
-                value += weighted_phi * cot
-                slope -= weighted_phi * factor * (1 + cot * cot)
-        else:
-            near = _near_field(state, j, t, period)
-            value += near[0]
-            slope += near[1]
-    return value, slope
+def density_integral(state: ContactState, period: float, origin: float, y: float, which: int) -> float:
+    """At x = origin + y, any x: int rho ln|2 sin(pi (x-s)/L)| ds, int rho cot(pi (x-s)/L) ds, or its derivative.
 
-
-@kernel
-def log_potential(state: ContactState, period: float, origin: float, y: float) -> float:
-    """int rho ln|2 sin(pi (x-s)/L)| ds at x = origin + y, any x."""
-    segments, total = state.segments, 0.0
+    Far from a segment, that is quadrature, with sin(pi (x-s)/L) by the addition theorem.
+    """
+    segments, total, factor = state.segments, 0.0, np.pi / period
+    sine_of_x, cosine_of_x = np.sin(factor * (origin + y)), np.cos(factor * (origin + y))
+    distance = np.ones(state.phi.size if which == POTENTIAL else 0)
     for j in range(segments.centre.size):
-        r, t = segments.half_width[j], local_coordinate(segments, j, period, origin, y)
-        if abs(t) > segments.far_field[j]:
-            s, c = np.sin(np.pi / period * r * t), np.cos(np.pi / period * r * t)
-            for q in range(segments.first_node[j], segments.first_node[j + 1]):
-                sine = s * segments.cosine[q] - c * segments.sine[q]
-                total += r * segments.weight[q] * state.phi[q] * np.log(abs(2 * sine))
+        t = local_coordinate(segments, j, period, origin, y)
+        if abs(t) <= segments.far_field[j]:
+            total += _near_field(state, j, t, period, which)
+            continue
+        s = sine_of_x * segments.centre_cosine[j] - cosine_of_x * segments.centre_sine[j]
+        c = cosine_of_x * segments.centre_cosine[j] + sine_of_x * segments.centre_sine[j]
+        here, there = 0.0, slice(segments.first_node[j], segments.first_node[j + 1])
+        sine, cosine = segments.sine[there], segments.cosine[there]
+        weight, phi = segments.weight[there], state.phi[there]
+        if which == POTENTIAL:
+            away = distance[there]
+            for q in range(away.size):
+                away[q] = abs(2 * (s * cosine[q] - c * sine[q]))
+        elif which == CAUCHY:
+            for q in range(phi.size):
+                cot = (c * cosine[q] + s * sine[q]) / (s * cosine[q] - c * sine[q])
+                here += weight[q] * phi[q] * cot
         else:
-            total += _near_field(state, j, t, period)[2]
+            for q in range(phi.size):
+                here -= factor * weight[q] * phi[q] / (s * cosine[q] - c * sine[q]) ** 2
+        total += segments.half_width[j] * here
+    if which == POTENTIAL:
+        total += _weighted_logarithms(state, distance)
     return total
 
 
 @kernel
-def _near_field(state: ContactState, j: int, t: float, period: float) -> tuple[float, float, float]:
-    """Cauchy integral, its derivative in x and the potential of segment j at its own coordinate t.
+def _weighted_logarithms(state: ContactState, distance: Array) -> float:
+    """The sum over all nodes of the weight times the density times ln|2 sin|; a distance of 1 counts for nothing."""
+    segments, total = state.segments, 0.0
+    take_logarithms(distance)
+    for j in range(segments.centre.size):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            total += segments.half_width[j] * segments.weight[q] * state.phi[q] * distance[q]
+    return total
+
+
+@kernel
+def _near_field(state: ContactState, j: int, t: float, period: float, which: int) -> float:
+    """An integral over segment j at its own coordinate t, near to it or on it.
 
     The poles of the segment, and those of its images on both sides where these are near too, are integrated in
-    closed form, (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. What remains of the two kernels is smooth and left
-    to quadrature.
+    closed form, (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. What remains of the kernel is smooth and left to
+    quadrature.
     """
     segments = state.segments
     r = segments.half_width[j]
     here = slice(segments.first_node[j], segments.first_node[j + 1])
     a = state.coefficient[here]
-    value, slope, potential = 0.0, 0.0, 0.0
+    singular, smooth = 0.0, 0.0
     images = 0 if period / r - abs(t) > segments.far_field[j] else 1
     for image in range(-images, images + 1):
-        cauchy, dcauchy_dt, log = integrals(a, t - image * period / r)
-        value += cauchy * period / np.pi
-        slope += dcauchy_dt * period / (np.pi * r)
-        potential += r * (log + np.log(r) * 0.5 * np.pi * a[0])
-    for q in range(segments.first_node[j], segments.first_node[j + 1]):
-        weighted_phi = r * segments.weight[q] * state.phi[q]
-        cot, dcot_dx, log = _kernels_without_poles(r * (t - segments.node[q]), period, images)
-        value += weighted_phi * cot
-        slope += weighted_phi * dcot_dx
-        potential += weighted_phi * log
-    return value, slope, potential
+        if which == POTENTIAL:
+            singular += r * (log_integral(a, t - image * period / r) + np.log(r) * 0.5 * np.pi * a[0])
+        elif which == CAUCHY:
+            singular += cauchy_integral(a, t - image * period / r) * period / np.pi
+        else:
+            singular += cauchy_slope(a, t - image * period / r) * period / (np.pi * r)
+    weight, phi, node = segments.weight[here], state.phi[here], segments.node[here]
+    if images == 0 and np.pi / period * r * (abs(t) + 1) < MAX_POLE_ANGLE:
+        for q in range(phi.size):
+            smooth += weight[q] * phi[q] * _pole_free_series(which, r / period * (t - node[q]))
+        smooth *= np.pi / period if which == SLOPE else 1.0
+        smooth += 0.5 * np.pi * a[0] * np.log(2 * np.pi / period) if which == POTENTIAL else 0.0
+    else:
+        for q in range(phi.size):
+            smooth += weight[q] * phi[q] * _kernel_without_poles(r * (t - node[q]), period, images, which)
+    return singular + r * smooth
 
 
 @kernel
-def _kernels_without_poles(d: float, period: float, images: int) -> tuple[float, float, float]:
-    """cot(pi d/L), its derivative and ln|2 sin(pi d/L)|, less the poles at d = 0 and, if images is 1, at -L and L.
+def _pole_free_series(which: int, u: float) -> float:
+    """ln|sin(pi u)/(pi u)|, cot(pi u) - 1/(pi u) or its derivative over pi, by their power series."""
+    c, q = POLE_FREE_SERIES[which], u * u
+    high = (c[4] + q * c[5]) + q * q * ((c[6] + q * c[7]) + q * q * (c[8] + q * c[9]))
+    even = (c[0] + q * c[1]) + q * q * ((c[2] + q * c[3]) + q * q * high)
+    return even * (q if which == POTENTIAL else u if which == CAUCHY else 1.0)
 
-    With a = pi d/L, near a pole cot(a) - 1/a = -a/3 and ln|2 sin(a)| - ln|d| = ln(2 pi/L) - a^2/6.
-    """
+
+@kernel
+def _kernel_without_poles(d: float, period: float, images: int, which: int) -> float:
+    """ln|2 sin(pi d/L)|, cot(pi d/L) or its derivative, less the poles at d = 0 and, if images is 1, at -L and L."""
     factor = np.pi / period
     nearest = min(max(np.rint(d / period), -images), images)
     angle = factor * (d - nearest * period)
+    value = np.log(2 * factor) if which == POTENTIAL else 0.0
     if abs(angle) < MAX_POLE_ANGLE:
-        value, slope, logarithm = -angle / 3, -factor / 3, np.log(2 * factor) - angle * angle / 6
+        value += _pole_free_series(which, angle / np.pi) * (factor if which == SLOPE else 1.0)
+    elif which == POTENTIAL:
+        value += np.log(abs(np.sin(angle) / angle))
+    elif which == CAUCHY:
+        value += np.cos(angle) / np.sin(angle) - 1 / angle
     else:
         sine = np.sin(angle)
-        value, slope = np.cos(angle) / sine - 1 / angle, factor * (1 / (angle * angle) - 1 / (sine * sine))
-        logarithm = np.log(2 * factor * abs(sine / angle))
+        value += factor * (1 / (angle * angle) - 1 / (sine * sine))
     for image in range(-images, images + 1):
         if image != nearest:
             distance = d - image * period
-            value -= 1 / (factor * distance)
-            slope += 1 / (factor * distance * distance)
-            logarithm -= np.log(abs(distance))
-    return value, slope, logarithm
+            if which == POTENTIAL:
+                value -= np.log(abs(distance))
+            elif which == CAUCHY:
+                value -= 1 / (factor * distance)
+            else:
+                value += 1 / (factor * distance * distance)
+    return value
 
 
 @kernel
@@ -202,16 +236,18 @@ def complementary_residual(state: ContactState, series: CosineSeries, crest: int
     """What must vanish on the segments and be positive outside them: the gap (primal), or the pressure (dual)."""
     value, origin = evaluate_series(series, crest, y)[0], series.crest_position[crest]
     if state.dual:
-        relief = cauchy_integral(state, series.period, origin, y)[0] / (2 * np.pi * series.period)
+        relief = density_integral(state, series.period, origin, y, CAUCHY) / (2 * np.pi * series.period)
         return state.load - series.maximum - value + relief
-    return -2 * log_potential(state, series.period, origin, y) - state.approach - value
+    return -2 * density_integral(state, series.period, origin, y, POTENTIAL) - state.approach - value
 
 
 @kernel
 def complementary_residual_slope(state: ContactState, series: CosineSeries, crest: int, y: float) -> float:
     """The derivative of `complementary_residual` in y."""
-    value, slope = cauchy_integral(state, series.period, series.crest_position[crest], y)
-    change = slope / (2 * np.pi * series.period) if state.dual else -2 * np.pi / series.period * value
+    integral = density_integral(
+        state, series.period, series.crest_position[crest], y, SLOPE if state.dual else CAUCHY
+    )
+    change = integral / (2 * np.pi * series.period) if state.dual else -2 * np.pi / series.period * integral
     return change - evaluate_series(series, crest, y)[1]
 
 
@@ -292,8 +328,8 @@ def _correct_near_segments(state: ContactState, series: CosineSeries, force: Arr
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
                 t = local_coordinate(segments, j, period, x[i], 0.0)
-                near = _near_field(state, j, t, period)
-                total[i] += -near[0] * period / np.pi if state.dual else near[2]
+                near = _near_field(state, j, t, period, CAUCHY if state.dual else POTENTIAL)
+                total[i] += -near * period / np.pi if state.dual else near
                 total[i] -= _quadrature(state, force, j, t, period)
     for i in range(x.size):
         crest, y = nearest_crest(series, x[i])
@@ -315,16 +351,6 @@ def _quadrature(state: ContactState, force: Array, j: int, t: float, period: flo
         sine = s * segments.cosine[q] - c * segments.sine[q]
         total += force[q] / (sine * sine) if state.dual else force[q] * np.log(abs(2 * sine))
     return total
-
-
-@kernel
-def complementary_residual_slopes(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    """`complementary_residual_slope` at positions x."""
-    value = np.empty(x.size)
-    for i in range(x.size):
-        crest, y = nearest_crest(series, x[i])
-        value[i] = complementary_residual_slope(state, series, crest, y)
-    return value
 
 
 def pressures(state: ContactState, series: CosineSeries, x: Array) -> Array:

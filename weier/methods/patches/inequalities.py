@@ -11,15 +11,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
 from weier.methods.patches.edge_iteration import Problem, Step, distances
 from weier.methods.patches.fields import (
+    CAUCHY,
+    POTENTIAL,
     ContactState,
+    complementary_residual,
     complementary_residual_slope,
-    complementary_residual_slopes,
-    complementary_residuals,
+    density_integral,
+    segment_at,
 )
 from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import distances_to_next
@@ -51,6 +54,7 @@ class NegativeIntervals(NamedTuple):
     end: Array
 
 
+@kernel
 def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> float:
     """The lowest minimum of the complementary residual outside the segments, if it is below -limit; else 0 or above.
 
@@ -59,48 +63,91 @@ def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> f
     segments, distance = state.segments, distances_to_next(state.segments, series.period)
     edge = segments.origin + (segments.centre + segments.half_width)
     probe, interval = _probe_points(edge, distance, series, CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES)
-    slope = complementary_residual_slopes(state, series, probe)
-    bracket = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0) & (interval[:-1] == interval[1:]))
-    bracket = _possibly_negative(state, series, limit, probe, slope, bracket)
-    x = _bisect_slopes(state, series, probe[bracket], probe[bracket + 1])
-    return float(complementary_residuals(state, series, x).min(initial=0.0))
+    slope, doubtful = np.full(probe.size, np.nan), doubtful_cells(state, series)
+    lowest, before = 0.0, cell_of(series, probe[0])
+    for i in range(probe.size - 1):
+        cell, after = before, cell_of(series, probe[i + 1])
+        before = after
+        is_safe = not (doubtful[cell] or doubtful[after]) and after - cell in (0, 1, 1 - doubtful.size)
+        if is_safe or interval[i] != interval[i + 1]:
+            continue
+        for k in (i, i + 1):
+            if np.isnan(slope[k]):
+                crest, y = nearest_crest(series, probe[k])
+                slope[k] = complementary_residual_slope(state, series, crest, y)
+        is_minimum = slope[i] < 0 and slope[i + 1] >= 0
+        if is_minimum and _may_be_below(state, series, -limit, probe[i : i + 2], slope[i : i + 2]):
+            crest, y = nearest_crest(series, _bisect_slopes(state, series, probe[i], probe[i + 1]))
+            lowest = min(lowest, complementary_residual(state, series, crest, y))
+    return lowest
 
 
+@kernel
+def cell_of(series: CosineSeries, x: float) -> int:
+    """Index of the crest between whose valleys a position lies."""
+    last = series.valley_position[-1]
+    x -= series.period * (np.floor((x - last) / series.period) + 1)
+    return min(int(np.searchsorted(series.valley_position, x)), series.valley_position.size - 1)
+
+
+@kernel
+def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
+    """Whether the gap between contacts may be negative in any cell, from one valley to the next.
+
+    The displacement by the pressure of contacts is convex between these. So it is above its tangent at the crest, and
+    the profile is below the maximum of the cell: where their difference is positive, the gap is. A cell with its
+    crest in contact stays doubtful, and so does every cell between gaps (dual).
+    """
+    n, period = series.crest_position.size, series.period
+    doubtful = np.ones(n, np.bool_)
+    if state.dual:
+        return doubtful
+    for i in range(n):
+        x = series.crest_position[i]
+        if segment_at(state.segments, period, x, 0.0)[0] < 0:
+            displacement = -2 * density_integral(state, period, x, 0.0, POTENTIAL)
+            slope = -2 * np.pi / period * density_integral(state, period, x, 0.0, CAUCHY)
+            left, right = series.valley_position[i - 1] - (period if i == 0 else 0.0), series.valley_position[i]
+            tangent = displacement + min(slope * (left - x), slope * (right - x))
+            doubtful[i] = not tangent - state.approach - series.cell_offset[i] > 0
+    return doubtful
+
+
+@kernel
 def _probe_points(
     left: Array, length: Array, series: CosineSeries, per_wave: int, least: int
 ) -> tuple[Array, Indices]:
     """Points in intervals between segments, some for each of the finest waves; and the interval of each point."""
     per_length = per_wave * series.wavenumber[-1] / (2 * np.pi)
     count = least + np.ceil(per_length * length).astype(np.int64)
-    interval = np.repeat(np.arange(length.size), count)
-    number = np.arange(interval.size) - np.repeat(np.cumsum(count) - count, count)
-    angle = (number + 0.5) * (np.pi / count[interval])
-    return left[interval] + length[interval] * 0.5 * (1 - np.cos(angle)), interval
-
-
-def _possibly_negative(
-    state: ContactState, series: CosineSeries, tolerance: float, probe: Array, slope: Array, bracket: Indices
-) -> Indices:
-    """The brackets probe[i]..probe[i+1] whose minimum may lie below -tolerance, by a secant step towards it."""
-    width, rise = probe[bracket + 1] - probe[bracket], slope[bracket + 1] - slope[bracket]
-    near = probe[bracket] - slope[bracket] / rise * width
-    max_drop = np.abs(complementary_residual_slopes(state, series, near)) * width
-    return bracket[complementary_residuals(state, series, near) - max_drop < -tolerance]
+    point, interval, end = np.empty(count.sum()), np.repeat(np.arange(length.size), count), 0
+    for j in range(length.size):
+        for i in range(count[j]):
+            point[end + i] = left[j] + length[j] * 0.5 * (1 - np.cos((i + 0.5) * (np.pi / count[j])))
+        end += count[j]
+    return point, interval
 
 
 @kernel
-def _bisect_slopes(state: ContactState, series: CosineSeries, low: Array, high: Array) -> Array:
-    """The positions of minima between probes: where the slope of the complementary residual is 0, by bisection."""
-    x = np.empty(low.size)
-    for i in range(low.size):
-        left, right = low[i], high[i]
-        for _ in range(SEARCH_STEPS):
-            x[i] = 0.5 * (left + right)
-            crest, y = nearest_crest(series, x[i])
-            if complementary_residual_slope(state, series, crest, y) < 0:
-                left = x[i]
-            else:
-                right = x[i]
+def _may_be_below(state: ContactState, series: CosineSeries, limit: float, probe: Array, slope: Array) -> bool:
+    """Whether the minimum between two probes may lie below the limit, by a secant step towards it."""
+    width = probe[1] - probe[0]
+    crest, y = nearest_crest(series, probe[0] - slope[0] / (slope[1] - slope[0]) * width)
+    max_drop = abs(complementary_residual_slope(state, series, crest, y)) * width
+    return complementary_residual(state, series, crest, y) - max_drop < limit
+
+
+@kernel
+def _bisect_slopes(state: ContactState, series: CosineSeries, left: float, right: float) -> float:
+    """The position of a minimum between probes: where the slope of the complementary residual is 0, by bisection."""
+    x = left
+    for _ in range(SEARCH_STEPS):
+        x = 0.5 * (left + right)
+        crest, y = nearest_crest(series, x)
+        if complementary_residual_slope(state, series, crest, y) < 0:
+            left = x
+        else:
+            right = x
     return x
 
 

@@ -21,7 +21,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import nodes
 from weier.methods.patches.defect_correction import own_density, residuals
 from weier.methods.patches.fields import ContactState, density
-from weier.methods.patches.segments import Segments, distances_to_next, estimate_node_count, make_segments
+from weier.methods.patches.segments import Segments, distances_between, estimate_node_count, make_segments
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
 from weier.theory.profile import Profile
 
@@ -37,7 +37,6 @@ MIN_DISTANCE = 1e-3  # between two contacts, in the finest waves: closer ones ar
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
-OWN_ROUNDS = 2  # of finding each segment's density under the others
 
 
 class InitialGuess(NamedTuple):
@@ -67,22 +66,27 @@ def sort_segments(
 
     They have so many nodes, or else as many as a density within the tolerance is expected to need.
     """
-    crest, layout, order = _lay_out(series, intervals)
-    count = estimate_node_count(*layout, series, tolerance) if node_count is None else node_count[order]
-    return make_segments(crest, *layout, count, series.period), order
-
-
-def _lay_out(series: CosineSeries, intervals: Intervals) -> tuple[Indices, tuple[Array, Array, Array], Indices]:
-    """Crest; origin, centre and half-width, as of `Segments`, in order round the period; and the permutation."""
-    crest, centre, half_width = intervals
-    if not np.all(half_width > 0):
+    if not np.all(intervals.half_width > 0):
         raise ConvergenceError("a contact or a gap has lost its width")
+    crest, origin, centre, half_width, order = _lay_out(series, intervals)
+    if node_count is None:
+        count = estimate_node_count(origin, centre, half_width, series, tolerance)
+    else:
+        count = node_count[order]
+    return make_segments(crest, origin, centre, half_width, count, series.period), order
+
+
+@kernel
+def _lay_out(series: CosineSeries, intervals: Intervals) -> tuple[Indices, Array, Array, Array, Indices]:
+    """Crest, origin, centre and half-width, as of `Segments`, in order round the period; and the permutation."""
+    crest, centre, half_width = intervals
     origin = series.crest_position[crest]
     origin = origin - series.period * np.floor((origin + centre) / series.period)
-    order = np.argsort(origin + centre, kind="stable")
-    return crest[order], (origin[order], centre[order], half_width[order]), order
+    order = np.argsort(origin + centre, kind="mergesort")
+    return crest[order], origin[order], centre[order], half_width[order], order
 
 
+@kernel
 def contacts_guess(
     surface: Surface, middle: Array, half_width: Array, force: Array, tolerance: float
 ) -> InitialGuess:
@@ -91,29 +95,38 @@ def contacts_guess(
     middle, half_width : of the contacts, in lambda_0, shape (contacts,)
     force : that each carries, in p_0* lambda_0, shape (contacts,)
     """
-    contacts, order = sort_segments(surface.heights, Intervals(*nearest_crests(surface.heights, middle), half_width))
-    distance = distances_to_next(contacts, surface.heights.period)
+    heights, tensions, period = surface.heights, surface.tensions, surface.heights.period
+    nearest, y = nearest_crests(heights, middle)
+    crest, origin, centre, r, order = _lay_out(heights, Intervals(nearest, y, half_width))
+    distance = distances_between(origin, centre, r, period)
     if np.all(distance > 0):
-        end = contacts.origin + (contacts.centre + contacts.half_width)
-        gaps = nearest_crests(surface.tensions, end + 0.5 * distance)
-        intervals = Intervals(*gaps, 0.5 * distance)
-        on_gaps = estimate_node_count(*_lay_out(surface.tensions, intervals)[1], surface.tensions, tolerance)
-        layout = contacts.origin, contacts.centre, contacts.half_width
-        on_contacts = estimate_node_count(*layout, surface.heights, tolerance)
-        if on_gaps.sum() < MAX_NODE_RATIO * on_contacts.sum():
-            segments, _ = sort_segments(surface.tensions, intervals)
+        nearest, y = nearest_crests(tensions, origin + (centre + r) + 0.5 * distance)
+        gap, start, middle, width, _ = _lay_out(tensions, Intervals(nearest, y, 0.5 * distance))
+        on_gaps = estimate_node_count(start, middle, width, tensions, tolerance)
+        if on_gaps.sum() < MAX_NODE_RATIO * estimate_node_count(origin, centre, r, heights, tolerance).sum():
+            segments = _make_coarse(tensions, gap, start, middle, width)
             return InitialGuess(True, segments, np.zeros(segments.node.size), 0.0)
-    phi = 2 / np.pi * force[order] / contacts.half_width
-    return InitialGuess(False, contacts, np.repeat(phi, np.diff(contacts.first_node)), 0.0)
+    segments = _make_coarse(heights, crest, origin, centre, r)
+    phi = np.repeat(2 / np.pi * force[order] / r, np.diff(segments.first_node))
+    return InitialGuess(False, segments, phi, 0.0)
+
+
+@kernel
+def _make_coarse(series: CosineSeries, crest: Indices, origin: Array, centre: Array, half_width: Array) -> Segments:
+    """Segments with as few nodes as a guess has."""
+    count = estimate_node_count(origin, centre, half_width, series, COARSE_TOLERANCE)
+    return make_segments(crest, origin, centre, half_width, count, series.period)
 
 
 def refine_density(surface: Surface, guess: InitialGuess, load: float) -> InitialGuess:
     """The guess with the density that each segment takes under those of the others."""
-    series = surface.series(guess.dual)
-    for _ in range(OWN_ROUNDS):
-        row = residuals(guess.segments, guess.phi, guess.approach, series, load, guess.dual)
-        guess = guess._replace(phi=guess.phi - own_density(row, guess.segments, series.period))
-    return guess
+    return guess._replace(phi=_own_densities(surface.series(guess.dual), guess, load))
+
+
+@kernel
+def _own_densities(series: CosineSeries, guess: InitialGuess, load: float) -> Array:
+    row = residuals(guess.segments, guess.phi, guess.approach, series, load, guess.dual)
+    return guess.phi - own_density(row, guess.segments, series.period)
 
 
 def transfer_density(surface: Surface, state: ContactState, node_count: Indices | None = None) -> InitialGuess:
@@ -136,6 +149,7 @@ def sample_density(state: ContactState, series: CosineSeries, new: Segments) -> 
     return phi
 
 
+@kernel
 def hertz_density(dual: bool, curvature: float, half_width: float, node_count: int) -> Array:
     """phi of a segment so small that its neighbours do not matter.
 
@@ -240,73 +254,101 @@ def lone_contacts(series: CosineSeries, load: float) -> InitialGuess | None:
     A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by -2 F ln|2 sin(pi d/L)| under
     one at the distance d.
     """
-    curvature = crest_curvatures(series)
+    touching, half_width, approach = _find_lone_contacts(series, load)
+    return _lone_guess(series, False, touching, half_width, approach) if touching.size > 0 else None
+
+
+@kernel
+def _find_lone_contacts(series: CosineSeries, load: float) -> tuple[Indices, Array, float]:
+    """The crests that touch, none if contacts are wide, the half-widths there, and the approach."""
+    curvature, everywhere = crest_curvatures(series), np.arange(series.crest_offset.size)
     touching = np.flatnonzero(series.crest_offset == 0)
     force = np.full(touching.size, load * series.period / touching.size)
     for _ in range(MAX_FORCE_STEPS):
-        if touching.size > MAX_LONE_CONTACTS:
-            return None
+        n = touching.size
         half_width = 2 * np.sqrt(force / curvature[touching])
-        if not _are_lone(series, touching, half_width):
-            return None
-        between = _influence(series, touching, touching)
-        own = -2 * np.log(np.pi * half_width / series.period)
-        sunk = between @ force + force * (1 + own) - series.crest_offset[touching]
-        matrix = np.block([[between + np.diag(own), np.ones((touching.size, 1))], [np.ones(touching.size), 0.0]])
-        step = np.linalg.solve(matrix, np.append(sunk, force.sum() - load * series.period))
-        approach, change = float(step[-1]), step[:-1]
-        force = np.maximum(force - change, 0.1 * force)
-        if np.abs(change).max() > FORCE_TOLERANCE * force.sum():
+        if n > MAX_LONE_CONTACTS or not _are_lone(series, touching, half_width):
+            break
+        matrix, off, max_own = np.zeros((n + 1, n + 1)), np.empty(n + 1), -np.inf
+        matrix[:n, :n] = _influence(series, touching, touching)
+        for i in range(n):
+            own = -2 * np.log(np.pi * half_width[i] / series.period)
+            max_own = max(max_own, own)
+            off[i] = matrix[i, :n] @ force + force[i] * (1 + own) - series.crest_offset[touching[i]]
+            matrix[i, i] += own
+            matrix[i, n] = matrix[n, i] = 1.0
+        off[n] = force.sum() - load * series.period
+        step = np.linalg.solve(matrix, off)
+        approach = step[n]
+        force = np.maximum(force - step[:n], 0.1 * force)
+        if np.abs(step[:n]).max() > FORCE_TOLERANCE * force.sum():
             continue
-        above = approach + series.crest_offset - _influence(series, np.arange(curvature.size), touching) @ force
+        above = approach + series.crest_offset - _influence(series, everywhere, touching) @ force
         above[touching] = 0.0
         new = np.flatnonzero(above > 0)
         if new.size == 0:
-            return _lone_guess(series, False, touching, half_width, curvature, approach)
-        touching, force = np.append(touching, new), np.append(force, above[new] / (1 + own.max()))
-    return None
+            return touching, half_width, approach
+        touching, force = np.append(touching, new), np.append(force, above[new] / (1 + max_own))
+    return everywhere[:0], force[:0], 0.0
 
 
+@kernel
 def crest_curvatures(series: CosineSeries) -> Array:
     """-S'' at all crests, shape (crests,)."""
-    return np.asarray(series.crest_cosine @ (series.amplitude * series.wavenumber**2))
+    return series.crest_cosine @ (series.amplitude * series.wavenumber**2)
 
 
+@kernel
 def _influence(series: CosineSeries, at: Indices, of: Indices) -> Array:
     """Displacement of crests under unit forces on others, shape (at, of), in g_0/p_0*; 0 under their own."""
-    apart = np.sin(np.pi / series.period * (series.crest_position[at, None] - series.crest_position[of]))
-    same = at[:, None] == of
-    return np.where(same, 0.0, -2 * np.log(np.abs(2 * np.where(same, 1.0, apart))))
+    influence = np.zeros((at.size, of.size))
+    for i in range(at.size):
+        for j in range(of.size):
+            if at[i] != of[j]:
+                apart = series.crest_position[at[i]] - series.crest_position[of[j]]
+                influence[i, j] = -2 * np.log(np.abs(2 * np.sin(np.pi / series.period * apart)))
+    return influence
 
 
 def lone_gaps(series: CosineSeries, load: float) -> InitialGuess | None:
     """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
+    crest, half_width = _find_lone_gaps(series, load)
+    return _lone_guess(series, True, crest, half_width, 0.0) if crest.size > 0 else None
+
+
+@kernel
+def _find_lone_gaps(series: CosineSeries, load: float) -> tuple[Indices, Array]:
+    """The crests of tension, none if the gaps there are wide, and the half-widths."""
     tension = series.maximum - load + series.crest_offset
     crest = np.flatnonzero(tension > 0)
-    curvature = crest_curvatures(series)
-    half_width = 2 * np.sqrt(tension[crest] / curvature[crest])
-    if crest.size == 0 or not _are_lone(series, crest, half_width):
-        return None
-    return _lone_guess(series, True, crest, half_width, curvature, 0.0)
+    half_width = 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest])
+    lone = crest.size > 0 and _are_lone(series, crest, half_width)
+    return (crest, half_width) if lone else (crest[:0], half_width[:0])
 
 
+@kernel
 def _are_lone(series: CosineSeries, crest: Indices, half_width: Array) -> bool:
     """Whether segments on crests, in any order, are parabolic, and so small that they hardly feel each other."""
-    order = np.argsort(series.crest_position[crest])
-    position = series.crest_position[crest][order]
-    distance = np.append(position[1:], position[0] + series.period) - position
-    nearest = np.minimum(distance, np.roll(distance, 1))
-    return bool(
-        np.all(half_width * series.wavenumber[-1] < MAX_RADIANS)
-        and np.all(half_width[order] < MAX_CROWDING * nearest)
-    )
+    if not np.all(half_width * series.wavenumber[-1] < MAX_RADIANS):
+        return False
+    position, n = series.crest_position[crest], crest.size
+    order = np.argsort(position)
+    for i in range(n):
+        j, k = order[i], order[(i + 1) % n]
+        distance = position[k] - position[j] + (series.period if i == n - 1 else 0.0)
+        if not max(half_width[j], half_width[k]) < MAX_CROWDING * distance:
+            return False
+    return True
 
 
-def _lone_guess(
-    series: CosineSeries, dual: bool, crest: Indices, half_width: Array, curvature: Array, approach: float
-) -> InitialGuess:
-    """Hertz's density on segments in the middle of crests; `curvature` is that of all crests."""
-    segments, order = sort_segments(series, Intervals(crest, np.zeros(crest.size), half_width))
-    count, bend = np.diff(segments.first_node), curvature[crest][order]
-    phi = [hertz_density(dual, bend[j], segments.half_width[j], count[j]) for j in range(crest.size)]
-    return InitialGuess(dual, segments, np.concatenate(phi), approach)
+@kernel
+def _lone_guess(series: CosineSeries, dual: bool, crest: Indices, half_width: Array, approach: float) -> InitialGuess:
+    """Hertz's density on segments in the middle of crests."""
+    intervals, curvature = Intervals(crest, np.zeros(crest.size), half_width), crest_curvatures(series)
+    crest, origin, centre, half_width, _ = _lay_out(series, intervals)
+    segments = _make_coarse(series, crest, origin, centre, half_width)
+    phi = np.empty(segments.node.size)
+    for j in range(crest.size):
+        here = slice(segments.first_node[j], segments.first_node[j + 1])
+        phi[here] = hertz_density(dual, curvature[crest[j]], half_width[j], phi[here].size)
+    return InitialGuess(dual, segments, phi, approach)

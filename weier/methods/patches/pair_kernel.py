@@ -37,11 +37,11 @@ def apply_kernel(d: Array, period: float, dual: bool) -> None:
         for i in range(d.size):
             d[i] = 4 / (d[i] * d[i]) if d[i] > 0 else 0.0
     else:
-        _take_logarithms(d)
+        take_logarithms(d)
 
 
 @kernel
-def _take_logarithms(x: Array) -> None:
+def take_logarithms(x: Array) -> None:
     """Replace x >= 0 by ln x, and 0 by 0.
 
     With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172.

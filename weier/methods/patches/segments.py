@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import log_weights, nodes, weights
 from weier.methods.patches.surface import CosineSeries
@@ -44,6 +44,7 @@ class Segments(NamedTuple):
     weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
     log_weight : for int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
     far_field : distance from c from which on the quadrature is exact to rounding, in half-widths, shape (segments,)
+    centre_sine, centre_cosine : of pi x/L at the centres, shape (segments,)
     sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
         without a further call; no digit is lost, for both angles are counted from the centre of one segment.
     """
@@ -57,63 +58,68 @@ class Segments(NamedTuple):
     weight: Array
     log_weight: Array
     far_field: Array
+    centre_sine: Array
+    centre_cosine: Array
     sine: Array
     cosine: Array
 
 
+@kernel
 def make_segments(
     crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices, period: float
 ) -> Segments:
     """Segments, already in order, with so many nodes each."""
-    first_node = np.concatenate([[0], np.cumsum(node_count)])
-    rules = np.empty((3, first_node[-1]))
-    for count in np.unique(node_count):
-        these = first_node[:-1][node_count == count, None] + np.arange(count)
-        rules[:, these] = _quadrature_rule(int(count))[:, None]
-    node, weight, log_weight = rules
-    sine, cosine = _sines_and_cosines(half_width, node_count, node, period)
+    first_node = np.zeros(centre.size + 1, np.int64)
+    first_node[1:] = np.cumsum(node_count)
+    node, weight, log_weight = np.empty(first_node[-1]), np.empty(first_node[-1]), np.empty(first_node[-1])
+    for j in range(centre.size):
+        here = slice(first_node[j], first_node[j + 1])
+        if j > 0 and node_count[j] == node_count[j - 1]:
+            before = slice(first_node[j - 1], first_node[j])
+            node[here], weight[here], log_weight[here] = node[before], weight[before], log_weight[before]
+        else:
+            node[here], weight[here] = nodes(node_count[j]), weights(node_count[j])
+            log_weight[here] = log_weights(node_count[j])
     far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
-    return Segments(crest, origin, centre, half_width, first_node, node, weight, log_weight, far_field, sine, cosine)
+    new = Segments(
+        crest, origin, centre, half_width, first_node, node, weight, log_weight, far_field, centre, centre, node, node
+    )
+    return move_segments(new, centre, half_width, period)
 
 
-@cache
-def _quadrature_rule(node_count: int) -> Array:
-    return np.stack([nodes(node_count), weights(node_count), log_weights(node_count)])
-
-
-def _sines_and_cosines(half_width: Array, node_count: Indices, node: Array, period: float) -> tuple[Array, Array]:
-    angle = np.pi / period * np.repeat(half_width, node_count) * node
-    return np.sin(angle), np.cos(angle)
-
-
+@kernel
 def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
     """The same segments with other centres and half-widths."""
-    sine, cosine = _sines_and_cosines(half_width, np.diff(segments.first_node), segments.node, period)
-    return segments._replace(centre=centre, half_width=half_width, sine=sine, cosine=cosine)
+    sine, cosine, angle = np.empty(segments.node.size), np.empty(segments.node.size), np.pi / period * centre
+    centre_angle = np.pi / period * (segments.origin + centre)
+    for j in range(centre.size):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            angle = np.pi / period * half_width[j] * segments.node[q]
+            sine[q], cosine[q] = np.sin(angle), np.cos(angle)
+    return Segments(
+        segments.crest, segments.origin, centre, half_width, segments.first_node, segments.node, segments.weight,
+        segments.log_weight, segments.far_field, np.sin(centre_angle), np.cos(centre_angle), sine, cosine,
+    )  # fmt: skip
 
 
+@kernel
 def distances_to_next(segments: Segments, period: float) -> Array:
     """Distance from the right end of each segment to the left end of the next, round the period, in lambda_0."""
-    return _distances(segments.origin, segments.centre, segments.half_width, period)
+    return distances_between(segments.origin, segments.centre, segments.half_width, period)
 
 
-def _distances(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
-    left = centre - half_width
-    right = centre + half_width
-    between_origins = values_of_next(origin) - origin
-    between_origins[-1] += period
-    return between_origins + (values_of_next(left) - right)
+@kernel
+def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
+    """The same for segments without nodes."""
+    n, distance = centre.size, np.empty(centre.size)
+    for j in range(n):
+        k = (j + 1) % n
+        between_origins = origin[k] - origin[j] + (period if k == 0 else 0.0)
+        distance[j] = between_origins + (centre[k] - half_width[k] - (centre[j] + half_width[j]))
+    return distance
 
 
-def values_of_next(value: Array) -> Array:
-    """The value of each segment's neighbour on the right: np.roll(value, -1), but many times faster."""
-    return np.concatenate([value[1:], value[:1]])
-
-
-def _values_of_previous(value: Array) -> Array:
-    return np.concatenate([value[-1:], value[:-1]])
-
-
+@kernel
 def estimate_node_count(
     origin: Array, centre: Array, half_width: Array, series: CosineSeries, tolerance: float
 ) -> Indices:
@@ -121,24 +127,38 @@ def estimate_node_count(
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge.
     """
-    distance = _distances(origin, centre, half_width, series.period)
-    nearest = np.clip(np.minimum(distance, _values_of_previous(distance)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
-    ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
-    least, per_radian, per_neighbour, per_twin = _node_model(tolerance)
-    count = least + per_radian * series.wavenumber[-1] * half_width + (per_neighbour + per_twin / ln_rho) / ln_rho
-    return np.minimum(np.ceil(count), MAX_NODES).astype(np.int64)
+    digits = -np.log10(tolerance)
+    least, per_radian = np.interp(digits, DIGITS, NODES_AT_LEAST), np.interp(digits, DIGITS, NODES_PER_RADIAN)
+    per_neighbour, per_twin = (
+        np.interp(digits, DIGITS, NODES_PER_NEIGHBOUR),
+        np.interp(digits, DIGITS, NODES_PER_TWIN),
+    )
+    distance, count = distances_between(origin, centre, half_width, series.period), np.empty(centre.size, np.int64)
+    for j in range(centre.size):
+        r = half_width[j]
+        nearest = min(max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE), MAX_DISTANCE)
+        ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
+        needed = least + per_radian * series.wavenumber[-1] * r + (per_neighbour + per_twin / ln_rho) / ln_rho
+        count[j] = np.int64(min(np.ceil(needed), MAX_NODES))
+    return count
 
 
-@cache
-def _node_model(tolerance: float) -> tuple[float, ...]:
-    tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR, NODES_PER_TWIN
-    return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
-
-
+@kernel
 def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
     """Size of the last two Chebyshev coefficients over that of the largest, shape (segments,)."""
-    first, size = segments.first_node, np.abs(coefficient)
-    return np.maximum(size[first[1:] - 1], size[first[1:] - 2]) / np.maximum.reduceat(size, first[:-1])
+    tail = np.empty(segments.centre.size)
+    for j in range(tail.size):
+        a = np.abs(coefficient[segments.first_node[j] : segments.first_node[j + 1]])
+        tail[j] = max(a[-1], a[-2]) / a.max()
+    return tail
+
+
+@kernel
+def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
+    """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
+    tail, widest = coefficient_tails(segments, coefficient), segments.half_width.max()
+    rounding = np.minimum(TAIL_ROUNDING * (widest / segments.half_width) ** 2, MAX_TAIL_ROUNDING)
+    return tail <= np.maximum(tolerance, rounding)
 
 
 def adapt_node_count(node_count: Indices, tail: Array, target: float, where: Flags) -> Indices:
@@ -149,14 +169,10 @@ def adapt_node_count(node_count: Indices, tail: Array, target: float, where: Fla
     return np.clip(new, MIN_NODES, MAX_NODES).astype(np.int64)
 
 
-def increase_node_count(segments: Segments, coefficient: Array, load: float, tolerance: float) -> Indices | None:
-    """Node counts with which all coefficients decay to the tolerance; None if they do so already."""
-    half_width, count = segments.half_width, np.diff(segments.first_node)
-    tail = coefficient_tails(segments, coefficient)
-    rounding = np.minimum(TAIL_ROUNDING * (half_width.max() / half_width) ** 2, MAX_TAIL_ROUNDING)
-    too_large = tail > np.maximum(tolerance, rounding)
-    if not np.any(too_large):
-        return None
+def increase_node_count(segments: Segments, coefficient: Array, load: float, tolerance: float) -> Indices:
+    """Node counts with which all coefficients decay to the tolerance, if they do not do so yet."""
+    too_large = ~are_resolved(segments, coefficient, tolerance)
+    count, tail = np.diff(segments.first_node), coefficient_tails(segments, coefficient)
     if np.any(count[too_large] >= MAX_NODES):
         raise ConvergenceError(
             f"under the mean pressure {load:.6g} p_0*, two contacts or two gaps are so close to each other that "

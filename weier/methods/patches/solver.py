@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
+from weier.kernels.jit import kernel
 from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import few_contacts, many_contacts
+from weier.methods.patches.chebyshev import evaluate_expansion
 from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
 from weier.methods.patches.initial_guess import InitialGuess, Starts
 from weier.methods.patches.segments import distances_to_next
@@ -211,27 +213,30 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
-    segments, period = state.segments, surface.heights.period
-    strength = _end_values(state) * np.sqrt(2 / segments.half_width)[:, None]
-    left = segments.origin + (segments.centre - segments.half_width)
-    half_width, mean_gap = segments.half_width, surface.heights.maximum - state.approach
-    if state.dual:  # contact j lies between gap j and the next
-        left, half_width = left + 2 * half_width, 0.5 * distances_to_next(segments, period)
-        strength = np.stack([-strength[:, 1], np.roll(strength[:, 0], -1)], axis=1) / (2 * np.pi)
-        mean_gap = -state.approach
-    left = left - period * np.floor(left / period)
-    order = np.argsort(left)
-    left, half_width, strength = left[order], half_width[order], strength[order]
+    left, half_width, strength = _contacts_of(state, surface.heights.period)
+    mean_gap = (0.0 if state.dual else surface.heights.maximum) - state.approach
     return Solution(mean_pressure, left + half_width, half_width, strength, mean_gap, surface, state)
 
 
-def _end_values(state: ContactState) -> Array:
-    """phi(-1) and phi(1) of each segment, shape (segments, 2), from U_k(1) = k + 1 and U_k(-1) = (-1)^k (k + 1)."""
-    first = state.segments.first_node
-    k = np.arange(first[-1]) - np.repeat(first[:-1], np.diff(first))
-    at_right = (k + 1) * state.coefficient
-    at_left = np.where(k % 2 == 0, at_right, -at_right)
-    return np.stack([np.add.reduceat(at_left, first[:-1]), np.add.reduceat(at_right, first[:-1])], axis=1)
+@kernel
+def _contacts_of(state: ContactState, period: float) -> tuple[Array, Array, Array]:
+    """Left end, half-width and strengths of the edges of each contact, from left to right."""
+    segments, n = state.segments, state.segments.centre.size
+    left, half_width = segments.origin + (segments.centre - segments.half_width), segments.half_width
+    strength = np.empty((n, 2))
+    for j in range(n):
+        scale, here = np.sqrt(2 / half_width[j]), slice(segments.first_node[j], segments.first_node[j + 1])
+        for side in range(2):
+            strength[j, side] = scale * evaluate_expansion(state.coefficient[here], 2.0 * side - 1.0)
+    if state.dual:  # contact j lies between gap j and the next
+        left, half_width = left + 2 * half_width, 0.5 * distances_to_next(segments, period)
+        first = strength[0, 0]
+        for j in range(n):
+            next_left = strength[j + 1, 0] if j + 1 < n else first
+            strength[j, 0], strength[j, 1] = -strength[j, 1] / (2 * np.pi), next_left / (2 * np.pi)
+    left = left - period * np.floor(left / period)
+    order = np.argsort(left)
+    return left[order], half_width[order], strength[order]
 
 
 def check_tolerance(tolerance: float) -> None:

@@ -20,6 +20,7 @@ from weier.theory.profile import Profile
 MAX_HEIGHT_ROUNDING = (
     1e-14  # of the sum of amplitudes: crests that differ by less, which is rounding, are equally high
 )
+VALLEY_STEPS = 6  # of bisection
 MAX_SERIES_ANGLE = 0.3  # up to it sin(y) - y, which would cancel, is summed as a power series
 
 
@@ -35,6 +36,8 @@ class CosineSeries(NamedTuple):
     crest_cosine, crest_sine : of the phases k_n x + phi_n at each crest, shape (crests, terms)
     crest_offset : S at each crest less the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
+    valley_position : of points about as low as S falls between each crest and the next, in lambda_0, shape (crests,)
+    cell_offset : the maximum of S between the valleys before and after each crest, counted as crest_offset
     """
 
     amplitude: Array
@@ -45,6 +48,8 @@ class CosineSeries(NamedTuple):
     crest_sine: Array
     crest_offset: Array
     maximum: float
+    valley_position: Array
+    cell_offset: Array
 
 
 class Surface(NamedTuple):
@@ -91,7 +96,27 @@ def make_series(amplitude: Array, waves_per_period: list[int], phase: Array, per
     maximum = float(height.max())
     offset = height - maximum
     offset[offset > -MAX_HEIGHT_ROUNDING * np.abs(amplitude).sum()] = 0.0
-    return CosineSeries(amplitude, wavenumber, float(period), x, np.cos(theta), np.sin(theta), offset, maximum)
+    crests = x, np.cos(theta), np.sin(theta), offset, maximum
+    without = CosineSeries(amplitude, wavenumber, float(period), *crests, x, offset)
+    valley, cell_offset = _find_valleys(without)
+    return without._replace(valley_position=valley, cell_offset=cell_offset)
+
+
+@kernel
+def _find_valleys(series: CosineSeries) -> tuple[Array, Array]:
+    """Points about as low as S falls between each crest and the next, and the maximum of S between two of them."""
+    n = series.crest_position.size
+    valley, highest = np.empty(n), series.crest_offset.copy()
+    for i in range(n):
+        j = (i + 1) % n
+        low, high = 0.0, series.crest_position[j] - series.crest_position[i] + (series.period if j == 0 else 0.0)
+        for _ in range(VALLEY_STEPS):
+            y = 0.5 * (low + high)
+            value, slope, _ = evaluate_series(series, i, y)
+            low, high = (y, high) if slope < 0 else (low, y)
+        valley[i] = series.crest_position[i] + y
+        highest[i], highest[j] = max(highest[i], value), max(highest[j], value)
+    return valley, highest
 
 
 @kernel
@@ -102,8 +127,8 @@ def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, 
         a, k = series.amplitude[n], series.wavenumber[n]
         c, s = series.crest_cosine[crest, n], series.crest_sine[crest, n]
         angle = k * y
-        half_sine = np.sin(0.5 * angle)
-        sine, cosine_less_one = np.sin(angle), -2 * half_sine * half_sine
+        half_sine, half_cosine = np.sin(0.5 * angle), np.cos(0.5 * angle)
+        sine, cosine_less_one = 2 * half_sine * half_cosine, -2 * half_sine * half_sine
         value += a * (c * cosine_less_one - s * _sine_less_angle(angle, sine))
         slope -= a * k * (c * sine + s * cosine_less_one)
         curvature -= a * k * k * (c * (1 + cosine_less_one) - s * sine)
