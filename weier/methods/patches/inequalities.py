@@ -94,9 +94,10 @@ def cell_of(series: CosineSeries, x: float) -> int:
 def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
     """Whether the gap between contacts may be negative in any cell, from one valley to the next.
 
-    The displacement by the pressure of contacts is convex between these. So it is above its tangent at the crest, and
-    the profile is below the maximum of the cell: where their difference is positive, the gap is. A cell with its
-    crest in contact stays doubtful, and so does every cell between gaps (dual).
+    The displacement by the pressure of contacts is convex between these, if that is nowhere negative, which is looked
+    at by itself. So it is above its tangent at the crest, and the profile is below the maximum of the cell: where
+    their difference is positive, the gap is. A cell with its crest in contact stays doubtful, and so does every cell
+    between gaps (dual).
     """
     n, period = series.crest_position.size, series.period
     doubtful = np.ones(n, np.bool_)
