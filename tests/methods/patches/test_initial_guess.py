@@ -53,14 +53,14 @@ def test_a_load_depends_on_no_other(profile):
         np.testing.assert_array_equal(alone.contact_edge[0], edges[np.isfinite(edges)])
 
 
-@pytest.mark.parametrize("load", [0.3, 2.0])
-def test_contacts_of_fewer_waves_are_a_start_where_grids_are_large(load, monkeypatch):
-    profile = Profile(1.25, 5, 4, 1.0)
+@pytest.mark.parametrize(("m", "load"), [(4, 0.3), (4, 2.0), (5, 5.6)])
+def test_contacts_of_fewer_waves_are_a_start_where_grids_are_large(m, load, monkeypatch):
+    """The last ends in gaps; many contacts between them are missed at first, and the set is corrected in bulk."""
+    profile = Profile(1.25, 5, m, 1.0)
     expected = patches.curve(profile, load)
     monkeypatch.setattr(initial_guess, "MAX_POINTS", 0)
-    monkeypatch.setattr(initial_guess, "MAX_LOAD", 1.0)
     curve = patches.curve(profile, load)
-    assert curve.work > expected.work  # the start is another, and worse
+    assert expected.work < curve.work < 25  # the start is another, and worse
     assert curve.patch_count == expected.patch_count
     assert curve.compliance == pytest.approx(expected.compliance, abs=1e-12)
     assert curve.resistance == pytest.approx(expected.resistance, rel=1e-9)

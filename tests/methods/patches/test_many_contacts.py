@@ -86,6 +86,13 @@ def test_both_solvers_agree(monkeypatch):
 
 
 @one_thread
+def test_small_contacts_that_divide_a_gap_are_found_at_once():
+    """1000 gaps, 14 of which are divided by contacts narrower than the overlap that gives them away."""
+    curve = patches.curve(Profile(1.25, 5, 6, 1.0), 10.0)
+    assert curve.patch_count == 999
+    assert curve.work < 15
+
+
 def test_more_contacts_than_a_dense_matrix_holds():
     profile = Profile(1.25, 5, 6, np.arange(6.0))
     curve = patches.curve(profile, [2.0])

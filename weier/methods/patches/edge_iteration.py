@@ -48,6 +48,7 @@ MIN_GAP_LEFT = 0.1  # of a gap, in one step: one that would lose more in two ste
 MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
 MIN_GROWTH = -0.85  # of a half-width in one step: with less of it left, the contact vanishes
 SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their error
+MAX_UNSETTLED = 0.3  # of the contacts, while their set is corrected: those beside a missing one may never settle
 NODES_PER_RADIAN = 0.8  # of the finest wave on a half-width
 MIN_DISTANCE, MAX_DISTANCE = 1e-4, 1e6  # of a neighbour over the half-width, for the estimate of the nodes
 NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
@@ -58,12 +59,18 @@ class EdgeMoves(NamedTuple):
 
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
     closing : whether the gap on the right of each contact has nothing to hold it open, shape (contacts,)
-    largest : move of any edge over the half-width of its contact or of its gap, the narrower one
+    relative : larger move of both edges over the half-width of the contact or of its gaps, the narrowest,
+        shape (contacts,)
     """
 
     outward: Sides
     closing: Flags
-    largest: float
+    relative: Array
+
+    @property
+    def largest(self) -> float:
+        """The relative move of any edge."""
+        return float(self.relative.max())
 
 
 def singular_parts(punches: Punches, b: Array) -> Sides:
@@ -88,7 +95,7 @@ def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
     room = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
-    return EdgeMoves(outward, closing, float(np.max(np.abs(outward) / room[:, None])))
+    return EdgeMoves(outward, closing, np.abs(outward).max(axis=1) / room)
 
 
 def _end_sums(punches: Punches, coefficient: Array) -> Sides:
@@ -207,9 +214,15 @@ class Step(NamedTuple):
     singular: Array
 
     @property
+    def unsettled(self) -> float:
+        """Share of the contacts that vanish or merge, or for which Newton's method has not begun to converge."""
+        moving = self.moves.relative >= SETTLED_MOVE
+        return float(np.mean(moving | self.vanishing | self.merging | self.tight))
+
+    @property
     def settled(self) -> bool:
         """Whether the contacts are as many as before and Newton's method has begun to converge."""
-        return self.moves.largest < SETTLED_MOVE and not np.any(self.vanishing | self.merging | self.tight)
+        return self.unsettled == 0
 
 
 def make_guess(problem: Problem, left: Array, right: Array, carried: Array | None, stage: Stage) -> Guess:

@@ -36,8 +36,9 @@ SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
 END_DISTANCE = 1e-6  # from the end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits here, as many as the limit has
 MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
-NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces
+NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces; with sqrt(2) it would carry nothing
 NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
+OVERLAP_BESIDE_EDGE = 1.5  # over the move of an edge that is to grow: how far the gap beside it is negative
 MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
 MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 
@@ -280,8 +281,10 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.f
         return np.empty((0, 2))
     brackets = _Brackets(low[some], middle[some], high[some], gap_before[lowest[some]])
     centre, depth, curvature, interval = _minima(problem, step, brackets, tolerance)
-    if centre.size == 0:
+    apart = _is_apart(step, centre, interval)
+    if not np.any(apart):
         return np.empty((0, 2))
+    centre, depth, curvature, interval = centre[apart], depth[apart], curvature[apart], interval[apart]
     room = _room(step, centre, interval)
     widening = NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH
     half_width = widening * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
@@ -314,6 +317,19 @@ def _minima(
         if not np.any(some):
             break
     return brackets.middle, (here - fall)[some], curvature[some], brackets.interval
+
+
+def _is_apart(step: Step, centre: Array, interval: Indices) -> Flags:
+    """Whether a minimum is not merely the overlap beside an edge that is about to grow over it.
+
+    With p = (k_0 + k_1 s)/sqrt(s) within an edge, the gap is negative as far as 3 k_0/k_1 outside, and the edge moves
+    out by 2 k_0/k_1.
+    """
+    right, gap = _gaps(step)
+    outward, distance = step.moves.outward, centre - right[interval]
+    beyond_left = distance > OVERLAP_BESIDE_EDGE * outward[interval, 1]
+    after = (interval + 1) % right.size
+    return np.asarray(beyond_left & (gap[interval] - distance > OVERLAP_BESIDE_EDGE * outward[after, 0]))
 
 
 def _room(step: Step, centre: Array, interval: Indices) -> Array:

@@ -32,7 +32,6 @@ MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
 FORCE_TOLERANCE = 1e-10
 POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
 MAX_POINTS = 2**19  # of a grid: with more, the start from one without the last wave is tried before
-MAX_LOAD = 0.03  # of full contact, for such a start: above, more steps lead from it than from a grid
 MIN_DISTANCE = 1e-3  # between two contacts, in the finest waves: closer ones are one
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
@@ -199,8 +198,7 @@ class Starts:
         if lone is not None:
             yield lone
         points = POINTS_PER_WAVE[0] * self.profile.waves_per_period[-1]
-        is_light = load < MAX_LOAD * self.surface.full_contact_load
-        if points > MAX_POINTS and is_light and self._fewer_waves().period == self.profile.period:
+        if points > MAX_POINTS and self._fewer_waves().period == self.profile.period:
             yield self.from_fewer_waves(load)
         for per_wave in POINTS_PER_WAVE:
             found = self._from_grid(per_wave, load)

@@ -1,8 +1,8 @@
 """One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
 
 Newton's method on the edges solves for the pressure, or for the gaps (dual), by conjugate gradients. The set of
-segments is corrected in bulk where the inequalities of contact do not hold: roughly at first if the edges of the
-guess are far off, then to the tolerance. The solution is checked at other nodes with a fresh operator, and on a few
+segments is corrected in bulk where the inequalities of contact do not hold: roughly at first, as soon as most edges
+have settled, then to the tolerance. The solution is checked at other nodes with a fresh operator, and on a few
 segments by direct sums of closed forms that share nothing with the fast ones.
 """
 
@@ -17,6 +17,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import (
+    MAX_UNSETTLED,
     Guess,
     Problem,
     Stage,
@@ -27,7 +28,13 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.fields import ContactState, complementary_residual
-from weier.methods.patches.inequalities import NegativeIntervals, find_missing, find_negative_intervals
+from weier.methods.patches.inequalities import (
+    NEW_CONTACT_WIDTH,
+    NEW_GAP_WIDTH,
+    NegativeIntervals,
+    find_missing,
+    find_negative_intervals,
+)
 from weier.methods.patches.initial_guess import InitialGuess
 from weier.methods.patches.punches import (
     MAX_NODES,
@@ -58,7 +65,7 @@ MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no lo
 MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
 MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 DIRECT_SUMS = 40  # points at which the solution is checked without fast sums
-CUT_WIDENING = 0.2  # at each end of a cut, so that the cut is sqrt(2) times the interval of tension
+MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
 MIN_PIECE = 1e-3  # of a contact's width: shorter pieces do not survive a cut
 
 Edges = tuple[Array, Array]  # left and right ones, each of shape (contacts,)
@@ -68,10 +75,13 @@ class _Limits(NamedTuple):
     """A gap below -outside, in g_0, is a violation, and a pressure below -inside times the largest of its contact.
 
     Or (dual) a pressure below -outside, in p_0*, and a gap below -inside times the largest of its interval.
+
+    at_edges : whether the latter counts as far as an edge, too; an edge that has not settled yet takes care of it
     """
 
     outside: float
     inside: float
+    at_edges: bool
 
 
 def _stages(problem: Problem, target: float) -> tuple[Stage, Stage]:
@@ -88,8 +98,8 @@ def _stages(problem: Problem, target: float) -> tuple[Stage, Stage]:
 def _limits(problem: Problem, stage: Stage, fine: bool) -> _Limits:
     tension = MAX_TENSION if fine else ROUGH_TENSION
     if problem.dual:
-        return _Limits(tension * problem.load, tension)
-    return _Limits(stage.bounds.least * 10 if fine else stage.bounds.most, tension)
+        return _Limits(tension * problem.load, tension, fine)
+    return _Limits(stage.bounds.least * 10 if fine else stage.bounds.most, tension, fine)
 
 
 def solve_many_contacts(
@@ -103,25 +113,27 @@ def solve_many_contacts(
     problem = Problem(surface.series(guess.dual), load, guess.dual)
     target = _target(problem, tolerance)
     rough, fine = _stages(problem, target)
-    stage = fine
-    now = _guess_from(problem, guess, fine)
-    last_move = np.inf
+    stage, last_move, moved = rough, np.inf, False  # whether edges have moved since the set was corrected
+    now = _guess_from(problem, guess, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
-        if steps == 1 and not step.settled:
-            stage = rough
-        is_enough = step.settled if stage is rough else _converged(step, target, last_move)
+        if stage is fine:
+            is_enough = _converged(step, target, last_move)
+        else:
+            is_enough = step.settled or (moved and step.unsettled < MAX_UNSETTLED)
         last_move = step.moves.largest
         if not is_enough:
+            moved = True
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage is fine else None)
             continue
         state = contact_state(problem, step)
         added, keep = _corrections(problem, step, state, _limits(problem, stage, stage is fine))
         if not np.all(keep) or len(added) > 0:
+            moved = False
             counts = step.punches.node_count.astype(float) if stage is fine else None
             now = rearrange(problem, step, step.b, _edges(step), keep, added, stage, counts)
         elif stage is rough:
-            stage = fine
+            stage = fine if step.settled else rough
             now = next_guess(problem, step, stage)
         else:
             residual = _residuals_at_other_nodes(problem, step)
@@ -190,20 +202,24 @@ def _corrections(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Segments to add, shape (added, 2), and which of those that are there stay as they are."""
     negative = find_negative_intervals(state, np.full(step.punches.centre.size, limits.inside))
+    if not limits.at_edges:
+        within = np.maximum(np.abs(negative.start), np.abs(negative.end)) < MAX_INNER
+        negative = NegativeIntervals(*(each[within] for each in negative))
     keep = np.ones(step.punches.centre.size, bool)
     keep[negative.segment] = False
     missing = find_missing(problem, step, limits.outside)
-    return np.concatenate([_cut_contacts(step, negative), missing]), keep
+    return np.concatenate([_cut_segments(step, negative), missing]), keep
 
 
-def _cut_contacts(step: Step, negative: NegativeIntervals) -> NDArray[np.float64]:
-    """What is left of each contact without its intervals of tension."""
+def _cut_segments(step: Step, negative: NegativeIntervals) -> NDArray[np.float64]:
+    """What is left of each contact without its intervals of tension or, dual, of each gap without its overlaps."""
+    width = NEW_CONTACT_WIDTH if step.punches.dual else NEW_GAP_WIDTH
     pieces = []
     for j in np.unique(negative.segment):
         centre, r, here = step.punches.centre[j], step.punches.half_width[j], negative.segment == j
         left = -1.0
         for a, b in [*zip(negative.start[here], negative.end[here], strict=True), (1.0, 1.0)]:
-            widening = CUT_WIDENING * (b - a) if a > -1 and b < 1 else 0.0
+            widening = 0.5 * (width - 1) * (b - a) if a > -1 and b < 1 else 0.0
             if a - widening - left > MIN_PIECE:
                 pieces.append((centre + r * left, centre + r * (a - widening)))
             left = b + widening

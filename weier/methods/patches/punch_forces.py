@@ -21,7 +21,7 @@ from weier.kernels.jit import kernel
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
 
-MAX_DENSE = 64  # punches whose matrix is factorised as it is
+MAX_DENSE = 128  # punches whose matrix is factorised as it is
 RANK_TOLERANCE = 1e-6  # of the influence of one half on the other; looser ones take more steps of conjugate gradients
 MAX_RANK = 60  # 20 to 30 reach that tolerance for 15 000 punches
 
