@@ -8,7 +8,6 @@ import pytest
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
 from weier.methods import bem, patches
-from weier.methods.patches import initial_guess
 from weier.methods.patches.initial_guess import lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
 
@@ -51,19 +50,6 @@ def test_a_load_depends_on_no_other(profile):
             assert getattr(alone, name)[0] == getattr(together, name)[i], name
         edges = together.contact_edge[i]
         np.testing.assert_array_equal(alone.contact_edge[0], edges[np.isfinite(edges)])
-
-
-@pytest.mark.parametrize(("m", "load"), [(4, 0.3), (4, 2.0), (5, 5.6)])
-def test_contacts_of_fewer_waves_are_a_start_where_grids_are_large(m, load, monkeypatch):
-    """The last ends in gaps; many contacts between them are missed at first, and the set is corrected in bulk."""
-    profile = Profile(1.25, 5, m, 1.0)
-    expected = patches.curve(profile, load)
-    monkeypatch.setattr(initial_guess, "MAX_POINTS", 0)
-    curve = patches.curve(profile, load)
-    assert expected.work < curve.work < 25  # the start is another, and worse
-    assert curve.patch_count == expected.patch_count
-    assert curve.compliance == pytest.approx(expected.compliance, abs=1e-12)
-    assert curve.resistance == pytest.approx(expected.resistance, rel=1e-9)
 
 
 def test_lone_contacts_share_the_load_as_the_solution_does():

@@ -93,6 +93,7 @@ def test_small_contacts_that_divide_a_gap_are_found_at_once():
     assert curve.work < 15
 
 
+@one_thread
 def test_more_contacts_than_a_dense_matrix_holds():
     profile = Profile(1.25, 5, 6, np.arange(6.0))
     curve = patches.curve(profile, [2.0])
@@ -129,6 +130,23 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
     again, _ = solve_many_contacts(surface, guess, load, 1e-10)
     assert again.approach == pytest.approx(state.approach, abs=1e-12)
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
+
+
+@one_thread
+@pytest.mark.parametrize("load", [0.3, 5.6])
+def test_contacts_without_the_last_wave_are_a_start(load):
+    """Most contacts are missing, and edges beside them do not settle before the set is corrected; then gaps (5.6)."""
+    profile, fewer = Profile(1.25, 5, 5, 1.0), Profile(1.25, 5, 4, 1.0)
+    surface = surface_of(profile)
+    coarse = patches.solve_load(fewer, min(load, 5.0))
+    force = np.full(coarse.centre.size, load / coarse.centre.size)
+    guess = contacts_guess(surface, coarse.centre, coarse.half_width, force, 1e-10)
+    state, steps = solve_many_contacts(surface, guess, load, 1e-10)
+    expected = patches.solve_load(profile, load).state
+    assert steps < 30
+    assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size
+    assert state.approach == pytest.approx(expected.approach, abs=1e-12)
+    assert state.sensitivity[-1] == pytest.approx(expected.sensitivity[-1], rel=1e-9)
 
 
 def test_an_unresolved_pressure_is_noticed(monkeypatch):

@@ -14,7 +14,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.kernels.loads_done import counted_as
-from weier.methods.bem import fft, subgrid_solver
+from weier.methods.bem import subgrid_solver
 from weier.methods.bem.continuum import Continuum, make_continuum
 from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
 from weier.methods.errors import ConvergenceError
@@ -30,9 +30,7 @@ MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for t
 MAX_LONE_CONTACTS = 64  # of those whose forces are found from Hertz's theory
 MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
 FORCE_TOLERANCE = 1e-10
-POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
-MAX_POINTS = 2**19  # of a grid: with more, the start from one without the last wave is tried before
-MIN_DISTANCE = 1e-3  # between two contacts, in the finest waves: closer ones are one
+POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
@@ -173,21 +171,13 @@ class Starts:
     def __init__(self, profile: Profile, surface: Surface, tolerance: float) -> None:
         """Nothing is computed before it is needed."""
         self.profile, self.surface, self.tolerance = profile, surface, tolerance
-        self._grid, self._coarse_grid = cache(self._make_grid), cache(self._make_coarse_grid)
+        self._grid = cache(self._make_grid)
 
     def _make_grid(self, per_wave: int) -> _Grid:
         points = per_wave * self.profile.waves_per_period[-1]
         return _Grid(
             nested_grids(self.profile, points, _grid_tolerance(self.profile)), make_continuum(self.profile, points)
         )
-
-    def _fewer_waves(self) -> Profile:
-        return self.profile.truncated(self.profile.terms - 1)
-
-    def _make_coarse_grid(self) -> Hierarchy:
-        coarse = self._fewer_waves()
-        points = POINTS_PER_WAVE[0] * coarse.waves_per_period[-1]
-        return nested_grids(coarse, points, _grid_tolerance(coarse))
 
     def guesses(self, load: float) -> Iterator[InitialGuess]:
         """What to start from under this load, the most likely first."""
@@ -197,34 +187,10 @@ class Starts:
         lone = lone_gaps(self.surface.tensions, load)
         if lone is not None:
             yield lone
-        points = POINTS_PER_WAVE[0] * self.profile.waves_per_period[-1]
-        if points > MAX_POINTS and self._fewer_waves().period == self.profile.period:
-            yield self.from_fewer_waves(load)
         for per_wave in POINTS_PER_WAVE:
             found = self._from_grid(per_wave, load)
             if found is not None:
                 yield found
-
-    def from_fewer_waves(self, load: float) -> InitialGuess:
-        """Contacts by the pressure on a grid without the last wave, on whose crests Westergaard's theory places them.
-
-        Such a grid has fewer points than the contacts would need, and far fewer iterations, for these grow with the
-        number of contacts. That many contacts are missed or spurious costs less than they save.
-        """
-        hierarchy, period = self._coarse_grid(), self.profile.period
-        grid = fft.make_grid_state(int(hierarchy.points[-1]))
-        fft.cascade(load, hierarchy, full_contact(hierarchy, load), grid)
-        pressure = np.append(grid.pressure, grid.pressure[0])
-        x = self.surface.heights.crest_position
-        local = np.interp(x, np.linspace(0, period, pressure.size), pressure)
-        x, local = x[local > 0], local[local > 0]
-        wave, closing = period / self.profile.waves_per_period[-1], self.profile.full_contact_pressure[-1]
-        half_width = wave / np.pi * np.arcsin(np.sqrt(np.minimum(local / closing, 1)))
-        left, right, force = x - half_width, x + half_width, wave * local
-        first = np.flatnonzero(np.append(True, left[1:] > np.maximum.accumulate(right)[:-1] + MIN_DISTANCE * wave))
-        left, right, force = left[first], np.maximum.reduceat(right, first), np.add.reduceat(force, first)
-        force *= load * period / force.sum()
-        return contacts_guess(self.surface, 0.5 * (left + right), 0.5 * (right - left), force, self.tolerance)
 
     def _from_grid(self, per_wave: int, load: float) -> InitialGuess | None:
         """The contacts on a grid, but for those that have no width there; None if all have none."""

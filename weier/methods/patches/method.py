@@ -41,9 +41,8 @@ def _seconds(profile: Profile, loads: Array) -> float:
 
 
 def _solve_without_matrix() -> None:
-    """A few contacts by what serves thousands, and the start and the forces that only these have."""
+    """A few contacts by what serves thousands, and the forces that only these have."""
     surface = surface_of(THREE_WAVES)
-    Starts(THREE_WAVES, surface, TOLERANCE).from_fewer_waves(0.3)
     for load in (0.3, 0.9 * surface.full_contact_load):  # contacts, and gaps
         guess = list(Starts(THREE_WAVES, surface, TOLERANCE).guesses(load))[-1]
         state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
