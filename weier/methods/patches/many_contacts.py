@@ -204,7 +204,7 @@ def _corrections(
     negative = find_negative_intervals(state, np.full(step.punches.centre.size, limits.inside))
     if not limits.at_edges:
         within = np.maximum(np.abs(negative.start), np.abs(negative.end)) < MAX_INNER
-        negative = NegativeIntervals(*(each[within] for each in negative))
+        negative = NegativeIntervals(negative.segment[within], negative.start[within], negative.end[within])
     keep = np.ones(step.punches.centre.size, bool)
     keep[negative.segment] = False
     missing = find_missing(problem, step, limits.outside)
