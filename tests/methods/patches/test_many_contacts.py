@@ -1,5 +1,7 @@
 """Many contacts without a dense matrix: against the reference values, the dense matrix and bad starts."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,8 +11,10 @@ from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import bem, patches
 from weier.methods.patches import many_contacts
+from weier.methods.patches.inequalities import NegativeIntervals
 from weier.methods.patches.initial_guess import Starts, contacts_guess
 from weier.methods.patches.many_contacts import solve_many_contacts
+from weier.methods.patches.punches import make_punches
 from weier.methods.patches.surface import surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
@@ -62,7 +66,7 @@ def test_few_gaps_near_full_contact(share, monkeypatch):
 def test_many_gaps_near_full_contact():
     profile = Profile(1.25, 5, 6, np.arange(6.0))
     curve = patches.curve(profile, [12.0])
-    assert curve.patch_count[0] == 581  # as the grid of 16 nodes a wave has it
+    assert curve.patch_count[0] == 581  # as boundary elements on 16 nodes a wave have it
     assert curve.residual[0] < 1e-11
     beside = patches.curve(profile, [12.0 - 1e-4, 12.0 + 1e-4]).compliance
     # A central difference: its error is that of the compliance, 1e-15, over the step, and the step's square.
@@ -85,9 +89,19 @@ def test_both_solvers_agree(monkeypatch):
         np.testing.assert_array_equal(curve.patch_count, dense.patch_count)
 
 
+def test_cuts_that_overlap_are_one():
+    """The new gap in the wider interval of tension reaches beyond the narrower one, on its right."""
+    punches = make_punches(np.array([0.5]), np.array([0.1]), np.array([8]), 1.0)
+    step = SimpleNamespace(punches=punches)
+    negative = NegativeIntervals(np.array([0, 0]), np.array([-0.5, 0.35]), np.array([0.3, 0.36]))
+    widening = 0.5 * (np.sqrt(2) - 1) * 0.8
+    expected = [(0.4, 0.5 + 0.1 * (-0.5 - widening)), (0.5 + 0.1 * (0.3 + widening), 0.6)]
+    np.testing.assert_allclose(many_contacts._cut_segments(step, negative), expected)
+
+
 @one_thread
 def test_small_contacts_that_divide_a_gap_are_found_at_once():
-    """1000 gaps, 14 of which are divided by contacts narrower than the overlap that gives them away."""
+    """Of 1000 gaps some are divided by contacts narrower than the overlap that gives them away."""
     curve = patches.curve(Profile(1.25, 5, 6, 1.0), 10.0)
     assert curve.patch_count == 999
     assert curve.work < 15

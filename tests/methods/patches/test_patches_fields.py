@@ -8,8 +8,25 @@ from weier import Profile
 from weier.methods import patches
 from weier.methods.patches import fields
 from weier.methods.patches.fields import segment_at
+from weier.methods.patches.surface import evaluate_series
 
 LONG_PERIOD = Profile(1.5, "5/2", 4, (0.0, 1.0, 2.0, 3.0))
+
+
+@pytest.mark.parametrize("load", [1e-20, 1e-32])
+def test_gap_beside_a_tiny_contact_has_all_digits(load):
+    """Hertz's gap, kappa a^2/2 (t (t^2-1)^(1/2) - ln(t + (t^2-1)^(1/2))), near and far from the contact's nodes."""
+    solution = patches.solve_load(Profile(1.25, 2, 2, (1.0, 2.0)), load)
+    state, series = solution.state, solution.surface.heights
+    segments, crest = state.segments, state.segments.crest[0]
+    assert segments.centre.size == 1
+    assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
+    curvature = -evaluate_series(series, crest, 0.0)[2]
+    for t in segments.far_field[0] * np.array([0.5, 0.95, 1.05, 2.0, 5.0]):
+        root = np.sqrt(t * t - 1)
+        expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))
+        y = segments.centre[0] + segments.half_width[0] * t
+        assert fields.complementary_residual(state, series, crest, y) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(

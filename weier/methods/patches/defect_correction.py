@@ -228,7 +228,7 @@ def refine(
     refined = _refine(coarse, node_count, series, load, dual, tolerance)
     if not refined.step_size < np.inf:
         raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
-    if refined.resistance_error > MAX_RESISTANCE_ERROR:
+    if not refined.resistance_error <= MAX_RESISTANCE_ERROR:
         raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
     return refined
 

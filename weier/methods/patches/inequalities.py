@@ -121,7 +121,7 @@ def _probe_points(
 ) -> tuple[Array, Indices]:
     """Points in intervals between segments, some for each of the finest waves; and the interval of each point."""
     per_length = per_wave * series.wavenumber[-1] / (2 * np.pi)
-    count = least + np.ceil(per_length * length).astype(np.int64)
+    count = least + np.ceil(per_length * np.maximum(length, 0.0)).astype(np.int64)  # 0 between segments that overlap
     point, interval, end = np.empty(count.sum()), np.repeat(np.arange(length.size), count), 0
     for j in range(length.size):
         for i in range(count[j]):
