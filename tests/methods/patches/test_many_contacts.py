@@ -11,7 +11,7 @@ from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import bem, patches
 from weier.methods.patches import many_contacts
-from weier.methods.patches.inequalities import NegativeIntervals
+from weier.methods.patches.inequalities import NegativeIntervals, certify
 from weier.methods.patches.initial_guess import Starts, contacts_guess
 from weier.methods.patches.many_contacts import solve_many_contacts
 from weier.methods.patches.punches import make_punches
@@ -161,6 +161,14 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size
     assert state.approach == pytest.approx(expected.approach, abs=1e-12)
     assert state.sensitivity[-1] == pytest.approx(expected.sensitivity[-1], rel=1e-9)
+
+
+def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
+    state = patches.solve_load(THREE_WAVES, 0.5).state
+    assert certify(state, state.residual, 1.0, 1e-10).residual == state.residual
+    for wrong in (state._replace(approach=-1.0), state._replace(load=0.5 * (1 + 1e-7))):
+        with pytest.raises(ConvergenceError, match="violate their conditions"):
+            certify(wrong, state.residual, 1.0, 1e-10)
 
 
 def test_an_unresolved_pressure_is_noticed(monkeypatch):

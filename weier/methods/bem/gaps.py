@@ -67,8 +67,8 @@ class GapCorrection(NamedTuple):
 
 
 @kernel
-def _no_correction() -> GapCorrection:
-    """That of a gap whose edges are not found: they are taken one by one."""
+def _edges_not_found() -> GapCorrection:
+    """Nothing yet: the edges of such a gap are taken one by one."""
     return GapCorrection(0.0, 0.0, np.nan, np.nan, 0.0, 0.0, False)
 
 
@@ -81,7 +81,7 @@ def correct_gap(
     spacing = continuum.period / points
     margin = margin_of(edge, run)
     if nodes + 2 * margin < MIN_POLYNOMIAL:
-        return _no_correction()
+        return _edges_not_found()
     gap = np.empty(nodes)
     opening = np.empty(nodes)  # its rate, per mean pressure
     for i in range(nodes):
@@ -103,7 +103,7 @@ def correct_gap(
     rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
-        return _no_correction()
+        return _edges_not_found()
     off, rate_off, uncertain = _errors_of_depth(
         nodal_pressure, pressure, rate, nodes, whole, REST, continuum, spacing
     )

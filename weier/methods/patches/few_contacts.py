@@ -14,14 +14,13 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.collocation import NewtonResult, newton_iteration
 from weier.methods.patches.defect_correction import refine
 from weier.methods.patches.fields import ContactState, complementary_residual
-from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
+from weier.methods.patches.inequalities import certify, find_negative_intervals, lowest_outside
 from weier.methods.patches.initial_guess import COARSE_TOLERANCE, InitialGuess, refine_density
 from weier.methods.patches.segments import coefficient_tails, estimate_node_count, increase_node_count
 from weier.methods.patches.surface import CosineSeries, Surface
 
 MAX_UNKNOWNS = 8000  # on few nodes, a dense matrix of 0.5 GB, and 15 s for each step
 MAX_NODE_ROUNDS = 6  # of adding nodes
-MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 # Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
 # itself, and h by its square.
 MAX_TENSION = 1e-9
@@ -36,7 +35,8 @@ def solve_few_contacts(
     """
     state, steps = solve_on_segments(surface, refine_density(surface, guess, load), load, tolerance)
     _check_inequalities(surface, state, tolerance)
-    return _with_residual(surface, state, tolerance), steps
+    residual = contact_residual(state, surface.series(state.dual))
+    return certify(state, residual, surface.heights.period, tolerance), steps
 
 
 def solve_on_segments(
@@ -113,20 +113,3 @@ def contact_residual(state: ContactState, series: CosineSeries) -> float:
         if state.dual:
             worst = max(worst, abs(0.5 * np.pi * r * state.coefficient[segments.first_node[j]]))
     return worst
-
-
-def _with_residual(surface: Surface, state: ContactState, tolerance: float) -> ContactState:
-    """The state with its residual, if that is small and the contacts carry the load, p L = (pi/2) sum r a_0."""
-    period, residual = surface.heights.period, contact_residual(state, surface.series(state.dual))
-    scale = state.load * period if state.dual else state.approach
-    relative = residual / scale if scale > 0 else np.inf  # no indentation: Newton's method lost all digits on its way
-    if not state.dual:
-        carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
-        relative = max(relative, abs(float(carried) / (state.load * period) - 1))
-    if not relative <= MAX_RESIDUAL * tolerance:
-        raise ConvergenceError(
-            f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
-            f"more than {MAX_RESIDUAL * tolerance:.1e}; take a larger tolerance or boundary elements",
-            relative,
-        )
-    return state._replace(residual=residual)

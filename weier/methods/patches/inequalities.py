@@ -1,7 +1,8 @@
 """The inequalities of contact: no tension on the contacts, no overlap outside them.
 
 The equations on the segments say nothing of either. Both are checked between the nodes, too: a violation outside
-shows that a segment is missing there, and one inside that the segment must be cut.
+shows that a segment is missing there, and one inside that the segment must be cut. What the equations leave is judged
+here, too, for both solvers.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
+from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
 from weier.methods.patches.edge_iteration import Problem, Step, distances
 from weier.methods.patches.fields import (
@@ -40,6 +42,7 @@ NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces; 
 NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
 OVERLAP_BESIDE_EDGE = 1.5  # over the move of an edge that is to grow: how far the gap beside it is negative
 MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
+MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 
 
@@ -244,6 +247,22 @@ def _find_zero(dual: bool, a: Array, negative: float, positive: float) -> float:
         else:
             positive = middle
     return positive
+
+
+def certify(state: ContactState, residual: float, period: float, tolerance: float) -> ContactState:
+    """The state with its residual, in g_0, if that is small and contacts carry the load, p L = (pi/2) sum r a_0."""
+    scale = state.load * period if state.dual else state.approach
+    relative = residual / scale if scale > 0 else np.inf  # no indentation: all digits were lost on the way
+    if not state.dual:
+        carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
+        relative = max(relative, abs(float(carried) / (state.load * period) - 1))
+    if not relative <= MAX_RESIDUAL * tolerance:
+        raise ConvergenceError(
+            f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
+            f"more than {MAX_RESIDUAL * tolerance:.1e}; take a larger tolerance or boundary elements",
+            relative,
+        )
+    return state._replace(residual=residual)
 
 
 class _Brackets(NamedTuple):

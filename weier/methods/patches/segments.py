@@ -90,7 +90,7 @@ def make_segments(
 @kernel
 def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
     """The same segments with other centres and half-widths."""
-    sine, cosine, angle = np.empty(segments.node.size), np.empty(segments.node.size), np.pi / period * centre
+    sine, cosine = np.empty(segments.node.size), np.empty(segments.node.size)
     centre_angle = np.pi / period * (segments.origin + centre)
     for j in range(centre.size):
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
@@ -110,7 +110,7 @@ def distances_to_next(segments: Segments, period: float) -> Array:
 
 @kernel
 def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
-    """The same for segments without nodes."""
+    """As `distances_to_next`, in lambda_0, shape (segments,), of segments that have no nodes yet."""
     n, distance = centre.size, np.empty(centre.size)
     for j in range(n):
         k = (j + 1) % n
