@@ -1,0 +1,258 @@
+"""Families of hard series with their exact curves by contact patches, drawn afresh or kept in a file.
+
+A family is made of features: of the series, its phases, its loads, and the settings of boundary elements.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from itertools import cycle
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+import numpy as np
+from numpy.random import Generator
+
+from weier import ConvergenceError, Profile
+from weier.kernels.arrays import Array
+from weier.methods import patches
+
+MAX_WAVES = 1000  # of the finest term in a period: patches then take a third of a second a load at most
+LOADS = 8  # of each series
+REFERENCE, TWIN = 1e-12, 1e-11  # tolerances of the patches, and of those on the reflected profile
+FINER = (
+    10  # a difference is judged where the reference is this much finer than what is stated, or than the difference
+)
+MIN_RESISTANCE = 1e-3  # g_0/p_0*: errors of R are relative to it from here on
+ARRAYS = ("loads", "exact", "uncertainty")  # of a draw
+RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
+
+
+class Draw(NamedTuple):
+    """A series under loads, the settings of boundary elements, and the exact curve; NaN where patches found none.
+
+    uncertainty : of h and R, by how much patches on the reflected profile differ, and by their residual
+    """
+
+    family: str
+    profile: Profile
+    loads: Array
+    settings: dict[str, Any]
+    exact: Array
+    uncertainty: Array
+
+
+# Series: each of at most MAX_WAVES.
+
+
+def usual(random: Generator) -> tuple[float, Fraction, int]:
+    """Whole ratios to 10."""
+    return random.uniform(1.02, 1.98), Fraction(int(random.integers(2, 11))), int(random.integers(1, 6))
+
+
+def rational(random: Generator) -> tuple[float, Fraction, int]:
+    """Ratios of whole numbers, whose periods are many lambda_0."""
+    return random.uniform(1.02, 1.98), Fraction(str(random.choice(RATIOS))), int(random.integers(2, 6))
+
+
+def coarse(random: Generator) -> tuple[float, Fraction, int]:
+    """Ratios of 20 to 1000: a few crests of the first wave bear hundreds of contacts."""
+    return random.uniform(1.02, 1.98), Fraction(round(np.exp(random.uniform(np.log(20), np.log(1000))))), 2
+
+
+def long(random: Generator) -> tuple[float, Fraction, int]:
+    """Five to seven terms."""
+    return (
+        random.uniform(1.02, 1.98),
+        Fraction(str(random.choice(["3/2", "4/3", "2", "3"]))),
+        int(random.integers(5, 8)),
+    )
+
+
+def extreme_dimension(random: Generator) -> tuple[float, Fraction, int]:
+    """D within 1e-9 to 1e-1 of 1 and 2."""
+    _, gamma, m = (usual, rational)[random.integers(2)](random)
+    distance = 10 ** random.uniform(-9, -1)
+    return float(random.choice([1 + distance, 2 - distance])), gamma, m
+
+
+# Phases, of a series with so many waves in its period.
+
+
+def any_phases(random: Generator, waves: Array) -> Array:
+    """Anywhere."""
+    return random.uniform(0, 2 * np.pi, waves.size)
+
+
+def near_symmetry(random: Generator, waves: Array) -> Array:
+    """Within 1e-15 to 1e-3 of 0 and pi."""
+    off = 10 ** random.uniform(-15, -3, waves.size) * random.choice([-1, 0, 1], waves.size)
+    return np.pi * random.integers(0, 2, waves.size) + off
+
+
+def aligned(random: Generator, waves: Array) -> Array:
+    """All crests, or all troughs, meet at one place: on a node, between two, or anywhere."""
+    points = 32 * waves[-1]
+    place = float(random.choice([0.0, 0.5, 0.25, random.random()])) / points
+    return -2 * np.pi * waves * place + np.pi * float(random.random() < 0.2)
+
+
+def twin_crests(random: Generator, waves: Array) -> Array:
+    """An even profile, whose crests come in pairs, but for one phase by 1e-12 to 1e-2."""
+    phases = np.pi * random.integers(0, 2, waves.size)
+    phases[random.integers(waves.size)] += 10 ** random.uniform(-12, -2) * random.choice([-1, 1])
+    return phases
+
+
+# Loads.
+
+
+def any_loads(random: Generator, profile: Profile) -> Array:
+    """From 1e-9 p_0* to full contact."""
+    return np.exp(random.uniform(np.log(1e-9), np.log(profile.full_contact_load), LOADS))
+
+
+def near_events(random: Generator, profile: Profile) -> Array:
+    """Within 1e-10 to 1e-1 of a birth or a merger, on either side."""
+    low, high = (profile.full_contact_load * 10 ** random.uniform(*decades) for decades in ((-7, -2), (-2, -1e-3)))
+    count = _count(profile, low)
+    if count == _count(profile, high):
+        return any_loads(random, profile)
+    while high / low > 1 + 1e-11:
+        middle = np.sqrt(low * high)
+        low, high = (middle, high) if _count(profile, middle) == count else (low, middle)
+    return high * (1 + _near(random))
+
+
+def _count(profile: Profile, load: float) -> int:
+    return int(patches.curve(profile, [load], 1e-8).patch_count[0])
+
+
+def near_full_contact(random: Generator, profile: Profile) -> Array:
+    """Below full contact by 1e-10 to 1e-1 of it."""
+    return profile.full_contact_load * (1 - np.abs(_near(random)))
+
+
+def _near(random: Generator) -> Array:
+    return np.asarray(random.choice([-1, 1], LOADS) * 10 ** random.uniform(-10, -1, LOADS))
+
+
+# Settings.
+
+
+def usual_settings(random: Generator, profile: Profile) -> dict[str, Any]:
+    """The default of 32 points a wave, or another power of 2."""
+    return {"points_per_wave": int(random.choice([16, 32, 32, 32, 64, 128]))}
+
+
+def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
+    """Odd numbers of points a wave, or any number in the period."""
+    waves = profile.waves_per_period[-1]
+    if random.random() < 0.5:
+        return {"points_per_wave": 2 * int(random.integers(8, 51)) + 1}
+    return {"points": int(random.integers(16 * waves, 65 * waves))}
+
+
+def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
+    """Residuals from 1e-6 to 1e-12 g_0."""
+    return usual_settings(random, profile) | {"tolerance": 10 ** random.uniform(-12, -6)}
+
+
+SERIES = usual, rational, coarse, long, extreme_dimension
+PHASES = any_phases, near_symmetry, aligned, twin_crests
+PRESSURES = any_loads, near_events, near_full_contact
+SETTINGS = usual_settings, odd_points, tolerances
+DEFAULT = usual, any_phases, any_loads, usual_settings
+Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, phases, loads and settings
+
+
+def _family(*features: Callable[..., Any]) -> Features:
+    """The features told, and what is usual for the rest."""
+    kinds = SERIES, PHASES, PRESSURES, SETTINGS
+    return tuple(
+        tuple(f for f in features if f in kind) or (usual,) for kind, usual in zip(kinds, DEFAULT, strict=True)
+    )
+
+
+FAMILIES: dict[str, Features] = {
+    "usual": _family(),
+    "rational gamma": _family(rational),
+    "gamma 20 to 1000": _family(coarse, *PHASES),
+    "m to 7": _family(long),
+    "D near 1 and 2": _family(extreme_dimension),
+    "phases near 0 and pi": _family(usual, rational, near_symmetry),
+    "aligned crests": _family(usual, rational, aligned),
+    "births and mergers": _family(usual, rational, any_phases, near_symmetry, near_events),
+    "full contact": _family(usual, rational, near_full_contact),
+    "twin crests": _family(usual, rational, twin_crests, near_events),
+    "odd points": _family(usual, rational, odd_points),
+    "tolerances": _family(usual, rational, tolerances),
+    "all at once": (SERIES, PHASES, PRESSURES, SETTINGS),
+}
+
+
+def draw(random: Generator, family: str) -> Draw:
+    """A fresh series of a family with its exact curve."""
+    series, phases, loads, settings = (choices[random.integers(len(choices))] for choices in FAMILIES[family])
+    D, gamma, m = series(random)
+    while gamma.numerator ** (m - 1) > MAX_WAVES:
+        D, gamma, m = series(random)
+    waves = np.array(Profile(D, gamma, m).waves_per_period, float)
+    profile = Profile(D, gamma, m, tuple(phases(random, waves).tolist()))
+    pressures = _pressures(random, profile, loads)
+    return Draw(family, profile, pressures, settings(random, profile), *solve_exactly(profile, pressures))
+
+
+def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, Profile], Array]) -> Array:
+    """Increasing loads; any, where the events of contact patches are not found."""
+    try:
+        return np.unique(loads(random, profile))
+    except ConvergenceError as error:
+        click.echo(f"events of {profile!r}: {error}", err=True)
+        return np.unique(any_loads(random, profile))
+
+
+def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
+    """Compliance and resistance, shape (2, loads), and how uncertain they are; NaN where patches find no solution."""
+    reflected = Profile(profile.D, profile.gamma, profile.m, tuple((-profile.phase).tolist()))
+    exact, twin, uncertainty = np.full((3, 2, loads.size), np.nan)
+    for number, load in enumerate(loads):
+        try:
+            found, other = patches.curve(profile, [load], REFERENCE), patches.curve(reflected, [load], TWIN)
+        except ConvergenceError as error:
+            click.echo(f"patches of {profile!r} at {load!r}: {error}", err=True)
+            continue
+        exact[:, number], twin[:, number] = ([c.compliance[0], c.resistance[0]] for c in (found, other))
+        uncertainty[:, number] = found.residual[0] + 1e-15 * profile.total_amplitude, 1e-12 * found.resistance[0]
+    return exact, np.abs(exact - twin) + uncertainty
+
+
+def draws(path: Path | None, names: list[str], random: Generator, count: int) -> Iterator[Draw]:
+    """Draws of the families with so many loads: those that the file keeps first, then fresh ones, which it gains."""
+    kept = [_from_line(line) for line in path.read_text().splitlines()] if path and path.exists() else []
+    kept = [each for each in kept if each.family in names]
+    yield from kept
+    missing = count - sum(each.loads.size for each in kept)
+    for name in cycle(names):
+        if missing <= 0:
+            return
+        fresh = draw(random, name)
+        missing -= fresh.loads.size
+        if path:
+            with path.open("a") as file:
+                file.write(_as_line(fresh) + "\n")
+        yield fresh
+
+
+def _as_line(each: Draw) -> str:
+    D, gamma, m, phases = each.profile.D, each.profile.gamma, each.profile.m, each.profile.phases
+    arrays = {name: getattr(each, name).tolist() for name in ARRAYS}
+    return json.dumps({**each._asdict(), "profile": [D, str(gamma), m, phases], **arrays})
+
+
+def _from_line(line: str) -> Draw:
+    kept = json.loads(line)
+    return Draw(**{**kept, "profile": Profile(*kept["profile"]), **{name: np.array(kept[name]) for name in ARRAYS}})
