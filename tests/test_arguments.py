@@ -35,9 +35,9 @@ INTERFACE = weier.Interface(
 def contact():
     """A file's worth of curves: one case, two methods."""
     data = dataset.blank(1, ["demelio", "bem"], np.array([0.1, 1.0]), 2)
-    for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("phase", [0, 1.0])):
+    for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("phases", [0, 1.0])):
         data[name].values[0] = value
-    return weier.Contact(data)
+    return data
 
 
 # Sound values of the arguments, by their names; a function may have others.
@@ -46,14 +46,14 @@ SOUND = {
     "phases": 0.5, "seed": 7, "low": 0.05, "high": 0.3, "tolerance": 1e-3, "quantity": "compliance", "points": 64,
     "path": "there/is/none.nc", "x": [0.1, 0.2], "terms": 1, "normalised": [0.1, 0.2],
     "radii": [1e-6], "contour_radius": 1e-5, "modulus": 1e9, "compliance_slope": 1e-9,
-    "contact_edges": True, "data": contact().data, "solution_method": "bem", **vars(INTERFACE),
+    "contact_edges": True, "data": contact(), **vars(INTERFACE),
 }  # fmt: skip
 OWN = {
     "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
     "fields": {"mean_pressure": 0.1, "method": "patches"},
     "Profile.sampled_height": {"terms": 2},
-    "Contact.sel": {"phases": 1.0, "mean_pressure": 0.1, "seed": None, "study": None},
+    "cases": {"phases": 1.0, "seed": None, "study": None},
     "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio")},
 }
 
@@ -66,12 +66,12 @@ def functions():
         if issubclass(value, Exception):
             del found[name]  # raised, not called
             continue
-        instance = {"Profile": PROFILE, "Interface": INTERFACE, "Contact": contact()}[name]
+        instance = {"Profile": PROFILE, "Interface": INTERFACE}[name]
         for method, function in inspect.getmembers(value, inspect.isfunction):
             if not method.startswith("_") and set(inspect.signature(function).parameters) - {"self"}:
                 found[f"{name}.{method}"] = getattr(instance, method)
     extra = (conduction.holm, conduction.greenwood, conduction.composite_modulus, conduction.specific_resistance)
-    return found | {function.__name__: function for function in extra}
+    return found | {function.__name__: function for function in (*extra, contact().weier.cases)}
 
 
 FUNCTIONS = functions()
@@ -115,7 +115,6 @@ NOT_NUMBERS = {
     "subject",
     "method",
     "quantity",
-    "solution_method",
     "path",
     "data",
     "contact_edges",
@@ -124,7 +123,7 @@ NOT_NUMBERS = {
 TEXT_TOO = {"gamma"}
 NONE_TOO = {
     "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
-    "Contact.sel": {"D", "gamma", "m", "phases", "seed", "study", "mean_pressure", "solution_method"},
+    "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }  # fmt: skip
 
 
@@ -142,7 +141,7 @@ def attempt(call, argument):
         warnings.simplefilter("error")
         try:
             return (call(),)
-        except (ValueError, ConvergenceError) as refusal:
+        except (ValueError, ConvergenceError, FileNotFoundError) as refusal:
             clear(str(refusal), argument)
     return None
 
@@ -230,7 +229,7 @@ LIST = np.array([1.2, 1.3])
         (lambda: weier.solve(PROFILE, [0.1], "bem", resistance="no"), "resistance of bem must be true or false"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", resistance=None), "resistance of bem must be true or false"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),
-        (lambda: contact().sel(D=[]), "D must have a value to select by, got an empty list"),
+        (lambda: contact().weier.cases(D=[]), "D must have a value to select by, got an empty list"),
         (lambda: conduction.holm([0], 1, 1), "radii must be positive, got 0.0 at position 0"),
         (lambda: conduction.holm([-1], 1, 1), "radii must be positive, got -1.0 at position 0"),
         (lambda: conduction.holm([], 1, 1), "radii must be those of at least one contact"),

@@ -19,7 +19,7 @@ from weier.data import dataset, variables
 from weier.data.check import Check
 from weier.figures import kinds
 from weier.methods import registry
-from weier.pipeline import batch, curves
+from weier.pipeline import batch, claims, curves
 from weier.pipeline.claims import claim, paper
 from weier.scene.file import schema
 
@@ -39,6 +39,13 @@ methods: [demelio, layer]
 studies:
   one: {product: {D: [1.25, 1.5], gamma: 5, m: [2, 3]}}
 """
+PAPER = (
+    DATA
+    + """
+  rough: {product: {D: 1.5, gamma: 5, m: 3, phases: 1.0}}
+  rough_ensemble: {product: {D: 1.5, gamma: 5, m: 3, seed: [0, 1]}}
+"""
+)
 
 
 def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
@@ -46,9 +53,11 @@ def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
     text = Path("README.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     (path,) = set(re.findall(r'"(results/\S*\.nc)"', text))
-    Path("scene.yaml").write_text(DATA)
+    Path("scene.yaml").write_text(PAPER)
     loaded = scene.load("scene.yaml")
-    dataset.write(batch.solve_batch(loaded, loaded.studies["one"])[0], path, loaded.title)
+    for name in loaded.batches:
+        dataset.write(batch.solve_batch(loaded, loaded.batch(name))[0], f"{name}.nc", loaded.title)
+    claims.write(loaded, Path(), path, "claims.md")
 
     capsys.readouterr()
     names = {}  # of one reader, who goes from top to bottom
@@ -62,11 +71,13 @@ def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
     exact = weier.solve(weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), loaded.loads, "patches")
     assert compliance == pytest.approx(exact.compliance.values, abs=1e-3)
     assert resistance == pytest.approx(exact.resistance.values, rel=0.1)
-    layer = weier.solve(weier.Profile(1.5, 5, 3), loaded.loads, "layer").compliance.values
+    layer = weier.solve(weier.Profile(1.5, 5, 3), loaded.loads, "layer")
     assert len(opened) == 2
     for printed in opened:
-        last = re.findall(r"^[\d. ]+ ([\d.]+)$", printed, re.M)  # of each row
-        assert [float(number) for number in last] == pytest.approx(layer, rel=1e-4)
+        last = re.findall(r" ([\d.]+)$", printed, re.M)  # of each row
+        assert [float(number) for number in last] == pytest.approx(layer.compliance.values, rel=1e-4)
+    assert "rough: D = 1.5, gamma = 5, m = 3, phases = 1" in opened[1]
+    assert float(opened[1].split()[-1]) == pytest.approx(layer.resistance.values[-1])
 
 
 def test_the_readme_names_what_there_is():

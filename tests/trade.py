@@ -15,7 +15,7 @@ studies:
   profiles:
     cases:
       - {D: 1.25, gamma: 5, m: 1}
-      - {D: 1.5, gamma: 3, m: 2, phase: 1.0}
+      - {D: 1.5, gamma: 3, m: 2, phases: 1.0}
 """
 
 

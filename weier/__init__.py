@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
-    from weier.data.results import Contact, open
-    from weier.methods.errors import ConvergenceError
+    from weier.data.dataset import open
+    from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
     from weier.methods.fields import events, fields
     from weier.pipeline.plan import plan
     from weier.pipeline.solve import solve
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 __version__ = VERSION
 
 __all__ = [
-    "Contact",
     "ConvergenceError",
     "Interface",
+    "NotApplicableError",
+    "OutOfReachError",
     "Profile",
     "__version__",
     "events",
@@ -36,13 +37,14 @@ __all__ = [
 ]
 
 _MODULES = {
-    "Contact": "data.results",
     "ConvergenceError": "methods.errors",
     "Interface": "theory.conduction",
+    "NotApplicableError": "methods.errors",
+    "OutOfReachError": "methods.errors",
     "Profile": "theory.profile",
     "events": "methods.fields",
     "fields": "methods.fields",
-    "open": "data.results",
+    "open": "data.dataset",
     "plan": "pipeline.plan",
     "random_phases": "theory.phases",
     "solve": "pipeline.solve",
@@ -58,4 +60,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

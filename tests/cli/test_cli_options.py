@@ -31,7 +31,7 @@ def test_settings_by_method():
         (["--loads", ""], "loads must read"),
         (["--loads", "1:2:99999999999"], "must lie in [2, 10000], got 99999999999"),
         (["--phases", "0,one"], 'phases must read "1" or "0,1,2", got \'0,one\''),
-        (["--phase", "1", "--seed", "1"], "one of --phase, --phases and --seed, got --phase and --seed"),
+        (["--phases", "1", "--seed", "1"], "--phases or --seed, got both"),
         (["--set", "bem"], 'must read "method.name=value"'),
         (["--set", "bem.points="], 'must read "method.name=value"'),
         (["--set", "bem.points=!!python/name:os.system"], "must be a number or a word"),

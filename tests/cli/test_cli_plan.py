@@ -6,7 +6,7 @@ import pytest
 import weier
 from weier import scene
 
-PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phase", "1"]
+PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
 
 
 def test_a_plan_of_one_profile_is_that_of_the_library(run):

@@ -84,5 +84,5 @@ def test_a_truncated_or_foreign_file_is_refused_in_one_sentence(waves, tmp_path)
     xr.Dataset({"x": 1}).to_netcdf(path)
     with pytest.raises(ValueError, match="not of weier"):
         dataset.read(path)
-    with pytest.raises(ValueError, match=r"there is no file .*none\.nc: make it first"):
+    with pytest.raises(FileNotFoundError, match=r"there is no file .*none\.nc: make it first"):
         dataset.read(tmp_path / "none.nc")

@@ -36,9 +36,9 @@ settings: {bem: {points: 80}}
 contact_edges: true
 studies:
   terms:
-    product: {D: 1.25, gamma: 3, m: [1, 2], phase: 1.0}
+    product: {D: 1.25, gamma: 3, m: [1, 2], phases: 1.0}
   one:
-    product: {D: 1.5, gamma: "5/2", m: 2, phase: 1.0}
+    product: {D: 1.5, gamma: "5/2", m: 2, phases: 1.0}
 """
 FORMATS = ("pdf", "svg", "png")
 OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
@@ -63,7 +63,7 @@ def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.D
         data["key"].values[case] = f"case{case}"
         data["D"].values[case], data["gamma"].values[case], data["m"].values[case] = 1.5, 2, m
         data["total_amplitude"].values[case], data["tail_amplitude"].values[case] = 1 + 0.1 * case, 0.1
-        data["phase"].values[case, : int(min(m, 8))] = 0.5
+        data["phases"].values[case, : int(min(m, 8))] = 0.5
         for row in range(case == 0, 3):
             data["compliance"].values[case, row] = (1 + 0.1 * case) * -np.expm1(-loads * (1 + row))
             data["resistance"].values[case, row] = np.exp(-loads * (1 + row))

@@ -26,7 +26,7 @@ def infinite() -> xr.Dataset:
             "compliance_upper": (rows, np.minimum(h + width, TOTAL)),
             "total_amplitude": ("case", [TOTAL, TOTAL]), "tail_amplitude": ("case", [0.0, 0.0]),
             "D": ("case", [1.25, 1.25]), "gamma": ("case", [2.0, 5.0]), "m": ("case", [np.inf, np.inf]),
-            "phase": (("case", "term"), np.full((2, 2), np.nan)),
+            "phases": (("case", "term"), np.full((2, 2), np.nan)),
         },
         {"mean_pressure": LOADS},
     )  # fmt: skip
@@ -58,7 +58,7 @@ def test_the_loads_of_the_extremes_are_spread_where_things_happen() -> None:
             "solution_method": ("variant", ["archard"]),
             **{name: ("nodes", [1.0, 10.0]) for name in extremes.CONDITIONS},
             "D": ("case", [1.25]), "gamma": ("case", [5.0]), "m": ("case", [3.0]),
-            "phase": (("case", "term"), [[0.0, 1.0, 1.0]]),
+            "phases": (("case", "term"), [[0.0, 1.0, 1.0]]),
         },
         {"variant": ["archard"], "nodes": [3, 30]},
     )  # fmt: skip

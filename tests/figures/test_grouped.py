@@ -23,7 +23,7 @@ def sweep() -> xr.Dataset:
     for row, (gamma, seed) in enumerate((gamma, seed) for gamma in GAMMAS for seed in range(SEEDS)):
         data["key"].values[row] = f"case{row}"
         data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, gamma, 3
-        data["phase"].values[row] = 0, seed + 0.1, seed + 0.2
+        data["phases"].values[row] = 0, seed + 0.1, seed + 0.2
         data["total_amplitude"].values[row] = total = gamma + 0.1 * seed
         data["compliance"].values[row] = total * -np.expm1(-LOADS)
         data["resistance"].values[row] = total * np.exp(-LOADS)

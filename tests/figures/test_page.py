@@ -49,7 +49,7 @@ def folder(tmp_path_factory):
     data["compliance"].values[3, 0] = data["resistance"].values[3, 0] = (
         np.nan
     )  # demelio has no curve of the last case
-    data["phase"].values[:, :2] = 0, 1
+    data["phases"].values[:, :2] = 0, 1
     data["status"].values[:] = Status.solved
     cost["seconds"].values[:] = 0.5
     dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
@@ -379,7 +379,7 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     """With all methods, random phases, and cases that differ in nothing but their keys."""
     data = dataset.blank(2, registry.names(), LOADS, 6)
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
-    data["phase"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
+    data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
     measured = claims.Measured("a number with words " * 30, "It does not hold. " * 9, outcome=Check.no)
     data = data.merge(claims._columns({"archard_above": measured}))

@@ -36,7 +36,7 @@ def case(D: float = 1.25, gamma: float = 5, m: float = 3, phase: float = 1.0, **
     values = {"key": f"{D}{gamma:g}{m}{phase:.2f}", "D": D, "gamma": gamma, "m": m}
     for name, value in {**values, "total_amplitude": total, "tail_amplitude": tail}.items():
         data[name].values[0] = value
-    data["phase"].values[0, : int(m)] = np.where(np.arange(m) == 0, 0, phase)
+    data["phases"].values[0, : int(m)] = np.where(np.arange(m) == 0, 0, phase)
     for row, curve in enumerate(methods.values()):
         given = curve if isinstance(curve, dict) else {"compliance": curve}
         for name, value in {"contact_fraction": FRACTION, "resistance": RESISTANCE, **given}.items():
@@ -334,7 +334,7 @@ def on_loads(loads: np.ndarray, phase: float, curves: dict[str, np.ndarray]) -> 
     data = dataset.blank(1, list(curves), loads, 4)
     for name, value in {"D": 1.25, "gamma": 5, "m": 3, "total_amplitude": TOTAL, "key": f"{phase}"}.items():
         data[name].values[0] = value
-    data["phase"].values[0, :3] = 0, phase, phase
+    data["phases"].values[0, :3] = 0, phase, phase
     for row, compliance in enumerate(curves.values()):
         data["compliance"].values[0, row] = compliance
         data["contact_fraction"].values[0, row] = np.minimum(loads / 2, 1)

@@ -15,7 +15,7 @@ SCENE = """
 title: test
 loads: [0.01, 0.1, 2.0]
 methods: [METHOD]
-studies: {one: {product: {D: 1.5, gamma: 2, m: [1, 2, .inf], phase: 1.0}}}
+studies: {one: {product: {D: 1.5, gamma: 2, m: [1, 2, .inf], phases: 1.0}}}
 """
 
 # As plain Python, which shows what is called; each method in a process that remembers nothing of the others.

@@ -39,8 +39,8 @@ def test_status_says_why_a_curve_is_missing(waves):
 
 def test_a_study_keeps_its_order(waves):
     assert waves.m.values.tolist() == [1, 2, np.inf]
-    assert waves.phase.values[1].tolist() == [0, 0]
-    assert np.isnan(waves.phase.values[0, 1])
+    assert waves.phases.values[1].tolist() == [0, 0]
+    assert np.isnan(waves.phases.values[0, 1])
 
 
 @pytest.mark.parametrize("block", [1, 2**25])
@@ -61,7 +61,7 @@ def test_what_is_not_there_is_refused(files, tmp_path):
 
 
 def test_a_batch_that_is_not_there_is_named(loaded, tmp_path):
-    with pytest.raises(ValueError, match=r"there is no file .*waves-0\.nc: make it first"):
+    with pytest.raises(FileNotFoundError, match=r"there is no file .*waves-0\.nc: make it first"):
         read_study(loaded, "waves", tmp_path)
 
 

@@ -59,8 +59,8 @@ def test_a_file_labels_its_cases(path):
     ],
 )
 def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
-    with weier.open(path) as contact:
-        assert contact.sel(**labels).data.study.values.tolist() == study
+    with weier.open(path) as data:
+        assert data.weier.cases(**labels).study.values.tolist() == study
 
 
 @pytest.mark.parametrize(
@@ -68,14 +68,29 @@ def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
     [
         ({"study": "rough"}, "no case has study = 'rough': choose from .*coarse"),
         ({"bem_points": 50}, "no case has bem_points = 50: choose from 40, 80"),
-        ({"bem_nodes": 50}, "there is no label 'bem_nodes': select by .*bem_points"),
-        ({"method": "bem"}, "there is no label 'method': select by .*D, .*phases, solution_method"),
+        ({"bem_nodes": 50}, "there is no label 'bem_nodes' of cases: select by .*bem_points"),
+        ({"method": "bem"}, "there is no label 'method' of cases: select by .*D, .*phases"),
         ({"seed": 9}, "no case has seed = 9: choose from 7, 8"),
     ],
 )
 def test_a_label_that_no_case_has_is_refused_with_the_choice(path, labels, message):
-    with weier.open(path) as contact, pytest.raises(ValueError, match=message):
-        contact.sel(**labels)
+    with weier.open(path) as data, pytest.raises(ValueError, match=message):
+        data.weier.cases(**labels)
+
+
+def test_each_case_has_a_name_that_tells_it_from_the_others(path):
+    with weier.open(path) as data:
+        names = [
+            "coarse: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 40, bem_edges = nodes",
+            "fine, alike: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_edges = nodes",
+            "between: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_edges = subgrid",
+            "drawn: D = 1.25, gamma = 5, m = 2, seed = 7",
+            "drawn: D = 1.25, gamma = 5, m = 2, seed = 8",
+        ]
+        assert data.case.values.tolist() == names
+        series = data.compliance.sel(solution_method="demelio").to_series()
+        assert series.index.names == ["case", "mean_pressure"]
+        assert data.sel(case=names[1]).bem_points == 80
 
 
 def test_the_page_offers_cases_by_their_labels(path):

@@ -16,7 +16,7 @@ title: planned
 loads: [0.01, 0.1, 20]
 tolerance: 1.0e-3
 studies:
-  one: {product: {D: [1.25, 1.5], gamma: 5, m: 2, phase: 1.0}}
+  one: {product: {D: [1.25, 1.5], gamma: 5, m: 2, phases: 1.0}}
 """
 
 
@@ -49,7 +49,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
 
 def test_a_scene_plan_tells_its_cases_apart_and_lists_those_without_a_plan(tmp_path):
     path, product = tmp_path / "test.yaml", "{D: [1.25, 1.9], gamma: 2, m: .inf, seed: [3, 4]}"
-    path.write_text(SCENE.replace("{D: [1.25, 1.5], gamma: 5, m: 2, phase: 1.0}", product))
+    path.write_text(SCENE.replace("{D: [1.25, 1.5], gamma: 5, m: 2, phases: 1.0}", product))
     lines = str(weier.plan(scene.load(path), tolerance=0.1)).splitlines()
     heads = [line for line in lines if line and not line.startswith(" ")]
     assert heads[0].startswith("D = 1.25, gamma = 2, m = inf, seed 3: compliance within 0.1")

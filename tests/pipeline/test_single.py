@@ -10,7 +10,7 @@ from weier import scene
 from weier.methods.errors import ConvergenceError
 from weier.pipeline import single
 
-SERIES = {"D": 1.25, "gamma": "5/2", "m": 2, "phase": 1.0}
+SERIES = {"D": 1.25, "gamma": "5/2", "m": 2, "phases": 1.0}
 LOADS = np.array([0.1, 1.0])
 
 
@@ -31,7 +31,7 @@ def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
 
 def test_what_no_method_finds_raises():
     with pytest.raises(ValueError, match="bem: m = inf has no finest wave"):
-        single.solve_one(SERIES | {"m": np.inf, "phase": 0.0}, LOADS, ["bem"], {})
+        single.solve_one(SERIES | {"m": np.inf, "phases": 0.0}, LOADS, ["bem"], {})
     with pytest.raises(ConvergenceError, match="bem: boundary elements on 2000 points stopped"):
         single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": 1e-15, "points": 2000}})
 

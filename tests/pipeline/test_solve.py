@@ -10,7 +10,6 @@ import xarray as xr
 import weier
 from weier import scene
 from weier.data import provenance
-from weier.data.table import as_table
 from weier.methods.registry import find_method, infinite_names, names
 from weier.methods.settings import defaults
 from weier.pipeline.batch import solve_batch
@@ -45,12 +44,11 @@ def test_a_curve_comes_back_from_a_file_as_it_was(method, tmp_path):
     curve.to_netcdf(path)
     with xr.open_dataset(path) as found:
         assert found.identical(curve)
-    with weier.open(path) as contact:
-        one = contact.sel(D=1.25, gamma=5, m=profile.m, solution_method=method, mean_pressure=0.1)
-        assert one["compliance"].item() == curve.compliance.values[1]
+    with weier.open(path) as data:
+        one = data.weier.cases(D=1.25, gamma=5, m=profile.m).sel(solution_method=method, mean_pressure=0.1)
+        assert one.compliance.item() == curve.compliance.values[1]
         if profile is SMOOTH:
-            for name in ("phases", "phase"):
-                assert contact.sel(**{name: 1.0})["compliance"].shape == (1, 1, 3)
+            assert data.weier.cases(phases=1.0).compliance.shape == (1, 1, 3)
 
 
 @pytest.mark.parametrize("method", names())
@@ -92,7 +90,7 @@ studies:
     loaded = scene.load(tmp_path / "same.yaml")
     written, _ = solve_batch(loaded, loaded.studies["both"])
     xr.testing.assert_identical(
-        found.drop_vars(["key", "seconds"]).drop_attrs(), written.drop_vars("key").drop_attrs()
+        found.drop_vars(["key", "seconds", "case"]).drop_attrs(), written.drop_vars("key").drop_attrs()
     )
     for case, profile in enumerate((SMOOTH, ROUGH)):
         for method, settings in (("demelio", {}), ("bem", {"tolerance": 1e-9})):
@@ -101,8 +99,8 @@ studies:
             assert both.compliance.values == pytest.approx(one.compliance.values, rel=1e-14)
             assert json.loads(str(both.settings.values)) == json.loads(one.attrs["settings"])
     found.to_netcdf(tmp_path / "both.nc")
-    with weier.open(tmp_path / "both.nc") as contact:
-        assert contact.sel(D=1.5, solution_method="bem")["compliance"].shape == (1, 3)
+    with weier.open(tmp_path / "both.nc") as data:
+        assert data.weier.cases(D=1.5).sel(solution_method="bem").compliance.shape == (1, 3)
 
 
 def test_what_cannot_be_solved_is_named_and_the_others_are_there():
@@ -146,10 +144,10 @@ def test_a_list_that_cannot_be_solved_is_refused(call, message):
 def test_a_table_has_one_row_for_each_case_method_and_load():
     with pytest.warns(UserWarning, match="westergaard"):
         found = weier.solve([SMOOTH, weier.Profile(1.5, 3, 1)], LOADS, ["westergaard", "patches"])
-    table = as_table(found)
+    table = found.weier.table()
     assert len(table) == 9  # Westergaard's is of the second profile alone
     row = table[(table["D"] == 1.25) & (table["mean_pressure"] == 0.1)]
     exact = weier.solve(SMOOTH, [0.1], "patches")
     assert row["compliance"].tolist() == pytest.approx(exact.compliance.values)
     assert row["phases"].tolist() == ["[0.0, 1.0]"]
-    assert set(as_table(exact)["solution_method"]) == {"patches"}
+    assert set(exact.weier.table()["solution_method"]) == {"patches"}

@@ -165,19 +165,12 @@ def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_p
     assert [case.profile.phases for case in loaded.cases.values()] == expected
 
 
-@pytest.mark.parametrize("path", sorted(Path("config").glob("*/*.yaml")), ids=str)
-def test_the_scenes_of_the_project_use_the_word_for_phases(path):
-    """The older name works, but nobody should learn it here."""
-    assert not re.search(r"\bphase:", path.read_text(encoding="utf-8"))
-
-
-@pytest.mark.parametrize("keys", [("phase", "phases"), ("phase", "seed"), ("phases", "seed")])
-def test_phases_are_given_in_one_way(keys, tmp_path):
-    values = {"phase": 1.0, "phases": [[0.0, 1.0]], "seed": 3}
-    for key in keys:  # each alone is sound
+def test_phases_are_given_in_one_way(tmp_path):
+    values = {"phases": [[0.0, 1.0]], "seed": 3}
+    for key in values:  # each alone is sound
         scene.load(write(tmp_path, **product(**{key: values[key]})))
-    with pytest.raises(scene.SceneError, match="a profile takes at most one of phase, phases and seed"):
-        scene.load(write(tmp_path, **product(**{key: values[key] for key in keys})))
+    with pytest.raises(scene.SceneError, match="a profile takes phases or a seed, not both"):
+        scene.load(write(tmp_path, **product(**values)))
 
 
 def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):

@@ -1,10 +1,8 @@
-"""Tables of text and HTML, and how a profile and a file look in a notebook."""
+"""Tables of text and HTML, and how a profile looks in a notebook."""
 
 import numpy as np
-import pytest
 
 import weier
-from weier.data import dataset
 from weier.theory.profile import MAX_TERMS_SHOWN
 from weier.theory.tables import html_table, significant, text_table
 
@@ -45,25 +43,3 @@ def test_a_profile_shows_its_terms_in_a_notebook():
     assert long.count("<tr>") == 1 + MAX_TERMS_SHOWN
     assert "18 more terms" in long
     assert f"{1 / (1 - 5**-0.75):.6g}" in weier.Profile(1.25, 5, np.inf)._repr_html_()  # G (22)
-
-
-@pytest.fixture
-def path(tmp_path):
-    data = dataset.blank(3, ["layer"], np.array([0.1, 1.0]), 2)
-    data["key"].values[:] = "a", "b", "c"
-    data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.25, 5, (2, 2, np.inf)
-    dataset.write(data, tmp_path / "contact.nc", "Some <waves>")
-    return tmp_path / "contact.nc"
-
-
-def test_a_file_shows_its_cases_in_a_notebook(path):
-    with weier.open(path) as contact:
-        text = contact._repr_html_()
-        assert "Some &lt;waves&gt;" in text
-        cells = [row.split("</td>")[:-1] for row in text.partition("<table>")[2].split("<tr>")[2:4]]
-        assert [[cell.rpartition(">")[2] for cell in row] for row in cells] == [
-            ["1.25", "5", "2", "2"], ["1.25", "5", "inf", "1"],
-        ]  # fmt: skip
-        assert "mean_pressure" in text  # the dataset itself follows
-        one = contact.sel(m=2, solution_method="layer", mean_pressure=0.1)
-        assert "<table>" in one._repr_html_()

@@ -53,7 +53,7 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
         values = {"D": profile.D, "gamma": float(profile.gamma), "m": profile.m, "tail_amplitude": 0.0}
         for name, value in {**values, "total_amplitude": profile.total_amplitude}.items():
             data[name].values[case] = value
-        data["phase"].values[case] = profile.truncated(max_terms).phase
+        data["phases"].values[case] = profile.truncated(max_terms).phase
         for terms in range(1, max_terms + 1):
             for name, value in _solve(profile, loads, terms).items():
                 data[name].values[case, terms - 1] = value

@@ -124,7 +124,6 @@ def _series(required: bool) -> tuple[Option, ...]:
             "--phases", callback=_read(parse_phases),
             help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
         ),
-        click.option("--phase", type=float, hidden=True, help="The older name of one number of --phases."),
         click.option("--seed", type=int, help="Seed of random phases."),
     )  # fmt: skip
 
@@ -161,12 +160,10 @@ def _with_options(command: Command, *options: Option) -> Command:
 
 
 def parameters(
-    D: float, gamma: str, m: float, phase: float | None, phases: float | list[float] | None, seed: int | None
+    D: float, gamma: str, m: float, phases: float | list[float] | None, seed: int | None
 ) -> dict[str, Any]:
     """The parameters of a profile, as a scene has them, from the options that name it."""
-    chosen = {"phase": phase, "phases": phases, "seed": seed}
-    given = {name: value for name, value in chosen.items() if value is not None}
+    given = {name: value for name, value in {"phases": phases, "seed": seed}.items() if value is not None}
     if len(given) > 1:
-        options = " and ".join(f"--{name}" for name in given)
-        raise click.UsageError(f"a profile takes one of --phase, --phases and --seed, got {options}")
+        raise click.UsageError("a profile takes --phases or --seed, got both")
     return {"D": D, "gamma": gamma, "m": int(m) if m.is_integer() else m, **given}

@@ -115,12 +115,12 @@ def table(contact: Path, path: Path) -> None:
 
     They are those of the dataset CONTACT, such as results/paper/contact.nc.
     """
-    from weier.data import results
+    from weier.data import dataset
     from weier.data.files import write_text
     from weier.pipeline import single
 
-    with job("table", path.stem), results.open(contact) as curves:
-        write_text(path, single.as_csv(curves.data) + "\n")
+    with job("table", path.stem), dataset.open(contact) as curves:
+        write_text(path, single.as_csv(curves) + "\n")
 
 
 @click.command()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,14 @@ import xarray as xr
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.provenance import NORMALISED, PAPER
-from weier.data.variables import COORDINATES, COST, CURVE, RUN, VARIABLES, Status, Variable
+from weier.data.selection import NEEDED, as_cases, name_cases
+from weier.data.variables import COORDINATES, COST, CURVE, PHASES_TEXT, RUN, VARIABLES, Status, Variable
 from weier.kernels.arrays import Array
+from weier.theory.arguments import shown
 
 __all__ = [
     "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
-    "curve", "open_lazily", "read", "reading", "widen", "write",
+    "curve", "open", "open_lazily", "read", "reading", "widen", "write",
 ]  # fmt: skip
 
 
@@ -43,30 +46,14 @@ def curve(
     for name in data.data_vars:
         if related := variables.ancillary(str(name), set(arrays)):
             data[name].attrs["ancillary_variables"] = related
-    coordinates: dict[str, Any] = {name: ((), value, variables.attributes(name)) for name, value in labels.items()}
+    table = VARIABLES | {"phases": PHASES_TEXT}
+    coordinates: dict[str, Any] = {
+        name: ((), value, variables.attributes(name, table)) for name, value in labels.items()
+    }
     coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
     plain = {name: _attribute(value) for name, value in {**settings, **scalars}.items() if value is not None}
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
     return data.assign_coords(coordinates).assign_attrs(provenance.of_results() | plain)
-
-
-def as_cases(data: xr.Dataset) -> xr.Dataset:
-    """A curve of one profile by one method, as the one case of a file; what has cases already, as it is."""
-    if "case" in data.dims:
-        return data
-    phases = json.loads(str(data["phases"].values)) if "phases" in data else []
-    each = phases if isinstance(phases, list) else _phases_of_terms(float(data["m"]), phases)
-    labels: dict[str, Any] = {
-        name: ("case", data[name].values[None], data[name].attrs) for name in ("D", "gamma", "m", "seed")
-    }
-    labels["phase"] = (("case", "term"), np.array([each], float), variables.attributes("phase"))
-    wide = data.drop_vars([*labels.keys() & data.coords.keys(), "phases"]).expand_dims("solution_method")
-    return wide.expand_dims("case").assign_coords(labels)
-
-
-def _phases_of_terms(m: float, phase: float) -> list[float]:
-    """The phase of each term of a finite series, of which the first has none; none of an infinite one."""
-    return [] if np.isinf(m) else [0.0, *[phase] * (int(m) - 1)]
 
 
 def blank(
@@ -143,7 +130,7 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Read a netCDF file of weier into memory; a ValueError if it is missing, cut short, or not of weier."""
+    """Read a netCDF file of weier into memory; a ValueError if it is cut short or not of weier."""
     with reading(path) as data:
         return data.load()
 
@@ -164,7 +151,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     """A netCDF file of weier, opened; its values are read where they are asked for."""
     try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
-    except (OSError, ValueError, RuntimeError) as error:
+    except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too
         raise netcdf.damaged_error(path, error) from None
     try:
         netcdf.check_origin(path, data.variables, data.attrs.get("program", ""))
@@ -172,6 +159,45 @@ def open_lazily(path: str | Path) -> xr.Dataset:
         data.close()
         raise
     return data
+
+
+def open(path: str | Path) -> xr.Dataset:
+    """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read where they are needed.
+
+    Parameters
+    ----------
+    path : path
+        Such as results/paper/contact.nc.
+
+    Returns
+    -------
+    Dataset
+        Over case, solution_method and mean_pressure, to select from as from any `xarray.Dataset`. Each case has its
+        name in the coordinate `case`, such as "smooth: D = 1.25, gamma = 5, m = 3, phases = 1", and
+        `weier.cases` selects cases by D, gamma, m, phases, seed or study. Close it with `close`, or open it in a
+        `with` statement.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is cut short, or not of weier.
+
+    Examples
+    --------
+    >>> import weier
+    >>> with weier.open(path) as data:
+    ...     curve = data.weier.cases(D=1.25, m=2).compliance.sel(solution_method="demelio")
+    ...     print(curve.sel(mean_pressure=0.09, method="nearest").values.round(4))
+    [0.4044]
+    """
+    if not isinstance(path, str | PathLike):
+        raise ValueError(f"path must be the name of a file, got {shown(path)}")
+    data = open_lazily(path)
+    if not set(NEEDED) <= data.variables.keys():  # of other measurements than curves
+        return data
+    return name_cases(as_cases(data))
 
 
 def _attribute(value: Any) -> Any:

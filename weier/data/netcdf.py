@@ -79,10 +79,10 @@ def check_origin(path: str | Path, names: Container[object], program: str) -> No
         raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
 
 
-def damaged_error(path: str | Path, error: Exception) -> ValueError:
-    """What to say of a file that cannot be read."""
+def damaged_error(path: str | Path, error: Exception) -> Exception:
+    """What to raise for a file that cannot be read."""
     if not str(path).isprintable() or not Path(path).is_file():
-        return ValueError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
+        return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
     return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
 
 

@@ -81,12 +81,8 @@ VARIABLES = {
     "m": Variable(
         ("case",), "number of terms of the series", symbol="m", least=1, content=LABEL, files=(COST,)
     ),
-    "phase": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL, files=(COST,)),
+    "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL, files=(COST,)),
     "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL, files=(COST,)),
-    "phases": Variable(
-        (), "phases in radians, as JSON: of every term but the first, or of each term", dtype="O", content=LABEL,
-        optional=True,
-    ),
     "total_amplitude": Variable(
         ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=ALL_MEASURED
     ),
@@ -170,6 +166,10 @@ VARIABLES = {
     ),
 }  # fmt: skip
 
+# Of one curve, which is to have no dimension but the loads.
+PHASES_TEXT = Variable(
+    (), "phases in radians, as JSON: of every term but the first, or of each term", dtype="O", content=LABEL
+)
 QUANTITIES = ("compliance", "resistance")
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 

@@ -86,7 +86,7 @@ def _curves(studies: Sequence[xr.Dataset], quantity: str) -> list[Curve]:
 
 def _parameters(case: xr.Dataset) -> dict[str, Hashable]:
     """What a scene may group a case by: numbers, and the phases of all terms."""
-    phase = case["phase"].values
+    phase = case["phases"].values
     phases = tuple(phase[np.isfinite(phase)].round(9).tolist())
     seed = float(case.get("seed", np.nan))
     numbers = {name: float(case[name]) for name in ("D", "gamma", "m")}

@@ -201,7 +201,7 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
 def describe(case: xr.Dataset, *names: str) -> str:
     """The coordinates of a case in the paper's symbols: those that are named, or all that define the series."""
     values = {"D": rf"$D={float(case['D']):g}$", "gamma": rf"$\gamma={_ratio(case)}$", "m": rf"$m={_terms(case)}$"}
-    phase = case["phase"].values[1:]
+    phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
     if phase.size and np.ptp(phase) == 0:
         values["phase"] = rf"$\phi={phase[0]:.3g}$"

@@ -128,12 +128,12 @@ def describe_case(values_of: Arrays, number: int, case: Case) -> None:
     """Fill in the coordinates of a case."""
     profile = case.profile
     values = {"key": case.key, **describe_profile(profile)}
-    del values["phases"]
+    del values["phases"]  # as text
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
     if np.isfinite(profile.m):
         if resolvable(profile):
             values["first_contact"] = first_contact(profile)
-        values_of["phase"][number, : profile.terms] = profile.phase
+        values_of["phases"][number, : profile.terms] = profile.phase
     for name, value in values.items():
         values_of[name][number] = value
 

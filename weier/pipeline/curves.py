@@ -76,13 +76,13 @@ def light_load(cases: Sequence[xr.Dataset]) -> float:
 def profile(case: xr.Dataset) -> Profile:
     """The profile of a case, from its coordinates alone."""
     m = float(case["m"])
-    phases = case["phase"].values[: int(m)] if np.isfinite(m) else 0.0
+    phases = case["phases"].values[: int(m)] if np.isfinite(m) else 0.0
     return Profile(float(case["D"]), float(case["gamma"]), m, phases)
 
 
 def phase_angle(case: xr.Dataset) -> float:
     """The phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
-    phase = case["phase"].values
+    phase = case["phases"].values
     return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0
 
 

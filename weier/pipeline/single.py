@@ -15,7 +15,6 @@ import yaml
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.files import write_text
-from weier.data.table import as_table
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
@@ -47,7 +46,7 @@ def solve_one(
     Parameters
     ----------
     parameters : mapping
-        D, gamma, m and one of phase, phases and seed, as in a scene.
+        D, gamma, m and phases or seed, as in a scene.
     loads : ndarray, shape (loads,)
         Mean pressures, in p_0*.
     methods : sequence of str
@@ -113,7 +112,7 @@ def write(data: xr.Dataset, path: Path) -> None:
 
 def as_csv(data: xr.Dataset) -> str:
     """The curves as comma-separated values, one row for each method and load; what is missing is empty."""
-    return str(as_table(data).to_csv(index=False)).rstrip("\n")
+    return str(data.weier.table().to_csv(index=False)).rstrip("\n")
 
 
 def as_json(data: xr.Dataset) -> str:

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier.data import provenance
+from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, METHODS, find_method
 from weier.methods.settings import checked_settings
@@ -106,7 +107,7 @@ def _solve_all(
     data, cost = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
     for failure in failures:
         warnings.warn(failure, stacklevel=3)  # at the call of `solve`
-    return data.assign(seconds=cost["seconds"]).assign_attrs(provenance.of_results(title))
+    return name_cases(data.assign(seconds=cost["seconds"]).assign_attrs(provenance.of_results(title)))
 
 
 def _settings(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -57,7 +57,7 @@ class Case:
     def profile(self) -> Profile:
         """The profile of this case."""
         p = self.parameters
-        phases = p.get("phases", p.get("phase", 0.0))
+        phases = p.get("phases", 0.0)
         if "seed" in p:
             phases = random_phases(p["seed"])
         elif not isinstance(phases, list | tuple):

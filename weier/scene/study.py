@@ -72,7 +72,7 @@ class CaseProduct:
         Whether a profile is sound, D tells by itself, and so does a seed; gamma and phases do with m. So this does
         not make every case.
         """
-        for names in (("D",), ("gamma", "m"), ("phase", "phases", "m")):
+        for names in (("D",), ("gamma", "m"), ("phases", "m")):
             for case in self.of_all_kinds(*names):
                 case.check()
         for seed in self.axes.get("seed", ()):

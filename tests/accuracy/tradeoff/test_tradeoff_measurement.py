@@ -68,7 +68,7 @@ def test_files_table_and_figure(measured, tmp_path):
     dataset.write(measured, tmp_path / "tradeoff.nc", "Small")
     again = dataset.read(tmp_path / "tradeoff.nc")
     assert again["seconds"].values == pytest.approx(measured["seconds"].values, nan_ok=True)
-    assert again["phase"].values[1, 1] == 1.0
+    assert again["phases"].values[1, 1] == 1.0
     tradeoff.write_table(again, "Small", tmp_path / "tradeoff.md")
     text = (tmp_path / "tradeoff.md").read_text()
     assert text.startswith("# Small")

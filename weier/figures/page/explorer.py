@@ -89,7 +89,7 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
         return _case_labels(data)
     if name != "phase":
         return [f"{value:.6g}" for value in data[name].values.tolist()]
-    return [_phase_label(phase[np.isfinite(phase)]) for phase in data["phase"].values]
+    return [_phase_label(phase[np.isfinite(phase)]) for phase in data["phases"].values]
 
 
 def _case_labels(data: xr.Dataset) -> list[str]:

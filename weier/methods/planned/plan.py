@@ -137,7 +137,10 @@ def plan(
     no term left out changes the middle of what remains by more than G/2.
     """
     loads = checked_loads(mean_pressure)
-    _check(loads, tolerance, quantity)
+    if loads[0] < MIN_LOAD:
+        raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for a plan, got {loads[0]:g}")
+    checked_word("quantity", quantity, QUANTITIES)
+    tolerance = checked_number("tolerance", tolerance, "be positive and finite", lambda number: 0 < number < math.inf)
     offers = [
         offer
         for offer in candidates(profile, loads, tolerance, quantity, methods)
@@ -187,10 +190,3 @@ def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: st
 
 def _reached(profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]) -> bool:
     return _cover(list(candidates(profile, loads, tolerance, quantity, methods)), tolerance)
-
-
-def _check(loads: Array, tolerance: float, quantity: str) -> None:
-    if loads[0] < MIN_LOAD:
-        raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for a plan, got {loads[0]:g}")
-    checked_word("quantity", quantity, QUANTITIES)
-    checked_number("tolerance", tolerance, "be positive and finite", lambda tolerance: 0 < tolerance < math.inf)

@@ -153,8 +153,8 @@ def _name(member: Cases, varied: str) -> str:
 
 
 def _same_phases(one: xr.Dataset, other: xr.Dataset) -> bool:
-    shared = np.isfinite(one["phase"].values) & np.isfinite(other["phase"].values)
-    return bool(np.allclose(one["phase"].values[shared], other["phase"].values[shared], rtol=0, atol=1e-12))
+    shared = np.isfinite(one["phases"].values) & np.isfinite(other["phases"].values)
+    return bool(np.allclose(one["phases"].values[shared], other["phases"].values[shared], rtol=0, atol=1e-12))
 
 
 def examine(condition: Condition, ensemble: Ensemble) -> Finding:

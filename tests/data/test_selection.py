@@ -1,8 +1,10 @@
 """Opened files: labelled selection, read where asked for, and joined without being held in memory."""
 
+import shutil
 import subprocess
 import sys
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -28,15 +30,15 @@ def path(tmp_path_factory):
     for row, (D, gamma, m, phase) in enumerate(CASES):
         for name, value in {"key": f"case{row}", "D": D, "gamma": gamma, "m": m}.items():
             data[name].values[row] = value
-        data["phase"].values[row, : len(phase)] = phase
+        data["phases"].values[row, : len(phase)] = phase
         data["compliance"].values[row] = 10 * row + np.arange(2)[:, None] + LOADS / 10
     dataset.write(data, path, "test")
     return path
 
 
-def selected(path, **labels):
-    with weier.open(path) as contact:
-        return contact.sel(**labels).data["key"].values.tolist()
+def keys(path, **labels):
+    with weier.open(path) as data:
+        return data.weier.cases(**labels)["key"].values.tolist()
 
 
 @pytest.mark.parametrize(
@@ -47,25 +49,38 @@ def selected(path, **labels):
         ({"D": [1.25, 1.5], "gamma": 5}, [0, 1, 3, 4]),
         ({"gamma": "5/2"}, [2]),
         ({"m": np.inf}, [3]),
-        ({"m": 2, "phase": 1.0}, [0, 1]),
-        ({"m": 2, "phase": [1, 2]}, [4]),
-        ({"phase": [0, 1, 1]}, [2, 3]),
+        ({"m": 2, "phases": 1.0}, [0, 1]),
+        ({"m": 2, "phases": [1, 2]}, [4]),
+        ({"phases": [0, 1, 1]}, [2, 3]),
         ({}, [0, 1, 2, 3, 4]),
     ],
 )
 def test_selection_by_labels(path, labels, rows):
-    assert selected(path, **labels) == [f"case{row}" for row in rows]
+    assert keys(path, **labels) == [f"case{row}" for row in rows]
 
 
-def test_method_is_a_label(path):
-    with weier.open(path) as contact:
-        bem = contact.sel(solution_method="bem", D=1.25)["compliance"]
-        assert bem.dims == ("case", "mean_pressure")
-        assert bem.values[0] == pytest.approx(1 + LOADS / 10)
-        assert contact.sel(solution_method=["bem"]).data.sizes["solution_method"] == 1
-        assert float(
-            contact.sel(solution_method="bem", mean_pressure=4.0, m=np.inf)["compliance"][0]
-        ) == pytest.approx(31.4)
+def test_what_people_know_of_xarray_works(path):
+    with weier.open(path) as data:
+        case = data.weier.cases(D=1.25).squeeze("case")
+        bem = case.compliance.sel(solution_method="bem")
+        assert bem.values == pytest.approx(1 + LOADS / 10)
+        assert bem.sel(mean_pressure=0.95 * LOADS[7], method="nearest") == bem[7]
+        assert bem.sel(mean_pressure=slice(0.01, 0.1)).size == ((LOADS >= 0.01) & (LOADS <= 0.1)).sum()
+        assert bem.isel(mean_pressure=-1) == bem.values[-1]
+        assert bem.interp(mean_pressure=2.0) == pytest.approx(1.2)
+        series = bem.to_series()
+        assert series.index.names == ["mean_pressure"]
+        assert bem.coords["case"] == "D = 1.25, gamma = 5, m = 2, phases = 1"
+        assert data.sel(case="D = 1.5, gamma = 5, m = inf, phases = 0")["key"] == "case3"
+
+
+def test_what_was_selected_away_comes_back_as_one_value(path):
+    with weier.open(path) as data:
+        one = data.isel(case=2).sel(solution_method="bem", mean_pressure=4.0)
+        again = one.weier.cases(gamma="5/2")
+        assert again.compliance.dims == ("case", "solution_method", "mean_pressure")
+        assert again.phases.values.tolist() == [[0, 1, 1]]
+        assert again["key"].values.tolist() == ["case2"]
 
 
 @pytest.mark.parametrize(
@@ -73,23 +88,45 @@ def test_method_is_a_label(path):
     [
         ({"D": 1.3}, r"no case has D = 1.3: choose from 1.25, 1.5"),
         ({"D": slice(1, 2)}, "D must be a number, got slice"),
+        ({"D": []}, "D must have a value to select by, got an empty list"),
         ({"gamma": "x"}, "gamma must be a finite number or a fraction such as \"5/2\", got 'x'"),
-        ({"solution_method": "bme"}, "solution_method must be one of demelio, bem, got 'bme'"),
         ({"phases": 3.0, "m": 2}, "no case has phases = 3.0"),
         ({"phases": [0, 1, 2, 3]}, "at most 3 numbers, got 4"),
-        ({"mean_pressure": 2.0}, r"no mean_pressure 2.0: choose from 0.001, .*\.\.\."),
+        ({"mean_pressure": 2.0}, "there is no label 'mean_pressure' of cases: select by .*D, .*phases"),
     ],
 )
 def test_an_unknown_label_says_what_is_there(path, labels, message):
     with pytest.raises(ValueError, match=message):
-        selected(path, **labels)
+        keys(path, **labels)
 
 
 def test_nothing_is_read_before_it_is_asked_for(path):
-    with weier.open(path) as contact:
-        one = contact.sel(solution_method="bem")
-        assert not one.data["compliance"].variable._in_memory
-        assert one["compliance"].values.shape == (5, 40)
+    with weier.open(path) as data:
+        bem = data.sel(solution_method="bem").compliance
+        assert not bem.variable._in_memory
+        assert bem.values.shape == (5, 40)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda data: data.drop_vars("D"), "there is no D"),
+        (lambda data: data.drop_dims("case"), "there is no D"),
+        (lambda data: data.assign_coords(gamma=("case", ["x"] * 5)), "there is a damaged gamma"),
+        (lambda data: data.drop_vars("solution_method"), "there is no solution_method"),
+    ],
+)
+def test_a_dataset_of_no_curves_is_refused_in_a_sentence(path, change, message):
+    with weier.open(path) as data, pytest.raises(ValueError, match=f"holds no curves, since {message}: take"):
+        change(data).weier.table()
+
+
+def test_a_file_whose_attributes_are_damaged_is_refused_in_a_sentence(path, tmp_path):
+    shutil.copy(path, tmp_path / "damaged.nc")
+    with netCDF4.Dataset(tmp_path / "damaged.nc", "a") as file:
+        file["compliance"].coordinates = 7
+    with pytest.raises(ValueError, match=r"damaged\.nc is not a whole netCDF file"):
+        weier.open(tmp_path / "damaged.nc")
 
 
 PART = 500
@@ -111,10 +148,10 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 LOOK = """
 import resource, sys
 import weier
-weier.open(sys.argv[2]).sel(D=1.25, solution_method="bem")["compliance"].values
+weier.open(sys.argv[2]).weier.cases(D=1.25).compliance.sel(solution_method="bem").values
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found = weier.open(sys.argv[1]).sel(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20], solution_method="bem")
-found = found["compliance"].values
+found = weier.open(sys.argv[1]).weier.cases(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20])
+found = found.compliance.sel(solution_method="bem").values
 assert found.shape[0] == 2, found.shape
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """

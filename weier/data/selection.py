@@ -1,0 +1,259 @@
+"""Curves as people look for them: `data.weier.cases` selects by D, gamma, m, phases and study, and `table` has rows.
+
+Importing this module gives every `xarray.Dataset` the accessor `weier`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from weier.data.variables import CURVE, RUN, VARIABLES, Status
+from weier.kernels.arrays import Flags
+from weier.theory.arguments import checked_number, checked_numbers, shown
+from weier.theory.profile import checked_ratio
+
+if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
+
+CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
+MAX_VALUES_IN_MESSAGE = 10  # values that a message lists
+PARAMETERS = ("D", "gamma", "m")
+NEEDED = (*PARAMETERS, "phases", "solution_method", "mean_pressure")
+
+Ratio = int | float | str | Fraction
+
+
+@xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]  # of xarray
+class Curves:
+    """What weier adds to an `xarray.Dataset` of curves, as `data.weier`."""
+
+    def __init__(self, data: xr.Dataset) -> None:
+        self._data = data
+
+    def cases(
+        self,
+        *,
+        D: ArrayLike | None = None,
+        gamma: Ratio | Sequence[Ratio] | None = None,
+        m: ArrayLike | None = None,
+        phases: ArrayLike | None = None,
+        seed: ArrayLike | None = None,
+        study: str | Sequence[str] | None = None,
+        **settings: Any,
+    ) -> xr.Dataset:
+        """The cases that have the labels given.
+
+        Parameters
+        ----------
+        D, gamma, m : number or list of numbers
+            Gamma also as a Fraction or "5/2", m also inf.
+        phases : number or list of m numbers
+            In radians: of every term but the first, which then has phase 0; or of each term.
+        seed : int or list of int
+            Of random phases.
+        study : str or list of str
+            Studies of the scene.
+        **settings
+            Any other coordinate of the cases, such as `bem_points`: a setting that differs between them.
+
+        Returns
+        -------
+        Dataset
+            Never empty: the dimension `case` stays, of size 1 where one case fits.
+
+        Raises
+        ------
+        ValueError
+            If no case has such a label: the message says which there are.
+
+        Examples
+        --------
+        >>> import weier
+        >>> with weier.open(path) as data:
+        ...     data.weier.cases(D=1.25, m=2).compliance.sel(solution_method="demelio").values.round(4)
+        array([[0.4044, 1.2805]])
+        """
+        data = as_cases(self._data)
+        for name, wanted in {"D": D, "gamma": gamma, "m": m, "seed": seed, "study": study, **settings}.items():
+            if wanted is not None:
+                data = data.isel(case=np.flatnonzero(_having(data, name, _list(name, wanted))))
+        if phases is None:
+            return data
+        return data.isel(case=np.flatnonzero(_having_phases(data, phases)))
+
+    def table(self) -> pd.DataFrame:
+        """The curves as a pandas.DataFrame, one row for each case, method and load that was solved.
+
+        Returns
+        -------
+        DataFrame
+            First the labels of the case, `solution_method` and `mean_pressure`, then all quantities with a value.
+
+        Examples
+        --------
+        >>> import weier
+        >>> table = weier.solve(weier.Profile(D=1.5, gamma=3, m=2), [0.1, 1.0], "demelio").weier.table()
+        >>> table[["D", "gamma", "m", "phases", "mean_pressure", "compliance"]].round(4)
+             D  gamma    m      phases  mean_pressure  compliance
+        0  1.5    3.0  2.0  [0.0, 0.0]            0.1      0.4587
+        1  1.5    3.0  2.0  [0.0, 0.0]            1.0      1.5164
+        """
+        data = as_cases(self._data)
+        phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
+        labels = [name for name in _labels(data) if name != "case"]
+        curves = data[[name for name, values in data.data_vars.items() if values.dims == CURVE]]
+        rows = curves.drop_vars("phases", errors="ignore").assign_coords(phases=("case", phases))
+        frame = rows.to_dataframe(dim_order=CURVE).reset_index()
+        frame = frame[_solved(data)][[*labels, "phases", *CURVE[1:], *curves.data_vars]]
+        return frame.dropna(axis="columns", how="all").reset_index(drop=True)
+
+
+def as_cases(data: xr.Dataset) -> xr.Dataset:
+    """Curves over all of case, solution_method and mean_pressure: what was selected away comes back with one value.
+
+    Raises
+    ------
+    ValueError
+        If the dataset lacks what describes a curve, or holds something else under its name.
+    """
+    if "phases" in data.variables and "term" not in data["phases"].dims:
+        data = data.assign_coords(phases=("term", _phases_of_terms(data)))
+    for name in NEEDED:
+        kind = data.variables[name].dtype.kind if name in data.variables else "nothing"
+        if kind not in ("UOT" if VARIABLES[name].dtype.startswith("U") else "fiu"):
+            raise ValueError(
+                f"the dataset holds no curves, since there is {'no' if kind == 'nothing' else 'a damaged'} {name}: "
+                "take a result of weier.solve, or a file of curves"
+            )
+    for dim in reversed(CURVE):
+        if dim not in data.dims:
+            values = {name: _along(dim, str(name), variable) for name, variable in data.variables.items()}
+            data = xr.Dataset(values, attrs=data.attrs).set_coords(list(data.coords))
+    return data
+
+
+def _phases_of_terms(data: xr.Dataset) -> list[float]:
+    """The phases of one curve, which holds them as JSON: none of an infinite series, or where the seed tells them."""
+    phases = json.loads(str(data["phases"].values))
+    if isinstance(phases, list):
+        return phases
+    m = float(data["m"])
+    return [] if phases is None or np.isinf(m) else [0.0, *[phases] * (int(m) - 1)]
+
+
+def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
+    """A variable along a dimension of one value, if it has that one in the table; a label has that of cases."""
+    dims = VARIABLES[name].dims if name in VARIABLES else ("case",) if variable.ndim == 0 else ()
+    if dim not in dims:
+        return variable
+    return xr.Variable((dim, *variable.dims), variable.values[None], variable.attrs)
+
+
+def name_cases(data: xr.Dataset) -> xr.Dataset:
+    """The curves with a name for each case: its study, D, gamma, m, seed or phases, and settings that differ."""
+    first = ("study", *PARAMETERS, "seed", "phases")
+    order = [*first, *(name for name in _labels(data) if name not in ("key", "case", *first))]
+    columns = {name: [_text(value) for value in data[name].values] for name in order if name in data.coords}
+    rows = zip(*columns.values(), strict=True)
+    names = [_case_name(dict(zip(columns, row, strict=True))) for row in rows]
+    return data.assign_coords(case=("case", np.array(names, object), {"long_name": "case"}))
+
+
+def _labels(data: xr.Dataset) -> list[str]:
+    """The names of the coordinates that every case has one value of."""
+    return [str(name) for name in data.coords if data[name].dims == ("case",)]
+
+
+def _case_name(labels: Mapping[str, str]) -> str:
+    own = [
+        f"{name} = {text}"
+        for name, text in labels.items()
+        if text and name != "study" and not (name == "phases" and labels.get("seed"))
+    ]
+    return ": ".join(filter(None, (labels.get("study"), ", ".join(own))))
+
+
+def _text(value: Any) -> str:
+    """A label as text: none where it is missing; of phases one, where all terms but the first have it."""
+    if np.ndim(value):
+        known = value[np.isfinite(value)]
+        alike = known.size < 2 or (known[0] == 0 and np.ptp(known[1:]) == 0)
+        return ", ".join(f"{phase:.4g}" for phase in (known[-1:] if alike else known)) or "0"
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.6g}"
+    return str(value)
+
+
+def _list(name: str, wanted: Any) -> list[Any]:
+    """What was asked for as a list; an empty one asks for nothing, and would be given nothing."""
+    listed = isinstance(wanted, list | tuple) or (hasattr(wanted, "__array__") and np.ndim(wanted) > 0)
+    if listed and len(wanted) == 0:
+        raise ValueError(f"{name} must have a value to select by, got an empty list")
+    return list(wanted) if listed else [wanted]
+
+
+def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
+    """Whether each case has one of the values that are wanted; a text may be one of several with commas between."""
+    known = [each for each in _labels(data) if each != "case"]
+    if name not in known:
+        raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
+    labels = data[name].values
+    if labels.dtype.kind in "UOT":
+        texts = [json.dumps(each) if isinstance(each, bool) else each for each in wanted]
+        fits = np.array([[text in str(label).split(", ") for text in texts] for label in labels])
+    else:
+        numbers = np.array([_number(name, each) for each in wanted])
+        # Equal first: inf is close to nothing.
+        fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
+    if not fits.any(axis=0).all():
+        absent = wanted[int(np.argmin(fits.any(axis=0)))]
+        raise ValueError(f"no case has {name} = {shown(absent)}: choose from {_some(labels)}")
+    return np.asarray(fits.any(axis=1))
+
+
+def _number(name: str, value: Any) -> float:
+    if name == "gamma":
+        return float(checked_ratio(value))
+    return checked_number(name, value, "be a number", lambda number: number == number)
+
+
+def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
+    """Whether each case has these phases: of every term but the first, or of each; an infinite series has any."""
+    given = checked_numbers("phases", wanted, "be finite", np.isfinite)
+    if given.ndim > 1 or given.size == 0:
+        raise ValueError(f"phases must be a number or a list of numbers, got {shown(wanted)}")
+    phases = data["phases"].values
+    expected = np.full(phases.shape[1], np.nan)
+    if given.ndim == 0:
+        expected[:] = np.where(np.arange(expected.size) == 0, 0, given)
+    elif given.size > expected.size:
+        raise ValueError(f"phases must be a number or at most {expected.size} numbers, got {given.size}")
+    else:
+        expected[: given.size] = given
+    near = np.isclose(phases, expected, rtol=CLOSE, atol=CLOSE, equal_nan=True)
+    if given.ndim == 0:
+        near |= np.isnan(phases)  # a number is the phase of as many terms as there are
+    fits: Flags = near.all(axis=1) | np.isinf(data["m"].values)
+    if not fits.any():
+        raise ValueError(f"no case has phases = {given.tolist()}: they are in the coordinate phases(case, term)")
+    return fits
+
+
+def _some(values: NDArray[Any]) -> str:
+    texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in np.unique(values).tolist()]
+    return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")
+
+
+def _solved(data: xr.Dataset) -> Flags:
+    """Whether there is a curve, for each row of the table."""
+    if "status" not in data:
+        return np.ones(int(np.prod([data.sizes[dim] for dim in CURVE])), bool)
+    solved = np.equal(data["status"].transpose(*RUN).values, Status.solved)
+    return np.repeat(solved.ravel(), data.sizes[CURVE[2]])
