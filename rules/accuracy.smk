@@ -73,7 +73,8 @@ rule measure_extremes:
         kernels="results/.kernels",
     output:
         data="results/extremes/extremes.nc",
-        table="results/extremes/extremes.md",
+        summary="results/extremes/extremes.md",
+        rows="results/extremes/rows.md",
     log:
         "results/logs/extremes/measure.log",
     conda:

@@ -55,11 +55,12 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 
 @click.command()
 @output("path")
-@output("table")
-def extremes(path: Path, table: Path) -> None:
+@output("summary")
+@output("rows")
+def extremes(path: Path, summary: Path, rows: Path) -> None:
     """Examine every method where digits are lost.
 
-    The data go to PATH, and the page to TABLE.
+    The data go to PATH, and pages to SUMMARY and ROWS.
     """
     from weier.accuracy import extremes as report  # as in tradeoff
     from weier.data import dataset
@@ -68,7 +69,8 @@ def extremes(path: Path, table: Path) -> None:
     with job("extremes"):
         data = report.measure()
         dataset.write(data, path, title, "examined")
-        report.write_table(data, title, table)
+        report.write_summary(data, title, summary)
+        report.write_rows(data, title, rows)
 
 
 @click.command()

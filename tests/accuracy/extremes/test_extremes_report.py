@@ -82,10 +82,8 @@ def test_the_data_are_by_the_conventions(measured, tmp_path):
 def test_table_figure_and_data(measured, tmp_path):
     dataset.write(measured, tmp_path / "extremes.nc", "Small", "examined")
     again = dataset.read(tmp_path / "extremes.nc")
-    extremes.write_table(again, "Small", tmp_path / "extremes.md")
-    text = (tmp_path / "extremes.md").read_text(encoding="utf-8")
-    assert text.startswith("# Small\n\nMade by `snakemake --cores 2 extremes`")
-    assert "\n8 rows, 0 of them with a fault.\n" in text
+    extremes.write_rows(again, "Small", tmp_path / "rows.md")
+    text = (tmp_path / "rows.md").read_text(encoding="utf-8")
     assert text.count("clear error (1) |") == 2
     assert "1. ValueError: the finest wave must fit at most 100000 times" in text
     assert "one \\| wave" in text
@@ -97,6 +95,33 @@ def test_table_figure_and_data(measured, tmp_path):
         figures.draw(
             "extremes", [again.assign(compliance_digits=again["compliance_digits"] * np.nan)], "", tmp_path / "no.png"
         )
+
+
+def test_the_summary_has_the_worst_of_each_method(measured, tmp_path):
+    def summary(data):
+        extremes.write_summary(data, "Small", tmp_path / "extremes.md")
+        text = (tmp_path / "extremes.md").read_text(encoding="utf-8")
+        return text, {
+            line.split(" | ")[0]: line.strip("| ").split(" | ") for line in text.splitlines() if "|" in line
+        }
+
+    text, rows = summary(measured)
+    assert text.startswith("# Small\n\nMade by `snakemake --cores 2 extremes`")
+    assert "\n8 rows, none of them with a fault.\n" in text
+    assert rows["| bem"][1:4] == ["3", "6", "2"]  # extremes, numbers, and errors in words
+    least = float(measured["compliance_digits"].sel(variant="bem").min())
+    assert float(rows["| bem"][4]) == pytest.approx(least, abs=0.06)
+    assert rows["| too many"][1:] == ["", "", "all refused", "all refused"]
+    of_one_wave = float(measured["compliance_digits"].sel(variant="bem").isel(case=0).min())
+    assert float(rows["| one \\| wave"][3]) == pytest.approx(of_one_wave, abs=0.06)
+    assert text.count("ValueError: the finest wave must fit at most 100000 times") == 1
+
+    bad = measured.copy(deep=True)
+    bad["concave"].values[0, 0] = Check.no
+    bad["outcome"].values[0, 2][-1] = Outcome.clear_error
+    text, rows = summary(bad)
+    assert "8 rows, and these have a fault:\n\n- one \\| wave, archard: not concave\n" in text
+    assert "some refused" in rows["| one \\| wave"][3]
 
 
 def test_a_planned_curve_that_states_too_small_errors_is_a_fault(monkeypatch):

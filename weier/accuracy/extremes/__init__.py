@@ -1,7 +1,7 @@
-"""Stability at the extremes: every method where digits are lost, examined load by load, as a table and a figure."""
+"""Stability at the extremes: every method where digits are lost, examined load by load, as tables and a figure."""
 
 from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.measurement import measure
-from weier.accuracy.extremes.report import failures, write_table
+from weier.accuracy.extremes.report import failures, write_rows, write_summary
 
-__all__ = ["extremes", "failures", "measure", "write_table"]
+__all__ = ["extremes", "failures", "measure", "write_rows", "write_summary"]

@@ -1,7 +1,9 @@
-"""The extremes as a Markdown table."""
+"""The extremes as Markdown: a summary, and a page of all rows."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,40 +13,30 @@ from weier.accuracy.extremes.measurement import CHECKS
 from weier.accuracy.report import Column, number, rows_as_table, write_page
 from weier.accuracy.runner import Outcome
 from weier.data.check import Check
-from weier.data.markdown import plain
+from weier.data.markdown import plain, table
 
 MADE = (
-    "Made by `snakemake --cores 2 extremes`, which writes `results/extremes/extremes.md`, the numbers beside it as "
-    "netCDF, and a figure. `docs/stability.md` is a copy of that page."
+    "Made by `snakemake --cores 2 extremes`, with a figure, all numbers as netCDF, and a page of all rows, "
+    "`results/extremes/rows.md`. `docs/stability.md` is a copy of this summary."
 )
 PICTURE = "![Digits of one profile over all loads, and condition numbers](extremes.png)"
 NOTE = """\
-Each row is one method on one extreme, at the loads of that extreme, in p\\_0\\*. An *ulp* is one unit in the last
-place of a number.
+A row is one method on one extreme, at the loads of that extreme, in p\\_0\\*. An *ulp* is one unit in the last
+place of a number. Every load must end in a finite number, or in an error that says in a sentence what is wrong.
+The curve of all finite numbers must pass the checks below, which allow for the errors that rounding, iteration
+and the tolerance of the method leave. Whatever fails is a fault, and so is a warning of numpy.
 
-**Outcome.** Every load must end in a finite number, or in an error that says in a sentence what is wrong; a number in
-parentheses refers to the sentences below. Where the curve of all loads ends in an error, each load is tried by
-itself. If numpy had warned of anything, the row would say *warned*.
+- The compliance h never falls.
+- The resistance R falls, and the slope of each chord of h lies between the resistances at its ends.
+- h and R lie within the bounds that the first wave, in closed form, sets to every longer series. The bounds are
+  widened by the error that a method knows of its own solution.
+- Where a method states an error for each number, h and R at every load are off by no more than that.
 
-**Checks.** These columns describe the curve of all finite numbers. They allow for the errors that rounding,
-iteration and the tolerance of the method leave.
-
-- *Rises*: the compliance h never falls.
-- *Concave*: the resistance R falls, and the slope of each chord of h lies between the resistances at its ends.
-- *In bounds*: h and R lie within the bounds that the first wave, in closed form, sets to every longer series. The
-  bounds are widened by the error that a method knows of its own solution.
-- *As stated*: where a method states an error for each number, h and R at every load are off by no more than that.
-
-**Accuracy.** *Digits* are the correct digits, relative to the number itself, at the worst of the loads; 16 stands for
-no error. *Error of h* is the largest over the loads, in g\\_0. The last column names the reference:
-
-- *mpmath*: the sums that define an estimate, in 50 digits.
-- *finer layer*: the non-linear layer on twice the points.
-- *closed forms, patches 1e-12*: the exact contact, for methods that solve the series. It is known in closed form at
-  first touch and at full contact. Between them it is found by contact patches, at a tolerance of 1e-12, on the same
-  profile shifted along x.
-
-**Where few digits are right.** Some problems are ill-conditioned:
+*Digits* are the correct digits, relative to the number itself; 16 stands for no error. An estimate is held
+against the sums that define it, in 50 digits, and the non-linear layer against itself on twice the points.
+Methods that solve the series are held against the exact contact. It is known in closed form at first touch and at
+full contact. Between them it is found by contact patches, at a tolerance of 1e-12, on the same profile shifted
+along x. Some problems are ill-conditioned:
 
 - Within a rounding error of full contact, or of p\\_n\\* by Demelio's formula, half a unit in the last place of p
   changes the resistance as much as the digits show.
@@ -52,28 +44,83 @@ no error. *Error of h* is the largest over the loads, in g\\_0. The last column 
   paper's 12 points for each of the finest waves.
 - Where two crests are equally high, or 1e-15 apart, the rounding of their heights decides at loads such as 1e-100
   whether one or both of them touch. R then has one value or half of it, which counts as 0.3 digits."""
+BY_METHOD = "## By method\n\nThe errors of h are in g\\_0."
+BY_EXTREME = """\
+## Digits of the compliance
+
+Correct digits of h at the worst of the loads of each extreme. *All refused* stands for errors at all loads, *some
+refused* for errors at some of them, and *finite* for numbers without a reference. Nothing stands where a method
+does not apply or would take minutes."""
+MESSAGES = "## What errors say\n\nOne of each kind:"
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
 FAULTS = (Outcome.unclear_error, Outcome.not_finite)
 MARKS = {Check.no: "**no**", Check.yes: "yes", Check.not_measured: ""}
 
 
-def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write a row for each extreme and variant, the error messages, and the condition numbers, as Markdown."""
+def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
+    """Write the faults, the worst of each method and of each method on each extreme, and errors of each kind."""
     runs, faults = _runs(data), failures(data)
-    messages = list(dict.fromkeys(text for run in runs if (text := run["message"].item())))
+    of_method: dict[str, list[xr.Dataset]] = {}
+    for run in runs:
+        of_method.setdefault(run["variant"].item(), []).append(run)
+    first = {re.split(r"\d", message)[0]: message for message in reversed(_messages(runs))}
     blocks = [
         MADE,
-        f"{len(runs)} rows, {len(faults)} of them with a fault" + (":" if faults else "."),
+        f"{len(runs)} rows, " + ("and these have a fault:" if faults else "none of them with a fault."),
         "\n".join(f"- {plain(fault)}" for fault in faults),
         PICTURE,
-        rows_as_table(_columns(messages), runs),
+        BY_METHOD,
+        rows_as_table(SUMMARY, of_method.values()),
+        BY_EXTREME,
+        _matrix(runs, list(of_method)),
+        MESSAGES,
+        "\n".join(f"- {plain(message)}" for message in reversed(first.values())),
+        "## What is counted",
         NOTE,
-        "## Error messages",
-        "\n".join(f"{position}. {plain(message)}" for position, message in enumerate(messages, 1)),
-        "## Condition numbers of the boundary elements",
-        rows_as_table(CONDITIONS, [data.isel(nodes=row) for row in range(data.sizes["nodes"])]),
     ]
     write_page(path, title, blocks)
+
+
+def write_rows(data: xr.Dataset, title: str, path: str | Path) -> None:
+    """Write a row for each extreme and variant, and all error messages."""
+    runs = _runs(data)
+    messages = _messages(runs)
+    numbered = "\n".join(f"{position}. {plain(message)}" for position, message in enumerate(messages, 1))
+    write_page(path, title, [rows_as_table(_columns(messages), runs), "## Error messages", numbered])
+
+
+def _messages(runs: Sequence[xr.Dataset]) -> list[str]:
+    return list(dict.fromkeys(text for run in runs if (text := run["message"].item())))
+
+
+def _matrix(runs: Sequence[xr.Dataset], variants: Sequence[str]) -> str:
+    """A row for each extreme, with what is left of h by each variant."""
+    by_name = {(run["extreme"].item(), run["variant"].item()): run for run in runs}
+    extremes = dict.fromkeys(extreme for extreme, _ in by_name)
+    rows = (
+        [plain(extreme), *(_digits_left(by_name.get((extreme, name))) for name in variants)] for extreme in extremes
+    )
+    return table(["extreme", *variants], rows)
+
+
+def _digits_left(run: xr.Dataset | None) -> str:
+    if run is None:
+        return ""
+    outcome = run["outcome"].values
+    refused = outcome[outcome != Outcome.not_run] != Outcome.finite
+    if refused.all():
+        return "all refused"
+    digits = number(_worst([run], "compliance_digits"), ".1f") or "finite"
+    return f"{digits}, some refused" if refused.any() else digits
+
+
+def _worst(runs: Sequence[xr.Dataset], name: str, of: np.ufunc = np.fmin) -> float:
+    return float(of.reduce([of.reduce(run[name].values) for run in runs]))
+
+
+def _count(runs: Sequence[xr.Dataset], refused: bool) -> str:
+    outcomes = np.concatenate([run["outcome"].values for run in runs])
+    return str(np.count_nonzero((outcomes != Outcome.not_run) & ((outcomes != Outcome.finite) == refused)))
 
 
 def failures(data: xr.Dataset) -> list[str]:
@@ -135,9 +182,12 @@ def _outcome(run: xr.Dataset, messages: list[str]) -> str:
     return f"{text} ({messages.index(message) + 1})" if message else text
 
 
-CONDITIONS: list[Column[xr.Dataset]] = [
-    Column("nodes", lambda row: str(row["nodes"].item())),
-    Column("influence matrix", lambda row: number(row["condition_operator"].item(), ".3g")),
-    Column("full contact", lambda row: number(row["condition_full"].item(), ".3g")),
-    Column("half", lambda row: number(row["condition_half"].item(), ".3g")),
+SUMMARY: list[Column[list[xr.Dataset]]] = [
+    Column("method", lambda runs: plain(runs[0]["variant"].item())),
+    Column("extremes", lambda runs: str(len(runs))),
+    Column("numbers", lambda runs: _count(runs, refused=False)),
+    Column("errors in words", lambda runs: _count(runs, refused=True)),
+    Column("least digits of h", lambda runs: number(_worst(runs, "compliance_digits"), ".1f")),
+    Column("of R", lambda runs: number(_worst(runs, "resistance_digits"), ".1f")),
+    Column("largest error of h", lambda runs: number(_worst(runs, "compliance_error", np.fmax))),
 ]
