@@ -16,7 +16,7 @@ from weier.data.variables import VARIABLES
 from weier.figures import kinds, style
 from weier.figures.captions import caption
 from weier.methods.registry import PLOTTED
-from weier.scene.file import schema
+from weier.scene.schema import kind_of, schema
 
 ROOT = Path(__file__).resolve().parents[1]
 COLON = "\ue000"  # of a private range: no text has it
@@ -59,9 +59,9 @@ class TableOfVariables(SphinxDirective):
 
 
 class SceneKeys(SphinxDirective):
-    """Every key of a scene, a study, a profile, a figure and a range, from the schema of scenes."""
+    """Every key of a scene, a study, a profile, a figure, a range and an axis, from the schema of scenes."""
 
-    parts = ("", "study", "profile", "figure", "range")
+    parts = ("", "study", "profile", "figure", "range", "scale_and_ends")
 
     def run(self):
         """A table for each."""
@@ -69,7 +69,7 @@ class SceneKeys(SphinxDirective):
         made = []
         for part in self.parts:
             within = known["$defs"][part] if part else known
-            caption = f"Keys of a {part}" if part else "Keys of a scene"
+            caption = f"Keys of {within['title']}"
             needed = within.get("required", [])
             rows = [self.row(known, name, of, name in needed) for name, of in within["properties"].items()]
             made.append(nodes.rubric("", caption))
@@ -79,24 +79,7 @@ class SceneKeys(SphinxDirective):
     def row(self, known, name, of, needed):
         """Its cells, as Markdown."""
         says = f"{of.get('description', '')}{' Required.' if needed else ''}"
-        return [f"`{name}`", markdown.plain(says), markdown.plain(self.kind(known, of))]
-
-    def kind(self, known, of):
-        """What a value may be, in words."""
-        name = of.get("$ref", "").rpartition("/")[2]
-        if name:
-            own = {"axis": "number, text, range, or list of these", "line": "text", "name": "name", "names": "names"}
-            of = known["$defs"][name]
-            return own.get(name) or (", ".join(of["enum"]) if "enum" in of else self.kind(known, of))
-        if "enum" in of:
-            return ", ".join(of["enum"])
-        if "anyOf" in of:
-            return " or ".join(dict.fromkeys(self.kind(known, each) for each in of["anyOf"]))
-        if of.get("type") == "array":
-            return f"list of {self.kind(known, of['items'])}"
-        kind = of.get("type", "mapping")
-        words = kind if isinstance(kind, list) else [kind]
-        return " or ".join("mapping" if word == "object" else word for word in words)
+        return [f"`{name}`", markdown.plain(says), markdown.plain(kind_of(of, known))]
 
 
 class FigureKinds(SphinxDirective):

@@ -1,21 +1,21 @@
 # Scenes by name, and what is made of them.
 import re
+import sys
 from functools import cache
 from pathlib import Path
 
-from weier import scene as scenes
 from weier.data.netcdf import check_whole
-from weier.figures import check_kinds, kinds
+from weier.figures import checks, kinds
 from weier.figures.captions import caption
-from weier.pipeline.claims import check_names
+from weier.scene import SceneError
 
 
 @cache
 def scene(name):
-    loaded = scenes.load_by_name(name, CONFIG / "scenes")
-    check_kinds(loaded)
-    check_names(loaded)
-    return loaded
+    try:
+        return checks.load_by_name(name, CONFIG / "scenes")
+    except SceneError as error:
+        sys.exit(f"weier: {error}")  # else Snakemake adds a traceback
 
 
 def scene_file(name):

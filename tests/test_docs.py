@@ -21,7 +21,7 @@ from weier.figures import kinds
 from weier.methods import registry
 from weier.pipeline import batch, claims, curves
 from weier.pipeline.claims import claim, paper
-from weier.scene.file import schema
+from weier.scene.schema import schema
 
 
 def test_the_tutorial_is_true():
@@ -244,7 +244,7 @@ def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
     assert text.count("<table") == len(PARTS) + 2
 
 
-PARTS = ("study", "profile", "figure", "range")
+PARTS = ("study", "profile", "figure", "range", "scale_and_ends")
 
 
 def test_each_figure_of_the_tutorial_is_drawn_by_the_code_above_it():

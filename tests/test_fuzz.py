@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from weier import cli, scene
+from weier.figures import checks
 from weier.methods.registry import names
 
 FEW = settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
@@ -70,11 +71,11 @@ def scenes(draw):
 
 
 def load_or_refuse(path):
-    """Load, and all that the Snakefile asks of a scene; or be told in a sentence."""
+    """Load, and all that the Snakefile asks of a scene; or be told in a sentence for each mistake."""
     start = time.perf_counter()
     refusal = ""
     try:
-        loaded = scene.load(path)
+        loaded = checks.load(path)
     except scene.SceneError as error:
         refusal = str(error)
     else:
@@ -82,8 +83,9 @@ def load_or_refuse(path):
         assert all(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+-]*", name) for name in names)
         assert all(loaded.digest(name) for name in loaded.batches)
         loaded.title.encode()
-    assert "\n" not in refusal
-    assert len(refusal) < 2000
+    told = refusal.splitlines()
+    assert len(told) < 33
+    assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(told))
     assert time.perf_counter() - start < LONGEST
 
 

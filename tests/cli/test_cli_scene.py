@@ -38,7 +38,7 @@ def test_a_batch_becomes_two_files(scene_file, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "data.nc", "cost.nc"}
 
 
-@pytest.mark.parametrize("text", [SCENE.replace("loads", "lods"), SCENE.replace("1.25", "2.25"), "{"])
+@pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
     done = weier("batch", scene_file, "one-0", tmp_path / "data.nc", tmp_path / "cost.nc")

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import matplotlib
 import numpy as np
@@ -20,13 +18,12 @@ from matplotlib.figure import Figure
 from weier import figures, scene
 from weier.data import dataset
 from weier.data.dataset import Status
-from weier.figures import style, truncated_compliance, truncation
+from weier.figures import checks, style, truncated_compliance, truncation
 from weier.figures.captions import caption
 from weier.methods import registry
 from weier.methods.method import Style
 from weier.pipeline import batch, curves
 from weier.pipeline.gather import batch_file, read_study
-from weier.scene import Scene, SceneError
 
 SCENE = """
 title: Small
@@ -142,24 +139,6 @@ def test_listing_the_kinds_imports_no_matplotlib() -> None:
     assert done.stdout.split() == [str(len(figures.kinds())), "False"]
 
 
-def scene_that_draws(kind: str) -> Scene:
-    figure = scene.Figure(kind, (), "")
-    return cast(Scene, SimpleNamespace(name="test", figures={"one": scene.Figure("profiles", (), ""), "two": figure}))
-
-
-@pytest.mark.parametrize("kind", ["complience", "style", "", *sorted({*figures.kinds()}.difference(OF_STUDIES))])
-def test_a_scene_draws_only_figures_of_studies(kind: str) -> None:
-    with pytest.raises(
-        SceneError, match=rf"scene test: figures\.two\.draw: .*{kind!r}.*: choose from .*phases, profiles"
-    ):
-        figures.check_kinds(scene_that_draws(kind))
-
-
-def test_a_scene_may_draw_all_figures_of_studies() -> None:
-    for kind in OF_STUDIES:
-        figures.check_kinds(scene_that_draws(kind))
-
-
 TOY = """
 from weier.figures import style
 from weier.pipeline import curves
@@ -190,7 +169,7 @@ def toy_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]
 def test_a_new_figure_is_one_module(toy_figure: str, studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
     (tmp_path / "toy.yaml").write_text(SCENE)
     loaded = replace(scene.load(tmp_path / "toy.yaml"), figures={"fig": scene.Figure(toy_figure, ("one",), "Loads")})
-    figures.check_kinds(loaded)
+    assert not list(checks.check_figures(loaded))
     figures.draw(toy_figure, [studies["one"]], "Loads", tmp_path / "figure.pdf")
     assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
     assert caption(loaded, "fig") == (

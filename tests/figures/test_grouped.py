@@ -3,14 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 from matplotlib.figure import Figure
 
-from weier import figures, scene
 from weier.data import dataset
 from weier.figures import compliance, resistance
-from weier.figures.captions import caption
-from weier.scene import Grouping, SceneError
+from weier.scene import Grouping
 
 LOADS = np.geomspace(0.01, 4, 12)
 GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]
@@ -108,43 +105,3 @@ def test_a_seed_is_named_where_the_data_have_it(sweep: xr.Dataset) -> None:
 def test_resistance_is_grouped_as_well(sweep: xr.Dataset) -> None:
     figure = resistance.draw([sweep], "", Grouping("gamma", "method", ("seed",)))
     assert [axes.get_yscale() for axes in figure.axes] == ["log", "log"]
-
-
-def load(folder: object, **figure: object) -> scene.Scene:
-    text = {
-        "title": "test", "loads": [0.1], "methods": ["layer"],
-        "studies": {"one": {"product": {"D": 1.5, "gamma": [2, 3], "m": 2, "seed": [0, 1]}}},
-        "figures": {"f": {"draw": "compliance", "studies": ["one"]} | figure},
-    }  # fmt: skip
-    path = folder / "scene.yaml"
-    path.write_text(yaml.safe_dump(text))
-    return scene.load(path)
-
-
-def test_a_scene_names_the_parameters(tmp_path: object) -> None:
-    loaded = load(tmp_path, colour="gamma", facet="method", **{"median over": "seed"})
-    figures.check_kinds(loaded)
-    assert loaded.figures["f"].grouping == Grouping("gamma", "method", ("seed",))
-    text = caption(loaded, "f").text
-    assert "Each panel has one method. Colours show the gamma." in text
-    assert "Lines are medians over the seed of the phases, and bands hold all curves." in text
-
-
-WRONG: list[tuple[dict[str, object], str]] = [
-    ({"colour": "density"}, "figures.f.colour: 'density' is not one of"),
-    ({"colour": "gamma", "facet": "gamma"}, "gamma can be the colour, the facet or"),
-    ({"facet": "seed", "median over": ["m", "seed"]}, "seed can be the colour, the facet or"),
-]
-
-
-@pytest.mark.parametrize(("figure", "said"), WRONG)
-def test_a_parameter_that_there_is_not_or_twice_is_refused(
-    figure: dict[str, object], said: str, tmp_path: object
-) -> None:
-    with pytest.raises(SceneError, match=said):
-        load(tmp_path, **figure)
-
-
-def test_a_figure_that_takes_no_parameters_says_which_do(tmp_path: object) -> None:
-    with pytest.raises(SceneError, match=r"'profiles' takes no colour.*or draw compliance or resistance"):
-        figures.check_kinds(load(tmp_path, draw="profiles", colour="gamma"))

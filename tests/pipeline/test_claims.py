@@ -18,7 +18,7 @@ from weier.methods import westergaard
 from weier.pipeline import claims
 from weier.pipeline.claims import claim, readings
 from weier.pipeline.claims import ensemble as judging
-from weier.scene import Scene, SceneError
+from weier.scene import Scene
 
 LOADS = np.geomspace(1e-3, 4, 40)
 TOTAL = 1.4
@@ -356,9 +356,10 @@ def test_a_case_of_two_studies_counts_once() -> None:
 def test_unknown_claim(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"no claim 'everything'.*twelve_elements, phase_spread"):
         claims.evaluate("everything", [])
-    with pytest.raises(SceneError, match=r"scene test: claims: there is no claim 'everything'.*twelve_elements"):
-        claims.check_names(scene_of(tmp_path, {}, archard_above=("a",), everything=("a",)))
-    claims.check_names(scene_of(tmp_path, {}, **dict.fromkeys(claims.CLAIMS, ("a",))))
+    (mistake,) = claims.check_names(scene_of(tmp_path, {}, archard_above=("a",), archard_abov=("a",)))
+    assert mistake.keys == ("claims", "archard_abov")
+    assert mistake.text.endswith("did you mean 'archard_above'?")
+    assert not list(claims.check_names(scene_of(tmp_path, {}, **dict.fromkeys(claims.CLAIMS, ("a",)))))
 
 
 def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -374,7 +375,7 @@ def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: p
         return judging.judge([exact], judging.ensembles(cases))
 
     scene = scene_of(tmp_path, {"smooth": estimate(0.1)}, layer_exact=("smooth",))
-    claims.check_names(scene)
+    assert not list(claims.check_names(scene))
     claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["claim_statement"][:].tolist() == ["The layer is exact."]

@@ -10,7 +10,7 @@ import yaml
 from tests.toy_method import TOY
 from weier import scene
 from weier.methods import registry
-from weier.scene.file import schema
+from weier.scene.schema import schema
 
 SCENES = sorted(Path("config").glob("*/*.yaml"))
 
@@ -144,11 +144,6 @@ def test_the_digest_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
     assert digest() == digest(studies={"two": longer} | MINIMAL["studies"])
 
 
-def test_a_key_of_an_older_scene_is_told_by_its_new_name(tmp_path):
-    with pytest.raises(scene.SceneError, match="most_cases: this key is called max_cases now"):
-        scene.load(write(tmp_path, most_cases=3))
-
-
 @pytest.mark.parametrize(
     ("phases", "expected"),
     [
@@ -166,11 +161,8 @@ def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_p
 
 
 def test_phases_are_given_in_one_way(tmp_path):
-    values = {"phases": [[0.0, 1.0]], "seed": 3}
-    for key in values:  # each alone is sound
-        scene.load(write(tmp_path, **product(**{key: values[key]})))
     with pytest.raises(scene.SceneError, match="a profile takes phases or a seed, not both"):
-        scene.load(write(tmp_path, **product(**values)))
+        scene.load(write(tmp_path, **product(phases=1.0, seed=3)))
 
 
 def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
@@ -181,47 +173,105 @@ def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
         loaded.figure("two")
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"lods": [1]}, "'lods' was unexpected"),
-        ({"loads": [1.0, 0.5]}, "loads: mean_pressure must increase"),
-        ({"loads": [float("nan")]}, "loads: mean_pressure must be finite"),
-        ({"loads": []}, "loads"),
-        ({"loads": "heavy"}, "loads"),
-        ({"methods": ["bme"]}, "methods.0: 'bme' is not one of .*'bem'"),
-        ({"settings": {"bme": {"points": 3}}}, "settings: 'bme' is not one of .*'bem'"),
-        ({"settings": {"demelio": {"points": 3}}}, "studies.one: .*no setting 'points'"),
-        (
-            {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 8}}},
-            "studies.one: points_per_wave must be a whole number of at least 16",
-        ),
-        (
-            {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 16, "points": 800}}},
-            "studies.one: points_per_wave must be left out where there are points",
-        ),
-        ({"methods": ["bem"], "settings": {"bem": {"points": 79}}}, "studies.one: points must be at least 80"),
-        (product(D=2.5), r"studies.one: D must lie in \(1, 2\), got 2.5"),
-        (product(m=0), "studies.one: m must be"),
-        (product(gamma="5/0"), "studies.one: gamma must be a finite number"),
-        (product(gama=5), "studies.one.*gama"),
-        ({"studies": {}}, "studies"),
-        (
-            {"figures": {"f": {"draw": "compliance", "studies": ["two"]}}},
-            "figures.f: there is no study 'two', only one",
-        ),
-        ({"claims": {"fourth_term": ["two"]}}, "claims.fourth_term: there is no study 'two'"),
-        ({"claims": {"../c": ["one"]}}, r"claims: '\.\./c' does not match"),
-        ({"figures": {"f": {"draw": "../f", "studies": ["one"]}}}, r"figures.f.draw: '\.\./f' does not match"),
-        ({"batch": 0}, "batch"),
-    ],
-)
-def test_a_bad_scene_names_the_file_and_the_key(tmp_path, changes, message):
+ONE_MISTAKE = [
+    ({"lods": [1]}, "lods: there is no such key, only title.*: did you mean 'loads'?"),
+    ({"loads": [1.0, 0.5]}, "loads: mean_pressure must increase"),
+    ({"loads": [float("nan")]}, "loads: mean_pressure must be finite"),
+    ({"loads": []}, "loads: this must have at least 1 entry"),
+    ({"loads": "heavy"}, "loads: a load must be a number, got 'heavy'"),
+    ({"loads": True}, "loads: this must be a number, a range, or a list of these, got True"),
+    ({"loads": {"from": 1, "to": 2, "count": 3, "n": 30}}, "loads.n: there is no such key, only from, to, count"),
+    ({"loads": {"from": 1, "to": 2, "count": 1}}, "loads.count: this must be at least 2, got 1"),
+    ({"methods": ["bme"]}, "methods.0: this must be one of .*, got 'bme': did you mean 'bem'?"),
+    ({"methods": ["bem", "bem"]}, "methods: each of these may stand once"),
+    ({"methods": "bem"}, "methods: this must be a list, got 'bem'"),
+    ({"settings": {"bme": {"points": 3}}}, "settings.bme: this must be one of .*: did you mean 'bem'?"),
+    ({"settings": {"demelio": {"points": 3}}}, "settings.demelio.points: .*no setting 'points'"),
+    ({"settings": {"bem": {"tolerence": 3}}}, "settings.bem.tolerence: .*: did you mean 'tolerance'?"),
+    (
+        {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 8}}},
+        "studies.one.product: points_per_wave must be a whole number of at least 16",
+    ),
+    ({"methods": ["bem"], "settings": {"bem": {"points": 79}}}, "studies.one.product: points must be at least 80"),
+    ({"tolerance": -1}, "tolerance: this must be more than 0, got -1"),
+    ({"tolerance": "small"}, "tolerance: tolerance must be a number, got 'small'"),
+    ({"quantity": "compliance"}, "quantity needs tolerance"),
+    (product(D=2.5), r"studies.one.product.D: D must lie in \(1, 2\), got 2.5"),
+    (product(m=0), "studies.one.product.m: m must be"),
+    (product(gamma="5/0"), "studies.one.product.gamma: gamma must be a finite number"),
+    (product(gama=5), "studies.one.product.gama: there is no such key"),
+    (product(phases=[[0, 1, 2]]), "studies.one.product: "),
+    (product(seed=-1), "studies.one.product.seed: seed must be"),
+    (product(seed={"from": 0, "to": 1, "count": 10**7}), "max_cases: .*at most 10000 cases"),
+    ({"studies": {}}, "studies: this must have at least 1 entry"),
+    ({"studies": {"one": {}}}, "studies.one: one of product and cases must be given, and not none"),
+    (
+        {"figures": {"f": {"draw": "compliance", "studies": ["on"]}}},
+        "figures.f.studies.0: there is no study 'on', only one: did you mean 'one'?",
+    ),
+    ({"figures": {"f": {"draw": "phases", "x": "lin"}}}, "figures.f.x: this must be one of .*did you mean 'linear'?"),
+    ({"figures": {"f": {"draw": "phases", "x": {"from": 2, "to": 1}}}}, "figures.f.x: an axis must begin below"),
+    (
+        {"figures": {"f": {"draw": "phases", "y": {"scale": "log", "from": 0}}}},
+        "figures.f.y: a logarithmic axis",
+    ),
+    ({"figures": {"f": {"draw": "phases", "size": [3]}}}, "figures.f.size: this must have at least 2 entries"),
+    ({"claims": {"fourth_term": ["two"]}}, "claims.fourth_term.0: there is no study 'two'"),
+    ({"claims": {"../c": ["one"]}}, r"claims.\.\./c: this must be letters, digits, _ and -"),
+    ({"figures": {"f": {"draw": "../f", "studies": ["one"]}}}, "figures.f.draw: this must be letters"),
+    ({"title": "two\nlines"}, "title: this must be one line of at most 200 characters"),
+    ({"batch": 0}, "batch: this must be at least 1, got 0"),
+    ({"contact_edges": "yes"}, "contact_edges: this must be true or false, got 'yes'"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), ONE_MISTAKE, ids=lambda value: str(value)[:40])
+def test_one_mistake_is_one_line_with_the_file_and_the_key(tmp_path, changes, message):
     path = write(tmp_path, **changes)
-    with pytest.raises(scene.SceneError, match=message) as caught:
+    with pytest.raises(scene.SceneError, match=rf"^{re.escape(str(path))}, line \d+: {message}") as caught:
         scene.load(path)
-    assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+FAULTY = """title: test
+method: [layer]
+loads: {from: 1.0e-3, to: 4, n: 30}
+studies:
+  one:
+    product: &p {D: 2.5, gama: 5, m: 0}
+    settings: {bem: {points: many}}
+  two:
+    product: {<<: *p, gamma: 1}
+    methods: [bme]
+figures:
+  f:
+    draw: compliance
+    studies:
+      - two
+      - tow
+    colour: gama
+"""
+
+
+def test_all_mistakes_are_told_at_once_each_with_its_line(tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text(FAULTY)
+    with pytest.raises(scene.SceneError) as caught:
+        scene.load(path)
+    head, *told = str(caught.value).splitlines()
+    places = [re.match(r"  line (\d+): ([^:]+): ", line).groups() for line in told]
+    assert head == f"{path} has {len(told)} mistakes:"
+    assert places == [
+        ("2", "method"), ("3", "loads.count"), ("3", "loads.n"),
+        *(("6", f"studies.{study}.product.{key}") for study in ("one", "two") for key in ("D", "gama", "m")),
+        ("7", "studies.one.settings.bem.points"), ("9", "studies.two.product.gamma"), ("10", "studies.two.methods.0"),
+        ("16", "figures.f.studies.1"), ("17", "figures.f.colour"),
+    ]  # fmt: skip
+
+
+def test_a_long_list_of_mistakes_is_cut_short(tmp_path):
+    with pytest.raises(scene.SceneError, match=r"has 40 mistakes:(\n  line.*){30}\n  and 10 more$"):
+        scene.load(write(tmp_path, **{f"key_{number}": 1 for number in range(40)}))
 
 
 @pytest.mark.parametrize("text", ["a: [", "- 1", "!!python/object/apply:os.getcwd []", "\x00", ""])

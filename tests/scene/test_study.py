@@ -110,7 +110,7 @@ def test_every_value_of_a_parameter_is_checked(tmp_path):
     """Wherever it stands: each case with a bad one is bad."""
     good = {"D": [1.25, 1.5], "gamma": [2, 3], "m": [1, 2], "seed": [0, 1]}
     for name, bad in {"D": 2.5, "gamma": 0.5, "m": 2.5, "seed": -1}.items():
-        with pytest.raises(scene.SceneError, match=f"studies.one: {name} must"):
+        with pytest.raises(scene.SceneError, match=f"studies.one.product.{name}: {name} must"):
             load(tmp_path, studies={"one": {"product": good | {name: [*good[name], bad]}}})
     with pytest.raises(scene.SceneError, match="one for each of the m = 3 terms, got 2"):
         load(tmp_path, studies={"one": {"product": {"D": 1.5, "gamma": 2, "m": [2, 3], "phases": [0.0, [0.0, 1.0]]}}})

@@ -105,7 +105,14 @@ def main() -> None:
     except MemoryError:
         _stop("not enough memory: ask for fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:
-        _stop(" ".join(str(error).split()))
+        _stop(_told(error))
+
+
+def _told(error: Exception) -> str:
+    """An error in one line, but for that of a scene, which has a line for each mistake."""
+    from weier.scene import SceneError  # only now, since it takes half a second
+
+    return str(error) if isinstance(error, SceneError) else " ".join(str(error).split())
 
 
 def _say_compiling() -> Callable[[str], None]:

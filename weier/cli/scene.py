@@ -138,12 +138,7 @@ def serve(descriptor: int) -> None:
 
 
 def _load(scene_file: Path) -> Scene:
-    """A scene whose figures can be drawn and whose claims exist."""
-    from weier import scene
-    from weier.figures import check_kinds
-    from weier.pipeline import claims as claim
+    """A scene, all of it checked."""
+    from weier.figures import checks
 
-    loaded = scene.load(scene_file)
-    check_kinds(loaded)
-    claim.check_names(loaded)
-    return loaded
+    return checks.load(scene_file)

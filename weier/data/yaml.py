@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -31,17 +32,42 @@ for kind, pattern in PLAIN_VALUES.items():
 _Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(node.value))
 
 
+class Document(NamedTuple):
+    """A YAML text: its plain values, and the nodes that know in which lines they stand."""
+
+    values: Any
+    root: yaml.Node | None
+
+    def line(self, keys: Sequence[str | int]) -> int:
+        """The line of the value that these keys lead to, or of the last of them that there is; the first is 1."""
+        node, mark = self.root, self.root.start_mark if self.root else None
+        for key in keys:
+            found = _child(node, key)
+            if found is None:
+                break
+            mark, node = found
+        return mark.line + 1 if mark else 1
+
+
 def parse_yaml(text: str) -> Any:
     """A YAML text as plain values: no objects, no keys given twice, no alias that grows without bound."""
+    return read_yaml(text).values
+
+
+def read_yaml(text: str) -> Document:
+    """The values of a YAML text as `parse_yaml` has them, with their lines."""
     if len(text) > MAX_CHARACTERS:
         raise ValueError(f"a scene must have at most {MAX_CHARACTERS} characters, got {len(text)}")
     try:
-        node = yaml.compose(text, _Loader)
-        if node is not None:
-            _size(node, {})
-        return yaml.load(text, _Loader)
+        root = yaml.compose(text, _Loader)
+        if root is not None:
+            _size(root, {})
+        return Document(yaml.load(text, _Loader), root)
     except RecursionError:
         raise ValueError("the values are nested too deep, or contain themselves") from None
+    except yaml.MarkedYAMLError as error:
+        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
+        raise ValueError(f"{line}{error.problem or error}") from None
     except yaml.YAMLError as error:
         raise ValueError(str(error)) from None
 
@@ -77,3 +103,18 @@ def _children(node: yaml.Node) -> list[yaml.Node]:
             raise ValueError(f"a key must be a word, got another kind of value in line {odd[0]}")
         return [child for pair in node.value for child in pair]
     return node.value if isinstance(node, yaml.SequenceNode) else []
+
+
+def _child(node: yaml.Node | None, key: str | int) -> tuple[yaml.Mark, yaml.Node] | None:
+    """Where a key of a mapping or an item of a list stands, and its value; keys that are merged in come last."""
+    if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
+        return node.value[key].start_mark, node.value[key]
+    if not isinstance(node, yaml.MappingNode):
+        return None
+    merged: list[yaml.Node] = []
+    for name, value in node.value:
+        if name.value == key:
+            return name.start_mark, value
+        if name.tag == KEY_TAGS[1]:
+            merged += value.value if isinstance(value, yaml.SequenceNode) else [value]
+    return next(filter(None, (_child(each, key) for each in merged)), None)

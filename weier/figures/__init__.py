@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weier.data.files import replacing
-from weier.scene import BY_DEFAULT, Grouping, Scene, SceneError
+from weier.scene import BY_DEFAULT, Grouping
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,13 +38,17 @@ class FigureKind(NamedTuple):
     caption : CAPTION, in plain text; {methods} stands for the sentence that tells the curves of methods apart
     command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
+    needs : NEEDS, a key of the scene that must be true
     grouped : whether a scene may say by which parameters it is drawn
+    needs_studies : whether it shows studies at all
     """
 
     caption: str
     command: str = ""
     variable: str = ""
+    needs: str = ""
     grouped: bool = False
+    needs_studies: bool = True
 
 
 def kinds() -> dict[str, FigureKind]:
@@ -65,13 +69,9 @@ def _kind(module: str) -> FigureKind | None:
     words = _text_constants(tree)
     if "CAPTION" not in words:
         return None
-    command, variable = words.get("COMMAND", ""), words.get("VARIABLE", "")
-    return FigureKind(words["CAPTION"], command, variable, "grouping" in _parameters_of_draw(tree))
-
-
-def _parameters_of_draw(tree: ast.Module) -> list[str]:
-    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "draw"]
-    return [argument.arg for function in functions for argument in function.args.args]
+    command, variable, needs = (words.get(name, "") for name in ("COMMAND", "VARIABLE", "NEEDS"))
+    drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    return FigureKind(words["CAPTION"], command, variable, needs, "grouping" in drawn, "studies" in drawn)
 
 
 def _text_constants(tree: ast.Module) -> dict[str, str]:
@@ -83,23 +83,6 @@ def _text_constants(tree: ast.Module) -> dict[str, str]:
         for target in statement.targets
         if isinstance(target, ast.Name) and isinstance(statement.value.value, str)
     }
-
-
-def check_kinds(scene: Scene) -> None:
-    """Refuse a scene with a figure that cannot be drawn from its studies, or not by the parameters that it names."""
-    known = kinds()
-    choice = [name for name, kind in known.items() if not kind.command]
-    for name, figure in scene.figures.items():
-        if figure.draw not in choice:
-            raise SceneError(
-                f"scene {scene.name}: figures.{name}.draw: there is no figure {figure.draw!r} of studies: "
-                f"choose from {', '.join(choice)}"
-            )
-        if figure.grouping != BY_DEFAULT and not known[figure.draw].grouped:
-            raise SceneError(
-                f"scene {scene.name}: figures.{name}: {figure.draw!r} takes no colour, facet or median over: leave "
-                f"them out, or draw {' or '.join(each for each in choice if known[each].grouped)}"
-            )
 
 
 def draw(
@@ -157,7 +140,7 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
     known = kinds()
     if kind not in known:
         raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(known)}")
-    _, command, variable, _ = known[kind]
+    command, variable = known[kind].command, known[kind].variable
     if command and [variable in study for study in studies] != [True]:
         raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
 

@@ -19,6 +19,8 @@ CAPTION = (
     "merge until all are one."
 )
 
+NEEDS = "contact_edges"
+
 SAMPLES = 2000  # of the height of the profile
 
 

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from weier.methods.method import Method
-from weier.theory.arguments import checked_count, checked_flag, checked_number, shown
+from weier.theory.arguments import checked_count, checked_flag, checked_number, shown, suggestion
 from weier.theory.profile import MAX_POINTS
 
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
@@ -48,7 +48,8 @@ def check_names(method: Method, settings: Iterable[str]) -> None:
     for setting in settings:
         if setting not in known:
             choice = f"it takes {', '.join(known)}" if known else "it takes none"
-            raise ValueError(f'method "{method.name}" has no setting {setting!r}: {choice}')
+            near = suggestion(setting, known)
+            raise ValueError(f'method "{method.name}" has no setting {setting!r}: {choice}{near}')
 
 
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,7 +4,21 @@ May use methods, data, theory and kernels, and solves nothing itself.
 """
 
 from weier.scene.case import Case
-from weier.scene.cases import BY_DEFAULT, Figure, Grouping, Layout, Scene, SceneError
+from weier.scene.cases import Layout, Scene
+from weier.scene.figure import BY_DEFAULT, Axis, Figure, Grouping
 from weier.scene.file import load, load_by_name
+from weier.scene.mistakes import Mistake, SceneError
 
-__all__ = ["BY_DEFAULT", "Case", "Figure", "Grouping", "Layout", "Scene", "SceneError", "load", "load_by_name"]
+__all__ = [
+    "BY_DEFAULT",
+    "Axis",
+    "Case",
+    "Figure",
+    "Grouping",
+    "Layout",
+    "Mistake",
+    "Scene",
+    "SceneError",
+    "load",
+    "load_by_name",
+]

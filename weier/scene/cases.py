@@ -15,13 +15,11 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.scene.case import Case
+from weier.scene.figure import Figure
+from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Selection, Study, case_numbers
 
 Item = TypeVar("Item")
-
-
-class SceneError(ValueError):
-    """A scene file that cannot be run: the message names the file and the key."""
 
 
 class Layout(NamedTuple):
@@ -35,31 +33,6 @@ class Layout(NamedTuple):
     methods: tuple[str, ...]
     terms: int
     edges: int
-
-
-class Grouping(NamedTuple):
-    """Which parameters of a sweep a figure shows, and how; none where the figure chooses.
-
-    colour, facet : the parameter that sets the colour, and the one that each panel has a value of
-    median_over : over which a median is drawn, with a band that holds all curves
-    """
-
-    colour: str = ""
-    facet: str = ""
-    median_over: tuple[str, ...] = ()
-
-
-BY_DEFAULT = Grouping()
-
-
-@dataclass(frozen=True)
-class Figure:
-    """What a figure draws (a module of weier.figures), from which studies, and by which parameters."""
-
-    draw: str
-    studies: tuple[str, ...]
-    title: str
-    grouping: Grouping = BY_DEFAULT
 
 
 @dataclass(frozen=True)

@@ -1,125 +1,116 @@
-"""Scene files are read, checked and expanded into scenes; an error names the file and the key."""
+"""Scene files are read, checked and expanded into scenes; an error tells all mistakes of a file, with their lines."""
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from functools import lru_cache
-from importlib.resources import files
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.data.variables import of_curves
-from weier.data.yaml import number, parse_yaml
-from weier.methods.registry import PLANNED, find_method, names, returned_by
+from weier.data.yaml import number, read_yaml
+from weier.kernels.arrays import Array
+from weier.methods.registry import PLANNED, find_method, returned_by
 from weier.methods.settings import checked_settings
-from weier.scene.cases import Figure, Grouping, Scene, SceneError
-from weier.scene.products import MAX_CASES, axes, axis, check_count
-from weier.scene.study import CaseProduct, Study
+from weier.scene.cases import Scene
+from weier.scene.figure import Axis, Figure, Grouping
+from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
+from weier.scene.products import MAX_CASES, axis, check_count, distinct_values, products
+from weier.scene.schema import mistakes_of_form
+from weier.scene.study import CaseProduct, Study, check_value
+from weier.theory.arguments import shown, suggestion
 from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 BATCH_SIZE = 25  # cases: a batch takes 0.3 s to start, and 3 s on a cluster
 MAX_BATCH_BYTES = 4 * 2**30  # of one batch
-RENAMED_KEYS = {"most_cases": "max_cases"}
 
 Raw = Mapping[str, Any]  # of the file, as the schema has it
+Check = Callable[[Scene], Iterable[Mistake]]
 
 
-def load(path: str | Path) -> Scene:
+def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     """Read and check a scene file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    checks : sequence of callable, optional
+        What else to check, on what is sound of the scene. `weier.figures.checks.load` checks figures and claims.
 
     Raises
     ------
     SceneError
-        If the file is missing, is not YAML, has an unknown key, or a value out of range.
+        If the file is missing, is not YAML, has unknown keys, or values out of range: all of its mistakes.
 
     """
     path = Path(path)
     try:
-        return _load(path.read_text(encoding="utf-8"), path)
-    except (OSError, UnicodeDecodeError) as error:
-        raise _unreadable(path, error) from None
-
-
-@lru_cache(maxsize=1)  # for the jobs of one scene, which are forked from a process that has loaded it
-def _load(text: str, path: Path) -> Scene:
-    try:
-        raw = parse_yaml(text)
-    except ValueError as error:
-        raise _unreadable(path, error) from None
-    _check_schema(raw, path)
-    return _scene(raw, text, path)
-
-
-def _unreadable(path: Path, error: Exception) -> SceneError:
-    return SceneError(f"{path} cannot be read as a scene: {_one_line(error)}")
-
-
-def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
-    """The scene of this name in a folder of scenes; a SceneError if the name could lead elsewhere."""
-    if not re.fullmatch(NAME, name):
-        raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
-    return load(Path(folder, f"{name}.yaml"))
-
-
-def schema() -> dict[str, Any]:
-    """The JSON schema of scene files, with the names of all methods there are."""
-    loaded = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
-    loaded["$defs"]["method"]["enum"] = names()
-    loaded["$defs"]["parameter"]["enum"] = ["method", *loaded["$defs"]["profile"]["properties"]]
-    return loaded
-
-
-def _check_schema(raw: Any, path: Path) -> None:
-    import jsonschema  # takes longer than the rest of a scene, and nothing else needs it
-
-    for old, new in RENAMED_KEYS.items():
-        if isinstance(raw, dict) and old in raw:
-            raise SceneError(f"{path}: {old}: this key is called {new} now: rename it")
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema()).iter_errors(raw))
-    if error is not None:
-        where = ".".join(str(part) for part in error.absolute_path) or "the top level"
-        why = error.validator_value["description"] if error.validator == "not" else error.message
-        raise SceneError(f"{path}: {where}: {_one_line(why)}")
-
-
-def _scene(raw: Raw, text: str, path: Path) -> Scene:
-    with _in_file(path, "loads"):
-        loads = _loads(raw)
-    with _in_file(path, "studies"):
-        check_count(raw["studies"], int(raw.get("max_cases", MAX_CASES)))
-    with _in_file(path, "tolerance"):
-        plan = _plan(raw)
-    studies = {}
-    for name, study in raw["studies"].items():
-        with _in_file(path, f"studies.{name}"):
-            studies[name] = _study(study, raw, plan)
-    with _in_file(path, "figures"):
-        figures = _figures(raw)
-    scene = Scene(
-        name=path.stem,
-        title=raw["title"],
-        loads=loads,
-        studies=studies,
-        batch_size=int(raw.get("batch", BATCH_SIZE)),
-        figures=figures,
-        claims={name: tuple(wanted) for name, wanted in raw.get("claims", {}).items()},
-        contact_edges=raw.get("contact_edges", False),
-        text=text,
-    )
-    _check_references(scene, path)
-    with _in_file(path, "batch"):
-        _check_memory(scene)
+        text = path.read_text(encoding="utf-8")
+        document = read_yaml(text)
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
+    mistakes = Mistakes()
+    mistakes.add(mistakes_of_form(document.values))
+    if not isinstance(document.values, dict):
+        raise mistakes.error(path, document)
+    scene = _scene(document.values, text, path.stem, mistakes)
+    for check in checks:
+        mistakes.add(check(scene))
+    if mistakes:
+        raise mistakes.error(path, document)
     return scene
 
 
-def _loads(raw: Raw) -> NDArray[np.float64]:
+def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequence[Check] = ()) -> Scene:
+    """The scene of this name in a folder of scenes; a SceneError if the name could lead elsewhere."""
+    if not re.fullmatch(NAME, name):
+        raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
+    return load(Path(folder, f"{name}.yaml"), checks)
+
+
+def _scene(raw: Raw, text: str, name: str, mistakes: Mistakes) -> Scene:
+    """The scene without the parts that have mistakes."""
+
+    def sound(key: str, instead: Any) -> Any:
+        return mistakes.attempt((key,), lambda: raw.get(key, instead), instead)
+
+    _check_settings(("settings",), raw.get("settings"), mistakes)
+    plan: dict[str, Any] = mistakes.attempt(("tolerance",), partial(_plan, raw), {})
+    known = _mapping(raw, "studies")
+    most = sound("max_cases", MAX_CASES)
+    if not mistakes.within("studies"):
+        mistakes.attempt(("max_cases",), partial(check_count, known, int(most)), None)
+    wanted = {} if mistakes.within("max_cases") else known
+    read = {study: _study(study, raw, plan, mistakes) for study in wanted}
+    _check_references(raw, known, mistakes)
+    scene = Scene(
+        name=name,
+        title=sound("title", ""),
+        loads=mistakes.attempt(("loads",), partial(_loads, raw), np.empty(0)),
+        studies={study: cases for study, cases in read.items() if cases is not None},
+        batch_size=int(sound("batch", BATCH_SIZE)),
+        figures={figure: _figure(figure, raw, mistakes) for figure in _mapping(raw, "figures")},
+        claims={claim: tuple(of) for claim, of in _mapping(raw, "claims").items() if isinstance(of, list)},
+        contact_edges=sound("contact_edges", False),
+        text=text,
+    )
+    if not mistakes:
+        mistakes.attempt(("batch",), partial(_check_memory, scene), None)
+    return scene
+
+
+def _mapping(raw: Raw, key: str) -> Raw:
+    """The value of a key if it is a mapping, else an empty one."""
+    value = raw.get(key)
+    return value if isinstance(value, dict) else {}
+
+
+def _loads(raw: Raw) -> Array:
     loads = checked_loads([number("a load", value) for value in axis(raw["loads"])])
     check_range(loads)
     return loads
@@ -133,29 +124,68 @@ def _plan(raw: Raw) -> dict[str, Any]:
     return quantity | {"tolerance": number("tolerance", raw["tolerance"])}
 
 
-def _study(study: Raw, raw: Raw, plan: Mapping[str, Any]) -> Study:
+def _check_settings(keys: Keys, settings: Any, mistakes: Mistakes) -> None:
+    """Each setting of each method by itself."""
+    if not isinstance(settings, dict) or mistakes.within(*keys):
+        return
+    for method, values in settings.items():
+        for name, value in values.items():
+            check = partial(checked_settings, find_method(method), {name: value})
+            mistakes.attempt((*keys, method, name), check, None)
+
+
+def _study(name: str, raw: Raw, plan: Raw, mistakes: Mistakes) -> Study | None:
+    """The cases of a study; None if it has mistakes, or if its methods do."""
+    keys: Keys = ("studies", name)
+    study = _mapping(raw["studies"], name)
+    _check_settings((*keys, "settings"), study.get("settings"), mistakes)
+    axes = [_axes((*keys, *place), product, mistakes) for place, product in products(study)]
+    if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
+        return None
     methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
     if plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
-    products = [CaseProduct(values, methods, own) for values in axes(study)]
-    for product in products:
-        product.check()
-    return Study(products)
+    made = [CaseProduct(values, methods, own) for values in axes]
+    for (place, _), product in zip(products(study), made, strict=True):
+        mistakes.attempt((*keys, *place), product.check, None)
+    return None if mistakes.within(*keys) else Study(made)
 
 
-def _figures(raw: Raw) -> dict[str, Figure]:
-    return {
-        name: Figure(
-            figure["draw"], tuple(figure.get("studies", ())), figure.get("title", ""), _grouping(name, figure)
-        )
-        for name, figure in raw.get("figures", {}).items()
+def _axes(keys: Keys, product: Raw, mistakes: Mistakes) -> dict[str, list[Any]]:
+    """The values of each parameter, each sound by itself."""
+    axes: dict[str, list[Any]] = {
+        name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
+        for name, values in product.items()
     }
+    for name, values in axes.items():
+        for value in values:
+            mistakes.attempt((*keys, name), partial(check_value, name, value), None)
+    return axes
 
 
-def _grouping(name: str, figure: Raw) -> Grouping:
+def _figure(name: str, raw: Raw, mistakes: Mistakes) -> Figure:
+    """What is sound of a figure."""
+    keys: Keys = ("figures", name)
+    figure = _mapping(raw["figures"], name)
+
+    def sound(key: str, instead: Any, read: Callable[[Any], Any]) -> Any:
+        return mistakes.attempt((*keys, key), lambda: read(figure[key]) if key in figure else instead, instead)
+
+    return Figure(
+        draw=sound("draw", "", str),
+        studies=sound("studies", (), tuple),
+        title=sound("title", "", str),
+        grouping=mistakes.attempt(keys, partial(_grouping, figure), Grouping()),
+        x=sound("x", Axis(), _axis),
+        y=sound("y", Axis(), _axis),
+        size=sound("size", None, tuple),
+    )
+
+
+def _grouping(figure: Raw) -> Grouping:
     over = figure.get("median over", [])
     grouping = Grouping(
         figure.get("colour", ""), figure.get("facet", ""), tuple(over if isinstance(over, list) else [over])
@@ -163,18 +193,34 @@ def _grouping(name: str, figure: Raw) -> Grouping:
     given = [each for each in (grouping.colour, grouping.facet, *grouping.median_over) if each]
     for each in given:
         if given.count(each) > 1:
-            raise ValueError(f"{name}: {each} can be the colour, the facet or one to take the median over, not two")
+            raise ValueError(f"{each} can be the colour, the facet or one to take the median over, not two")
     return grouping
 
 
-def _check_references(scene: Scene, path: Path) -> None:
+def _axis(given: str | Raw) -> Axis:
+    axis = Axis(given) if isinstance(given, str) else Axis(given.get("scale", ""), given.get("from"), given.get("to"))
+    ends = [end for end in axis[1:] if end is not None]
+    if not np.isfinite(ends).all():
+        raise ValueError("the ends of an axis must be finite")
+    if axis.scale == "log" and min(ends, default=1.0) <= 0:
+        raise ValueError(f"a logarithmic axis must lie above 0, got {min(ends):g}")
+    if len(ends) == 2 and ends[0] >= ends[1]:
+        raise ValueError(f"an axis must begin below its end, got {ends[0]:g} to {ends[1]:g}")
+    return axis
+
+
+def _check_references(raw: Raw, studies: Raw, mistakes: Mistakes) -> None:
     """Refuse figures and claims of studies that are not there."""
-    users = {f"figures.{name}": figure.studies for name, figure in scene.figures.items()}
-    users |= {f"claims.{name}": wanted for name, wanted in scene.claims.items()}
-    for where, wanted in users.items():
-        for study in wanted:
-            if study not in scene.studies:
-                raise SceneError(f"{path}: {where}: there is no study {study!r}, only {', '.join(scene.studies)}")
+    figures = _mapping(raw, "figures")
+    lists: dict[Keys, Any] = {
+        ("figures", name, "studies"): _mapping(figures, name).get("studies", ()) for name in figures
+    }
+    lists |= {("claims", name): of for name, of in _mapping(raw, "claims").items()}
+    for keys, listed in lists.items():
+        for position, study in enumerate(() if mistakes.within(*keys) else listed):
+            if study not in studies:
+                what = f"there is no study {shown(study)}, only {', '.join(studies) or 'none':.300}"
+                mistakes.add([Mistake((*keys, position), f"{what}{suggestion(study, studies)}")])
 
 
 def _check_memory(scene: Scene) -> None:
@@ -188,16 +234,3 @@ def _check_memory(scene: Scene) -> None:
             f"a batch must fit into {MAX_BATCH_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, "
             "fewer loads, or contact_edges: false"
         )
-
-
-@contextmanager
-def _in_file(path: Path, where: str) -> Iterator[None]:
-    """Turn a ValueError into a SceneError that names the file and the key."""
-    try:
-        yield
-    except ValueError as error:
-        raise SceneError(f"{path}: {where}: {_one_line(error)}") from None
-
-
-def _one_line(error: object) -> str:
-    return " ".join(str(error).split())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,22 +17,24 @@ MAX_RANGE_VALUES = 10**6
 Product = Mapping[str, Any]
 
 
-def axes(study: Mapping[str, Any]) -> Iterator[dict[str, list[Any]]]:
-    """The values of each parameter, each once, of every product of a study."""
-    for product in _products(study):
-        yield {name: _values(name, values) for name, values in product.items()}
+def products(study: Mapping[str, Any]) -> list[tuple[tuple[str | int, ...], Product]]:
+    """The products of a study that are mappings, each with the keys that lead to it."""
+    cases = study.get("cases")
+    listed = [(("cases", number), each) for number, each in enumerate(cases if isinstance(cases, list) else [])]
+    every = [(("product",), study.get("product")), *listed]
+    return [(keys, product) for keys, product in every if isinstance(product, dict)]
 
 
-def _values(name: str, values: Any) -> list[Any]:
-    """The values of one parameter; a list within a list of phases are those of one profile."""
+def distinct_values(name: str, values: Any) -> list[Any]:
+    """The values of one parameter, each once; a list within a list of phases are those of one profile."""
     given = values if name == "phases" and isinstance(values, list) else axis(values)
     return list({json.dumps(value): value for value in given}.values())
 
 
 def check_count(studies: Mapping[str, Any], most: int) -> None:
     """Refuse too many cases, before any is made."""
-    products = [product for study in studies.values() for product in _products(study)]
-    count = sum(math.prod(_count(name, values) for name, values in product.items()) for product in products)
+    every = [product for study in studies.values() for _, product in products(study)]
+    count = sum(math.prod(_count(name, values) for name, values in product.items()) for product in every)
     if count > most:
         raise ValueError(
             f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
@@ -54,10 +56,6 @@ def axis(values: Any) -> list[Any]:
         raise ValueError(f"a range must have finite ends, got {ends[0]:g} and {ends[1]:g}")
     space = np.geomspace if values.get("spacing") == "log" else np.linspace
     return [int(v) if v.is_integer() else v for v in space(*ends, int(values["count"])).tolist()]
-
-
-def _products(study: Mapping[str, Any]) -> list[Product]:
-    return study["cases"] if "cases" in study else [study["product"]]
 
 
 def _count(name: str, values: Any) -> int:

@@ -69,14 +69,21 @@ class CaseProduct:
     def check(self) -> None:
         """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it.
 
-        Whether a profile is sound, D tells by itself, and so does a seed; gamma and phases do with m. So this does
-        not make every case.
+        The values of D and of seeds are sound by themselves (`check_value`); gamma and phases are with m. So this
+        does not make every case.
         """
         for names in (("D",), ("gamma", "m"), ("phases", "m")):
             for case in self.of_all_kinds(*names):
                 case.check()
-        for seed in self.axes.get("seed", ()):
-            random_phases(seed)
+
+
+def check_value(name: str, value: Any) -> None:
+    """Refuse a value of a parameter that no profile can have, whatever the other parameters are."""
+    if name == "seed":
+        random_phases(value)
+        return
+    length = {"m": len(value)} if name == "phases" and isinstance(value, list) else {}
+    Case({"D": 1.5, "gamma": 2, "m": 1} | length | {name: value}, (), {}).check()
 
 
 class Study(Sequence[Case]):

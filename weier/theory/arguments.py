@@ -8,8 +8,9 @@ them for some.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from decimal import Decimal
+from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
@@ -79,8 +80,15 @@ def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> 
 def checked_word(name: str, value: Any, choices: Collection[str], where: str = "") -> str:
     """One of some words."""
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(choices)}{where and ' '}{where}, got {shown(value)}")
+        what = f"{name} must be one of {', '.join(choices)}{where and ' '}{where}"
+        raise ValueError(f"{what}, got {shown(value)}{suggestion(value, choices)}")
     return str(value)
+
+
+def suggestion(value: Any, choices: Iterable[str]) -> str:
+    """The choice that a mistyped word is nearest to, as the end of a message; empty where none is near."""
+    near = get_close_matches(value[:MAX_SHOWN], choices, n=1) if isinstance(value, str) else []
+    return f": did you mean {near[0]!r}?" if near else ""
 
 
 def checked_flag(name: str, value: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +17,8 @@ from weier.pipeline import curves
 from weier.pipeline.claims.claim import CLAIMS, Claim, Measured
 from weier.pipeline.claims.paper import CRITERIA
 from weier.pipeline.claims.readings import MissingError
-from weier.scene import Scene, SceneError
+from weier.scene import Mistake, Scene
+from weier.theory.arguments import suggestion
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,15 +28,13 @@ __all__ = ["CLAIMS", "Claim", "Measured", "check_names", "evaluate", "write"]
 CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
 
 
-def check_names(scene: Scene) -> None:
-    """Refuse a scene with a claim that is not in CLAIMS."""
-    for name in scene.claims:
-        if name not in CLAIMS:
-            raise SceneError(f"scene {scene.name}: claims: {_unknown(name)}")
+def check_names(scene: Scene) -> Iterator[Mistake]:
+    """The claims of a scene that are not in CLAIMS."""
+    return (Mistake(("claims", name), _unknown(name)) for name in scene.claims if name not in CLAIMS)
 
 
 def _unknown(name: str) -> str:
-    return f"there is no claim {name!r}: choose from {', '.join(CLAIMS)}"
+    return f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
 
 
 def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> None:

@@ -1,0 +1,109 @@
+"""Figures that cannot be drawn, or whose curves could not be told apart, are told before anything is solved."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from weier import figures, scene
+from weier.figures import checks
+from weier.figures.captions import caption
+from weier.scene import Grouping, SceneError
+
+OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
+OF_FILES = sorted(figures.kinds().keys() - set(OF_STUDIES))
+
+
+def write(folder, product=None, other_studies=None, without="", **figure):
+    fixed = {"D": 1.5, "gamma": 2, "m": 2}
+    text = {
+        "title": "test", "loads": [0.1], "methods": ["layer", "bem"],
+        "studies": {"one": {"product": fixed | (product or {})}} | (other_studies or {}),
+        "figures": {"f": {"draw": "compliance", "studies": ["one"]} | figure},
+    }  # fmt: skip
+    text["figures"]["f"].pop(without, None)
+    path = folder / "scene.yaml"
+    path.write_text(yaml.safe_dump(text))
+    return path
+
+
+@pytest.mark.parametrize("path", sorted(Path("config").glob("*/*.yaml")), ids=lambda path: path.stem)
+def test_every_scene_that_comes_with_weier_can_be_drawn(path):
+    checks.load(path)
+
+
+SWEEP = {"D": [1.2, 1.5], "gamma": [2, 3], "m": [1, 2], "seed": [0, 1]}
+FREE = {"median over": ["D", "m", "seed"], "colour": "gamma"}
+ANOTHER = {"two": {"product": {"D": 1.5, "gamma": 2, "m": 2}, "settings": {"bem": {"points_per_wave": 16}}}}
+MISTAKES = [
+    *[({"draw": kind}, f"f.draw: there is no figure '{kind}' of studies, only") for kind in (*OF_FILES, "style")],
+    ({"draw": "complience"}, "f.draw: .*: did you mean 'compliance'?"),
+    ({"draw": "compliance", "studies": []}, "f.studies: this must have at least 1 entry"),
+    ({"draw": "compliance", "without": "studies"}, "f.studies: this key is missing"),
+    ({"draw": "contact_tree"}, "f.draw: contact_tree needs contact_edges: true"),
+    ({"draw": "profiles", "colour": "gamma"}, "f: profiles takes no colour.*or draw compliance or resistance"),
+    ({"title": r"$\gama$"}, r"f.title: the formula cannot be typeset: .*Unknown symbol: \\gama"),
+    ({"title": r"$\frac{1}$"}, "f.title: the formula cannot be typeset"),
+    ({"colour": "density"}, "f.colour: this must be one of method, D.*got 'density'"),
+    ({"colour": "gamma", "facet": "gamma"}, "f: gamma can be the colour, the facet or"),
+    ({"facet": "seed", "median over": ["m", "seed"]}, "f: seed can be the colour, the facet or"),
+    # A figure with two D, coloured by gamma, would draw two lines of each colour.
+    ({"product": SWEEP, "colour": "gamma", "facet": "m"}, "f: D and seed vary .*: add `median over: D`"),
+    ({"product": SWEEP, "facet": "m", "median over": ["seed", "D"]}, "f: gamma varies .*: add `colour: gamma` or "),
+    ({"product": SWEEP}, "f: D and gamma and m vary among the curves and nothing shows it: add `colour: D`"),
+    ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .* `colour: phases` or `median"),
+    ({"studies": ["one", "two"], "other_studies": ANOTHER}, "f: the settings of bem differ between these studies"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("figure", "said"), MISTAKES)
+def test_what_cannot_be_drawn_is_told(figure, said, tmp_path):
+    path = write(tmp_path, **figure)
+    with pytest.raises(SceneError, match=rf"^{re.escape(str(path))}, line \d+: figures.{said}"):
+        checks.load(path)
+
+
+SOUND = [
+    *[{"draw": kind} for kind in OF_STUDIES if kind not in ("contact_tree", "borodich_galanov")],
+    {"product": {"seed": [*range(9)]}},  # a median over phases alone, by default
+    {"product": {"D": [1.2, 1.5], "gamma": [2, 3]}},  # as many panels
+    {"product": SWEEP} | FREE,
+    {"product": {"m": [1, 2], "phases": 1.0}, "colour": "m"},  # whose phases are the same
+    {"title": r"$\gamma = 2$ and 5 \$"},
+]
+
+
+@pytest.mark.parametrize("figure", SOUND, ids=str)
+def test_what_can_be_drawn_is_not_refused(figure, tmp_path):
+    checks.load(write(tmp_path, **figure))
+
+
+def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_path):
+    path = write(tmp_path, {"D": 2.5}, draw="complience", title=r"$\gama$")
+    path.write_text(path.read_text() + "claims: {archard_abov: [one]}\n")
+    with pytest.raises(SceneError) as caught:
+        checks.load(path)
+    places = re.findall(r"line \d+: ([^:]+):", str(caught.value))
+    assert sorted(places) == ["claims.archard_abov", "figures.f.draw", "figures.f.title", "studies.one.product.D"]
+
+
+@pytest.mark.parametrize("command", [["-m", "weier", "plan"], ["-m", "weier", "batch"]])
+def test_a_command_tells_them_without_a_traceback(command, tmp_path):
+    path = write(tmp_path, {"D": 2.5}, draw="complience")
+    more = ["one-0", tmp_path / "a.nc", tmp_path / "b.nc"] if command[-1] == "batch" else []
+    done = subprocess.run([sys.executable, *command, path, *more], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) == 3
+
+
+def test_a_scene_names_the_parameters(tmp_path):
+    one = {"seed": [0, 1], "gamma": [2, 3]}
+    loaded = scene.load(write(tmp_path, one, colour="gamma", facet="method", **{"median over": "seed"}))
+    assert loaded.figures["f"].grouping == Grouping("gamma", "method", ("seed",))
+    text = caption(loaded, "f").text
+    assert "Each panel has one method. Colours show the gamma." in text
+    assert "Lines are medians over the seed of the phases, and bands hold all curves." in text

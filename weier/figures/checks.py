@@ -1,0 +1,98 @@
+"""Scenes with their figures and claims checked: what cannot be drawn or judged is told before anything is solved."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from weier import scene
+from weier.figures import MAX_PANELS, FigureKind, kinds
+from weier.pipeline import claims
+from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
+from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+from weier.scene.study import CaseProduct
+from weier.theory.arguments import suggestion
+
+
+def load(path: str | Path) -> Scene:
+    """Read a scene file and check all of it; a SceneError tells all mistakes, as of `weier.scene.load`."""
+    return scene.load(path, CHECKS)
+
+
+def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
+    """The scene of this name in a folder of scenes, all of it checked."""
+    return scene.load_by_name(name, folder, CHECKS)
+
+
+def check_figures(loaded: Scene) -> Iterator[Mistake]:
+    """What keeps the figures of a scene from being drawn, or would draw curves that cannot be told apart."""
+    known = kinds()
+    choice = [name for name, kind in known.items() if not kind.command]
+    for name, figure in loaded.figures.items():
+        if figure.draw in choice:
+            wrong = _wrong_keys(figure, known[figure.draw], loaded)
+        else:
+            what = f"there is no figure {figure.draw!r} of studies, only {', '.join(choice)}"
+            wrong = iter([("draw", f"{what}{suggestion(figure.draw, choice)}")])
+        yield from (Mistake(("figures", name, *([key] if key else [])), text) for key, text in wrong)
+        yield from (Mistake(("figures", name, "title"), text) for text in _wrong_formula(figure.title))
+
+
+CHECKS = check_figures, claims.check_names
+
+
+def _wrong_keys(figure: Figure, kind: FigureKind, loaded: Scene) -> Iterator[tuple[str, str]]:
+    """Mistakes of a figure of this kind, each with its key, which is empty for the whole figure."""
+    if kind.needs_studies and not figure.studies:
+        yield "studies", "this key is missing: the studies that the figure shows"
+    if kind.needs and not getattr(loaded, kind.needs):
+        yield "draw", f"{figure.draw} needs {kind.needs}: true in the scene"
+    if kind.grouped:
+        products = [product for name in figure.studies if name in loaded.studies
+                    for product in loaded.studies[name].products]  # fmt: skip
+        yield from (("", text) for text in _hidden(figure, products))
+    elif figure.grouping != BY_DEFAULT:
+        others = " or ".join(name for name, each in kinds().items() if each.grouped)
+        yield "", f"{figure.draw} takes no colour, facet or median over: leave them out, or draw {others}"
+
+
+def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
+    """What varies between the curves of a figure, and is not shown."""
+    panel_each = figure.grouping == BY_DEFAULT and sum(product.count for product in products) <= MAX_PANELS
+    if not panel_each:
+        grouping = MEDIAN_OVER_PHASES if figure.grouping == BY_DEFAULT else figure.grouping
+        hidden = grouping.hidden(_varying(products))
+        yield from [grouping.proposal(hidden)] if hidden else []
+    for method in dict.fromkeys(method for product in products for method in product.methods):
+        own = [product.settings.get(method, {}) for product in products if method in product.methods]
+        if len({json.dumps(settings, sort_keys=True) for settings in own}) > 1:
+            yield f"the settings of {method} differ between these studies, and no key shows them: draw two figures"
+
+
+def _varying(products: Sequence[CaseProduct]) -> list[str]:
+    """The parameters that have several values among the profiles of some products; phases are those of one m."""
+    found = {name: set[object]() for name in ("D", "gamma", "m")}
+    phases: dict[float, set[str]] = {}
+    for product in products:
+        for name, values in found.items():
+            values |= {getattr(case.profile, name) for case in product.of_all_kinds(name)}
+        for case in product.of_all_kinds("m"):
+            given = [json.dumps([name, value]) for name in PHASES for value in product.axes.get(name, ())] or [""]
+            phases.setdefault(case.profile.m, set()).update(given if case.profile.m > 1 else [])
+    several = [name for name, values in found.items() if len(values) > 1]
+    by_seed = any("seed" in product.axes for product in products)
+    return several + [PHASES[by_seed]] * any(len(values) > 1 for values in phases.values())
+
+
+def _wrong_formula(title: str) -> list[str]:
+    """Why matplotlib cannot typeset a title, if it cannot."""
+    if "$" not in title:
+        return []
+    from matplotlib.mathtext import MathTextParser  # takes as long as all the rest, and few titles need it
+
+    try:
+        MathTextParser("path").parse(title)
+    except ValueError as error:
+        return [f"the formula cannot be typeset: {str(error).strip().splitlines()[-1]}"]
+    return []

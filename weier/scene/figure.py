@@ -1,0 +1,62 @@
+"""What a scene says of a figure: what it draws, from which studies, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+PHASES = ("phases", "seed")  # names of what differs between profiles of the same D, gamma and m
+
+
+class Grouping(NamedTuple):
+    """Which parameters of a sweep a figure shows, and how; none where the figure chooses.
+
+    colour, facet : the parameter that sets the colour, and the one that each panel has a value of
+    median_over : over which a median is drawn, with a band that holds all curves
+    """
+
+    colour: str = ""
+    facet: str = ""
+    median_over: tuple[str, ...] = ()
+
+    def hidden(self, varying: Iterable[str]) -> list[str]:
+        """Which of the parameters that vary among the curves no key shows; a method always has a line of its own."""
+        shown = {self.colour, self.facet, *self.median_over, "method"}
+        if shown.intersection(PHASES):
+            shown |= {*PHASES}
+        return [name for name in varying if name not in shown]
+
+    def proposal(self, hidden: Sequence[str]) -> str:
+        """A sentence that proposes how to show the parameters that are hidden."""
+        free = [key for key, used in (("colour", self.colour), ("facet", self.facet)) if not used]
+        keys = " or ".join(f"`{key}: {hidden[0]}`" for key in [*free, "median over"])
+        verb = "varies" if len(hidden) == 1 else "vary"
+        return f"{' and '.join(hidden)} {verb} among the curves and nothing shows it: add {keys}, or draw fewer cases"
+
+
+BY_DEFAULT = Grouping()
+MEDIAN_OVER_PHASES = Grouping(median_over=PHASES)  # by default, where there are more cases than panels
+
+
+class Axis(NamedTuple):
+    """The scale of an axis, "log" or "linear", and its ends; empty and None where the figure chooses."""
+
+    scale: str = ""
+    low: float | None = None
+    high: float | None = None
+
+
+class Figure(NamedTuple):
+    """What a figure draws (a module of weier.figures), from which studies, and by which parameters.
+
+    x, y : its axes
+    size : width and height in inches; None where the figure chooses
+    """
+
+    draw: str
+    studies: tuple[str, ...]
+    title: str
+    grouping: Grouping = BY_DEFAULT
+    x: Axis = Axis()
+    y: Axis = Axis()
+    size: tuple[float, float] | None = None

@@ -1,0 +1,126 @@
+"""Whether a scene file has the keys and kinds of values that `schema.json` says, told in words for people."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from importlib.resources import files
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+from weier.methods.registry import names
+from weier.scene.mistakes import Keys, Mistake
+from weier.theory.arguments import shown, suggestion
+
+if TYPE_CHECKING:
+    from jsonschema import ValidationError
+
+KINDS = {
+    "string": "a text", "object": "a mapping", "array": "a list", "integer": "a whole number", "number": "a number",
+    "boolean": "true or false",
+}  # fmt: skip
+LIMITS = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "more than"}
+SAME_WORD = 0.8  # similarity of a key that stands for one that is missing
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of scene files, with the names of all methods there are."""
+    loaded = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
+    loaded["$defs"]["method"]["enum"] = names()
+    loaded["$defs"]["parameter"]["enum"] = ["method", *loaded["$defs"]["profile"]["properties"]]
+    return loaded
+
+
+def mistakes_of_form(raw: Any) -> list[Mistake]:
+    """What the schema does not allow of a file, as plain values, each with the keys that lead there."""
+    import jsonschema  # takes longer than the rest of a scene, and nothing else needs it
+
+    known = schema()
+    errors = jsonschema.Draft202012Validator(known).iter_errors(raw)
+    return [mistake for error in errors for mistake in _mistakes(error, known)]
+
+
+def _mistakes(error: ValidationError, known: Mapping[str, Any]) -> Iterator[Mistake]:
+    keys: Keys = tuple(error.absolute_path)
+    value, kind = error.instance, error.validator
+    if "propertyNames" in error.absolute_schema_path:
+        keys = (*keys, value)
+    if kind == "additionalProperties":
+        allowed = error.schema["properties"]
+        for key in value.keys() - allowed.keys():
+            yield Mistake((*keys, key), f"there is no such key, only {', '.join(allowed)}{suggestion(key, allowed)}")
+    elif kind == "required":
+        yield from _missing(error, keys, known)
+    elif kind == "anyOf":
+        yield from _of_alternatives(error, keys, known)
+    else:
+        yield Mistake(keys, _words(error))
+
+
+def _missing(error: ValidationError, keys: Keys, known: Mapping[str, Any]) -> Iterator[Mistake]:
+    """The keys that are missing, but for one that is there with a slip of the pen, which is a mistake of its own."""
+    of_all = error.schema.get("properties", known["properties"])
+    for key in error.validator_value:
+        if key not in error.instance and not get_close_matches(key, error.instance, cutoff=SAME_WORD):
+            yield Mistake((*keys, key), f"this key is missing: {of_all[key]['description']}")
+
+
+def _of_alternatives(error: ValidationError, keys: Keys, known: Mapping[str, Any]) -> Iterator[Mistake]:
+    """What is wrong by the alternative whose type the value has, or else what all of them are."""
+    by_alternative = groupby(error.context, lambda each: each.schema_path[0])
+    causes = [list(group) for _, group in by_alternative]
+    fitting = [group for group in causes if not any(each.validator == "type" and not each.path for each in group)]
+    if fitting:
+        for each in min(fitting, key=len):
+            yield from _mistakes(each, known)
+    else:
+        yield Mistake(keys, f"this must be {kind_of(error.schema, known)}, got {shown(error.instance)}")
+
+
+def _words(error: ValidationError) -> str:
+    """What a value must be, and what came."""
+    wanted, value = error.validator_value, error.instance
+    match error.validator:
+        case "enum":
+            return f"this must be one of {', '.join(wanted)}, got {shown(value)}{suggestion(value, wanted)}"
+        case "type":
+            kinds = wanted if isinstance(wanted, list) else [wanted]
+            return f"this must be {' or '.join(KINDS[kind] for kind in kinds)}, got {shown(value)}"
+        case "minimum" | "maximum" | "exclusiveMinimum" as limit:
+            return f"this must be {LIMITS[limit]} {wanted}, got {shown(value)}"
+        case "minItems" | "minProperties" | "minLength":
+            return f"this must have at least {wanted} {'entry' if wanted == 1 else 'entries'}"
+        case "maxItems":
+            return f"this must have at most {wanted} entries, got {len(value)}"
+        case "uniqueItems":
+            return f"each of these may stand once, got {shown(value)}"
+        case "pattern" | "maxLength":
+            return f"this must be {error.schema['description']}, got {shown(value)}"
+        case "oneOf":
+            choices = [each["required"][0] for each in wanted]
+            return (
+                f"one of {' and '.join(choices)} must be given, and not {'both' if choices[0] in value else 'none'}"
+            )
+        case "not":
+            return str(wanted["description"])
+        case "dependentRequired":
+            return "; ".join(f"{key} needs {', '.join(others)}" for key, others in wanted.items() if key in value)
+    return str(error.message)
+
+
+def kind_of(part: Mapping[str, Any], known: Mapping[str, Any]) -> str:
+    """What a value may be by a part of the schema, in words."""
+    if "$ref" in part:
+        of = known["$defs"][part["$ref"].rpartition("/")[2]]
+        return of.get("title") or kind_of(of, known)
+    if "title" in part:
+        return str(part["title"])
+    if "enum" in part:
+        return ", ".join(part["enum"])
+    if "anyOf" in part:
+        return " or ".join(dict.fromkeys(kind_of(each, known) for each in part["anyOf"]))
+    if part.get("type") == "array":
+        return f"a list of {kind_of(part['items'], known)}"
+    kinds = part.get("type", "object")
+    return " or ".join(KINDS[kind] for kind in (kinds if isinstance(kinds, list) else [kinds]))
