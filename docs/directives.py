@@ -54,7 +54,8 @@ class TableOfVariables(SphinxDirective):
     def row(variable):
         """Its cells, as Markdown."""
         name, entry = variable
-        cells = entry.long_name, entry.symbol, entry.unit, ", ".join(entry.dims)
+        meaning = f"{entry.long_name}. {entry.comment}" if entry.comment else entry.long_name
+        cells = meaning, entry.symbol, entry.unit, ", ".join(entry.dims)
         return [f"`{name}`", *map(markdown.plain, cells)]
 
 

@@ -80,6 +80,10 @@ def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
     assert float(opened[1].split()[-1]) == pytest.approx(layer.resistance.values[-1])
 
 
+def test_what_python_offers_is_what_is_public():
+    assert dir(weier) == sorted(weier.__all__)
+
+
 def test_the_readme_names_what_there_is():
     text = Path("README.md").read_text(encoding="utf-8")
     assert re.findall(r'^\| `"(\w+)"` \|', text, re.M) == registry.names()

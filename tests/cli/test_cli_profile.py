@@ -44,6 +44,7 @@ def test_json_has_no_nan_and_no_infinity(run):
 @pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--phases", "1"], ["--seed", "3"], []])
 def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
     path = tmp_path / "a folder" / "curves.nc"
+    path.parent.mkdir()
     series = ["-D", "1.5", "--gamma", "5/2", "-m", "2"]
     code, out, _ = run("solve", *series, *phases, "--loads", "0.1:1:3", "--method", "demelio", "-o", path)
     assert (code, out) == (0, "")
@@ -98,11 +99,12 @@ def test_a_ratio_that_a_method_cannot_resolve_is_answered_with_one_that_it_can(r
     assert 'take gamma = "140/99"' in err.splitlines()[-1]
 
 
-def test_plot_leaves_three_files(run, tmp_path):
+@pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])
+def test_plot_leaves_the_file_that_is_named(run, tmp_path, name, written):
     methods = ["--method", "demelio", "--method", "layer"]
-    code, _, _ = run("plot", *PROFILE, *methods, "--quantity", "resistance", tmp_path / "x.png")
+    code, _, _ = run("plot", *PROFILE, *methods, "--quantity", "resistance", tmp_path / name)
     assert code == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"x.png", "x.pdf", "x.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == written
 
 
 @pytest.mark.parametrize(

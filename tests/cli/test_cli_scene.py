@@ -1,6 +1,5 @@
 """The commands of the pipeline: one sentence and a non-zero exit for what is wrong, and nothing written."""
 
-import csv
 import re
 import subprocess
 import sys
@@ -112,16 +111,3 @@ def test_numbers_that_yaml_takes_for_words_are_numbers(run, scene_file, tmp_path
             found.append((data["key"].values.tolist(), data["settings"].values.tolist()))
     assert found[0] == found[1]
     assert all("1e-09" in settings for settings in found[0][1][0])
-
-
-def test_the_curves_of_a_scene_become_a_table(scene_file, tmp_path):
-    """One row for each case, method and load, with the numbers of the dataset."""
-    data = tmp_path / "one-0.nc"
-    weier("batch", scene_file, "one-0", data, tmp_path / "cost.nc")
-    weier("claims", scene_file, tmp_path / "contact.nc", tmp_path / "claims.md", tmp_path)
-    done = weier("table", tmp_path / "contact.nc", tmp_path / "curves.csv")
-    assert done.returncode == 0, done.stderr
-    (row,) = csv.DictReader((tmp_path / "curves.csv").read_text().splitlines())
-    assert (float(row["D"]), row["solution_method"], float(row["mean_pressure"])) == (1.25, "demelio", 0.1)
-    assert float(row["compliance"]) == dataset.read(tmp_path / "contact.nc")["compliance"].item()
-    assert weier("table", tmp_path / "contact.nc", tmp_path / "curves.txt").returncode != 0

@@ -169,6 +169,14 @@ def test_figures_have_captions(folder):
     assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in text
 
 
+def test_a_file_without_curves_makes_no_page(folder, tmp_path):
+    with dataset.reading(folder / "contact.nc") as data:
+        dataset.write(data.drop_vars("D"), tmp_path / "contact.nc", "no D")
+    loaded = scene.load(next(folder.glob("*.yaml")))
+    with pytest.raises(ValueError, match="the dataset holds no curves, since there is no D"):
+        page.write(loaded, tmp_path / "contact.nc", [], [], tmp_path / "page.html")
+
+
 def test_the_page_says_what_its_date_is(folder):
     with dataset.reading(folder / "contact.nc") as data:
         comment = data.attrs["comment"]

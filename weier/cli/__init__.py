@@ -19,13 +19,15 @@ from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
 from weier.pipeline.server import INTERRUPTED, say_interrupted
 
-# The commands of each module, in the order of the help.
+# The commands of each module, in the order of the help, and those that only the pipeline calls.
 COMMANDS = {
     "profile": ("solve", "plot"),
     "plan": ("plan",),
-    "scene": ("compile", "batch", "figure", "claims", "page", "table", "serve"),
+    "table": ("table",),
+    "scene": ("compile", "batch", "figure", "claims", "page", "serve"),
     "measure": ("tradeoff", "convergence", "extremes", "draw"),
 }
+HIDDEN = {*COMMANDS["scene"], *COMMANDS["measure"]} - {"compile"}
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage; "
     "130 stopped by Ctrl-C."
@@ -57,6 +59,7 @@ def cli() -> None:
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
     weier plan -D 1.25 --gamma 5 -m 3 --tolerance 1e-4         methods that reach a tolerance
     weier solve -D 1.25 --gamma 5 -m 3 --method planned        curves within a tolerance
+    weier table results/paper/contact.nc curves.csv            curves for a spreadsheet
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
 
     Completion of commands and options, for this shell or in ~/.bashrc (zsh_source, fish_source for others):
@@ -70,7 +73,7 @@ class Command(click.Command):
     """A command whose module is imported when it is called: the list of all of them is there at once."""
 
     def __init__(self, module: str, name: str, summary: str) -> None:
-        super().__init__(name, short_help=summary)
+        super().__init__(name, short_help=summary, hidden=name in HIDDEN)
         self._module = module
 
     @property

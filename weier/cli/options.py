@@ -19,6 +19,7 @@ Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 
 LOADS = "1e-3:4:40"
+STDOUT = "-"
 PLOTTED_LOADS = "1e-3:4:400"  # so many that steps of the resistance look like steps
 
 
@@ -79,11 +80,14 @@ def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path 
     """A callback that hands on the file to write, if it can be: said before anything is computed for it."""
 
     def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
-        if path is not None:
-            check_target(path)
-            if suffixes and path.suffix not in suffixes:
-                known = ", ".join(filter(None, suffixes))
-                raise click.BadParameter(f"the name must end in one of {known}, got {path.name}")
+        if path is None or str(path) == STDOUT:
+            return path
+        check_target(path)
+        if suffixes and path.suffix not in suffixes:
+            known = ", ".join(filter(None, suffixes))
+            raise click.BadParameter(f"the name must end in one of {known}, got {path.name}")
+        if suffixes and not path.parent.exists():  # a user's: the pipeline makes its folders
+            raise click.BadParameter(f"there is no folder {path.parent}: make it first, or name another one")
         return path
 
     return callback
@@ -101,9 +105,9 @@ INTO = click.option(
 )
 
 
-def output(name: str, *suffixes: str) -> Option:
+def output(name: str, *suffixes: str, default: str | None = None) -> Option:
     """An argument that is a file to write, by one of these suffixes if there are any."""
-    return click.argument(name, type=FILE, callback=_writable(*suffixes))
+    return click.argument(name, type=FILE, default=default, callback=_writable(*suffixes))
 
 
 def loads(default: str | None, help: str) -> Option:

@@ -60,15 +60,15 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
 def plot(path: Path, quantity: str, **options: Any) -> None:
     """Draw the curves of one profile.
 
-    The figure is written as PDF, SVG and PNG beside PATH.
+    PATH ends in .png, .pdf or .svg; without such an end, the figure is written in all three formats.
 
     \b
     weier plot -D 1.25 --gamma 5 -m 3 --phases 1 curves.png
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
     """  # noqa: D301 - click wants the character
-    from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
+    from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
     from weier.pipeline import single
 
     data = _solved(PLOTTED, **options)
-    draw(quantity, [data], "", path)
+    draw(quantity, [data], "", path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
     single.check_solved(data)

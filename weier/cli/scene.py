@@ -108,22 +108,6 @@ def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> 
 
 
 @click.command()
-@click.argument("contact", type=FILE)
-@output("path", ".csv")
-def table(contact: Path, path: Path) -> None:
-    """Write a scene's curves as comma-separated values, one row a load.
-
-    They are those of the dataset CONTACT, such as results/paper/contact.nc.
-    """
-    from weier.data import dataset
-    from weier.data.files import write_text
-    from weier.pipeline import single
-
-    with job("table", path.stem), dataset.open(contact) as curves:
-        write_text(path, single.as_csv(curves) + "\n")
-
-
-@click.command()
 @click.argument("descriptor", type=int)
 def serve(descriptor: int) -> None:
     """Do the work of the jobs of a run, until standard input ends.

@@ -17,6 +17,7 @@ RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
+DATUM = "It counts from the undeformed profile whose waves all peak together"
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
 COST, TRADEOFF, EXTREMES, CONVERGENCE = "cost", "tradeoff", "extremes", "convergence"
@@ -38,6 +39,7 @@ class Variable(NamedTuple):
     dims, long_name : its dimensions and what it is
     unit, symbol : what it is normalised by, and the symbol of the paper
     dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
+    comment : what is to be known beside the long name, which stands at axes
     content : what kind of thing it is, in the words of ISO 19115
     optional : whether only files of methods that return it have it
     files : which files beside those of a scene keep it
@@ -55,6 +57,7 @@ class Variable(NamedTuple):
     least: float | None = None
     most: float | None = None
     flags: type[IntEnum] | None = None
+    comment: str = ""
     content: str = "modelResult"
     optional: bool = False
     files: tuple[str, ...] = ()
@@ -93,8 +96,8 @@ VARIABLES = {
         ("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED
     ),
     "compliance": Variable(
-        CURVE, "compliance, counted from the undeformed profile whose waves all peak together", "g_0", "h", least=0,
-        files=ALL_MEASURED, axis="compliance $h/g_0$", plot="compliance h/g_0",
+        CURVE, "compliance", "g_0", "h", least=0, comment=f"{DATUM}.", files=ALL_MEASURED,
+        axis="compliance $h/g_0$", plot="compliance h/g_0",
     ),
     "resistance": Variable(
         CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0,
@@ -102,14 +105,12 @@ VARIABLES = {
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": Variable(
-        CURVE,
-        "lower bound on the compliance of the infinite series, counted from its undeformed profile whose waves all "
-        "peak together", "g_0", files=(CONVERGENCE,),
+        CURVE, "lower bound on the compliance of the infinite series", "g_0", comment=f"{DATUM}, of that series.",
+        files=(CONVERGENCE,),
     ),
     "compliance_upper": Variable(
-        CURVE,
-        "upper bound on the compliance of the infinite series, counted from its undeformed profile whose waves all "
-        "peak together", "g_0", files=(CONVERGENCE,),
+        CURVE, "upper bound on the compliance of the infinite series", "g_0", comment=f"{DATUM}, of that series.",
+        files=(CONVERGENCE,),
     ),
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
@@ -156,9 +157,8 @@ VARIABLES = {
         optional=True,
     ),
     "planned_error": Variable(
-        ("case",),
-        "largest error that the plan expects: of the compliance in g_0, of the resistance relative to the larger of "
-        "itself and 1 g_0/p_0*",
+        ("case",), "largest error that the plan expects",
+        comment="Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.",
         least=0, content=AUXILIARY, optional=True,
     ),
     "seconds": Variable(
@@ -207,8 +207,7 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
     known["coverage_content_type"] = entry.content
     if normalised:
         known["normalised_by"] = entry.unit
-    if entry.symbol:
-        known["symbol"] = entry.symbol
+    known |= {name: text for name, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:
             known[attribute] = float(limit)

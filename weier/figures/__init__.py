@@ -11,7 +11,7 @@ which takes longer than all the rest.
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cache
 from importlib import import_module
@@ -86,9 +86,14 @@ def _text_constants(tree: ast.Module) -> dict[str, str]:
 
 
 def draw(
-    kind: str, studies: Sequence[xr.Dataset], title: str, path: str | Path, grouping: Grouping = BY_DEFAULT
+    kind: str,
+    studies: Sequence[xr.Dataset],
+    title: str,
+    path: str | Path,
+    grouping: Grouping = BY_DEFAULT,
+    formats: Collection[str] = tuple(METADATA),
 ) -> None:
-    """Draw one figure, as PDF, SVG and PNG beside each other.
+    """Draw one figure, in several formats beside each other.
 
     Parameters
     ----------
@@ -99,9 +104,11 @@ def draw(
     title : str
         One line over the figure; empty for none.
     path : path
-        Where to write: its suffix is replaced by .pdf, .svg and .png.
+        Where to write: its suffix is replaced by those of the formats.
     grouping : Grouping
         By which parameters to draw, for a kind that is `grouped`.
+    formats : collection of str
+        Some of pdf, svg and png.
 
     Raises
     ------
@@ -117,7 +124,7 @@ def draw(
     # The reset keeps the user's own matplotlibrc out of the figure.
     wanted = {} if grouping == BY_DEFAULT else {"grouping": grouping}
     with matplotlib.style.context(RC, after_reset=True):
-        save(import_module(f"weier.figures.{kind}").draw(studies, title, **wanted), path)
+        save(import_module(f"weier.figures.{kind}").draw(studies, title, **wanted), path, formats)
 
 
 @cache
@@ -145,9 +152,9 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
         raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
 
 
-def save(figure: Figure, path: str | Path) -> None:
-    """Save a figure in the style that is set, as PDF, SVG and PNG beside each other."""
-    paths = {suffix: Path(path).with_suffix(f".{suffix}") for suffix in METADATA}
+def save(figure: Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
+    """Save a figure in the style that is set, in several formats beside each other."""
+    paths = {suffix: Path(path).with_suffix(f".{suffix}") for suffix in formats}
     with ExitStack() as stack:
         _write(figure, {suffix: stack.enter_context(replacing(each)) for suffix, each in paths.items()})
 

@@ -22,7 +22,7 @@ from weier.theory.tables import significant
 
 @dataclass(frozen=True)
 class ScenePlan:
-    """The plan of each case, by its key, or why there is none; `print` it."""
+    """The plan of each case, by its key, or why there is none; Python shows it as tables."""
 
     cases: Mapping[str, Plan | OutOfReachError]
 
@@ -41,7 +41,7 @@ class ScenePlan:
         """Expected bytes beyond those of the interpreter."""
         return max((each.memory for each in self.plans), default=0.0)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """The plan of every case, and what all of them take."""
         others = [f"  {each}" for each in self._others]
         blocks = [f"{each}\n" for each in self.plans]  # a case a block
@@ -98,7 +98,7 @@ def plan(
     Returns
     -------
     Plan or ScenePlan
-        Which method, how many terms, points and seconds, what error and why: `print` it.
+        Which method, how many terms, points and seconds, what error and why: Python shows it as a table.
 
     Raises
     ------

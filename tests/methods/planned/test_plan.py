@@ -3,6 +3,7 @@
 import itertools
 import math
 import re
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -40,6 +41,7 @@ def test_the_parts_cover_the_loads_and_add_up(quantity, tolerance):
         assert [row[start:].split("  ")[0] for start in starts] == [
             *(part.method, f"{part.terms:g}", f"{part.error.max():.1e}" if part.error.max() else "0", part.why),
         ]  # fmt: skip
+    assert repr(found) == str(found)  # so an interpreter shows the table
     html = found._repr_html_()
     assert html.count("<tr>") == 1 + len(found.segments)
     assert head in html
@@ -96,6 +98,10 @@ def test_thousands_of_contacts_are_not_too_many():
     (part,) = plan(Profile(1.25, 5, 6, 1.0), [1.0], 1e-9).segments
     assert part.method == "patches"
     assert 1e7 < part.memory < 1e9
+
+
+def test_a_decimal_is_a_tolerance():
+    assert str(plan(THREE_WAVES, [0.1], Decimal("0.001"))) == str(plan(THREE_WAVES, [0.1], 0.001))
 
 
 def test_one_wave_is_a_closed_form():

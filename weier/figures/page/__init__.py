@@ -24,6 +24,7 @@ from weier.data import dataset, provenance
 from weier.data.check import Check
 from weier.data.dataset import Status
 from weier.data.files import write_text
+from weier.data.selection import as_cases
 from weier.data.variables import VARIABLES
 from weier.figures.captions import caption
 from weier.figures.page import plans
@@ -97,7 +98,7 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
         The HTML file to write.
     """
     with dataset.reading(contact) as data:
-        text = _page(scene, data, figures, [_cost(path) for path in costs])
+        text = _page(scene, as_cases(data), figures, [_cost(path) for path in costs])
     write_text(path, text)
 
 

@@ -33,7 +33,7 @@ SUGGESTED = [10.0**exponent for exponent in range(-13, 1)]  # where a tolerance 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to run, load by load; `print` it."""
+    """What to run, load by load; Python shows it as a table."""
 
     profile: Profile
     quantity: str
@@ -55,7 +55,7 @@ class Plan:
         """Expected bytes of the largest segment, beyond those of the interpreter."""
         return max(segment.memory for segment in self.segments)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """The plan to read: a table with a line for each segment."""
         return "\n".join([self._head, text_table(HEADER, list(map(_row, self.segments))), f"  {self._total}"])
 

@@ -1,0 +1,122 @@
+"""`weier table`: curves of a file for a spreadsheet."""
+
+import csv
+import shlex
+
+import netCDF4
+import pytest
+import xarray as xr
+
+import weier
+from tests.cli.test_cli import described, examples
+
+PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
+BODIES = {
+    "mu_1": 79e9, "mu_2": 45e9, "nu_1": 0.3, "nu_2": 0.34, "rho_1": 1.4e-7, "rho_2": 1.7e-8, "lambda_0": 1e-3,
+    "g_0": 1e-6,
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """With a file of one curve, such as the examples have, and one of two bodies."""
+    monkeypatch.chdir(tmp_path)
+    for path in ("curve.nc", "results/paper/contact.nc"):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        weier.solve(PROFILE, [0.1, 1.0], "demelio").to_netcdf(tmp_path / path)
+    (tmp_path / "bodies.yaml").write_text("".join(f"{name}: {value:g}\n" for name, value in BODIES.items()))
+    return tmp_path
+
+
+def rows(text):
+    return list(csv.DictReader(text.splitlines()))
+
+
+def test_its_examples_run(run):
+    shown = examples(described("table"))
+    assert len(shown) > 1
+    for example in shown:
+        assert run(*example[1:])[0] == 0, shlex.join(example)
+
+
+def test_a_table_goes_to_a_file_and_to_standard_output(run, folder):
+    code, out, _ = run("table", "curve.nc")
+    assert code == 0
+    assert run("table", "curve.nc", "-")[1] == out
+    assert run("table", "curve.nc", "curves.csv") == (0, "", "")
+    assert (folder / "curves.csv").read_text() == out
+    curve = weier.solve(PROFILE, [0.1, 1.0], "demelio")
+    assert [float(row["compliance"]) for row in rows(out)] == curve.compliance.values.tolist()
+    assert {row["phases"] for row in rows(out)} == {"[0.0, 1.0]"}
+
+
+def test_a_table_in_si_units_names_them(run):
+    code, out, _ = run("table", "curve.nc", "--si", "bodies.yaml")
+    assert code == 0
+    curve = weier.Interface(**BODIES).in_si(weier.solve(PROFILE, [0.1, 1.0], "demelio"))
+    names = {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2"}
+    for name, unit in names.items():
+        assert [float(row[f"{name} ({unit})"]) for row in rows(out)] == curve[name].values.tolist()
+
+
+@pytest.mark.parametrize("text", ["mu_1: 1.0\n", "- 1\n", "mu_1: [\n"])
+def test_bodies_that_lack_a_value_are_refused(run, folder, text):
+    (folder / "bodies.yaml").write_text(text)
+    code, out, err = run("table", "curve.nc", "--si", "bodies.yaml")
+    assert (code, out) == (1, "")
+    assert "Traceback" not in err
+
+
+def test_a_file_that_is_no_table_is_refused_at_once(run):
+    code, _, err = run("table", "curve.nc", "curves.txt")
+    assert code == 2
+    assert "the name must end in one of .csv" in err
+
+
+@pytest.mark.parametrize("command", [["table", "none.nc"], ["solve", "-D", "1.25", "--gamma", "5", "-m", "2", "-o"]])
+def test_a_folder_that_does_not_exist_is_told(run, command, folder):
+    code, out, err = run(*command, "resluts/curves.csv")
+    assert (code, out) == (2, "")
+    assert "there is no folder resluts: make it first, or name another one" in err
+
+
+def test_files_of_others_are_refused_in_a_sentence(run):
+    with xr.open_dataset("curve.nc") as curve:
+        curve.drop_vars("D").to_netcdf("no_d.nc")
+        curve.drop_vars("compliance").to_netcdf("no_curve.nc")
+    xr.Dataset({"x": [1.0]}).to_netcdf("foreign.nc")
+    for name, why in {"no_d": "there is no D", "foreign": "not of weier", "none": "there is no file none.nc"}.items():
+        code, out, err = run("table", f"{name}.nc")
+        assert (code, out) == (1, "")
+        assert err.startswith("weier: ")
+        assert err.count("\n") == 1
+        assert why in err
+
+
+ATTRIBUTES = [
+    "program",
+    "long_name",
+    "units",
+    "normalised_by",
+    "coordinates",
+    "ancillary_variables",
+    "title",
+    "_Encoding",
+]
+
+
+@pytest.mark.parametrize("damaged", [None, 7, "nonsense"])
+@pytest.mark.parametrize("name", ATTRIBUTES)
+def test_no_damaged_attribute_ends_in_a_traceback(run, name, damaged):
+    with netCDF4.Dataset("curve.nc", "a") as file:
+        for where in (file, *file.variables.values()):
+            if name not in where.ncattrs():
+                continue
+            if damaged is None:
+                where.delncattr(name)
+            else:
+                where.setncattr(name, damaged)
+    for options in ([], ["--si", "bodies.yaml"]):
+        code, out, err = run("table", "curve.nc", *options)
+        assert (code, len(err.splitlines())) in ((0, 0), (1, 1)), err
+        assert "not of weier" in err or "not a whole" in err or rows(out)
