@@ -106,4 +106,4 @@ def test_a_scene_names_the_parameters(tmp_path):
     assert loaded.figures["f"].grouping == Grouping("gamma", "method", ("seed",))
     text = caption(loaded, "f").text
     assert "Each panel has one method. Colours show the gamma." in text
-    assert "Lines are medians over the seed of the phases, and bands hold all curves." in text
+    assert "Lines are medians over the phases, and bands hold all curves." in text

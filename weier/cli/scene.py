@@ -70,7 +70,7 @@ def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
         loaded = _load(scene_file)
         wanted = loaded.figure(name)
         studies = [gather.read_study(loaded, study, batches) for study in wanted.studies]
-        draw(wanted.draw, studies, wanted.title, path, wanted.grouping)
+        draw(wanted.draw, studies, wanted.title, path, wanted.grouping, wanted.x, wanted.y, wanted.size)
 
 
 @click.command()

@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weier.data.files import replacing
-from weier.scene import BY_DEFAULT, Grouping
+from weier.scene import BY_DEFAULT, Axis, Grouping
+from weier.scene.figure import FREE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,6 +92,9 @@ def draw(
     title: str,
     path: str | Path,
     grouping: Grouping = BY_DEFAULT,
+    x: Axis = FREE,
+    y: Axis = FREE,
+    size: tuple[float, float] | None = None,
     formats: Collection[str] = tuple(METADATA),
 ) -> None:
     """Draw one figure, in several formats beside each other.
@@ -107,6 +111,10 @@ def draw(
         Where to write: its suffix is replaced by those of the formats.
     grouping : Grouping
         By which parameters to draw, for a kind that is `grouped`.
+    x, y : Axis
+        Scales and ends of the axes of all panels, where they are not those of the kind.
+    size : tuple of float, optional
+        Width and height in inches.
     formats : collection of str
         Some of pdf, svg and png.
 
@@ -119,12 +127,16 @@ def draw(
     _check_studies(kind, studies)
     import matplotlib.style
 
-    from weier.figures.style import RC
+    from weier.figures.style import RC, set_axes
 
     # The reset keeps the user's own matplotlibrc out of the figure.
     wanted = {} if grouping == BY_DEFAULT else {"grouping": grouping}
     with matplotlib.style.context(RC, after_reset=True):
-        save(import_module(f"weier.figures.{kind}").draw(studies, title, **wanted), path, formats)
+        figure = import_module(f"weier.figures.{kind}").draw(studies, title, **wanted)
+        set_axes(figure, x, y)
+        if size:
+            figure.set_size_inches(*size)
+        save(figure, path, formats)
 
 
 @cache

@@ -1,102 +1,254 @@
-"""Several methods beside each other on one quantity: what Figs 3 to 6 share."""
+"""Curves of many cases and methods by the parameters that a scene names: for colours, panels and medians.
+
+So a figure of a sweep answers the question of the sweep: what does this parameter change? Where a scene names none,
+each case has a panel if there are few, and medians are taken over the phases of many.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from weier.figures import MAX_PANELS, grouped, lines, style
+from weier.figures import MAX_PANELS, lines, style
+from weier.kernels.arrays import Array
 from weier.methods.registry import names, numerical_names
 from weier.pipeline import curves
 from weier.scene import BY_DEFAULT, Grouping
+from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+
+LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
+MAX_NAMED = 8  # values of a parameter in a legend
+BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
+STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band of stated errors
+# A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
+# the resistance there.
+VISIBLE = {"compliance": 0.01, "resistance": 0.05}
+PARAMETERS = ("D", "gamma", "m")
+EACH_CASE = Grouping(facet="case")
 
 
-def compare(
-    studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping = BY_DEFAULT
-) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """The quantity by each method: one panel for each case if there are few, else all cases in one panel.
+class Curve(NamedTuple):
+    """The values of one case by one method, the loads where they are drawn, and the parameters by name.
 
-    If the scene says by which parameters, the figure is `weier.figures.grouped`.
+    points : whether it is drawn as points beside a more accurate curve
+    """
 
-    Returns
-    -------
-    figure : Figure
-    panels : list of (Axes, cases)
-        Limits and scales are left to the caller, and the legend unless the scene says how to draw; the labels
-        are in place.
+    case: xr.Dataset
+    method: str
+    loads: Array
+    values: Array
+    points: bool
+    parameters: Mapping[str, Hashable]
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Keywords of Axes.plot, where its colour shows the method."""
+        return style.points(self.method) if self.points else style.line(self.method)
+
+
+class Comparison(NamedTuple):
+    """A figure with its panels, which share their axes; limits and scales are left to the caller."""
+
+    figure: Figure
+    panels: Sequence[Axes]
+    cases: Sequence[xr.Dataset]
+
+
+def compare(studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping) -> Comparison:
+    """The quantity in panels, colours and medians as a scene asks for them.
+
+    Raises
+    ------
+    ValueError
+        If there are no such curves, or some that could not be told apart.
 
     """
-    if grouping != BY_DEFAULT:
-        return grouped.compare(studies, title, quantity, grouping)
     cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
     if not cases:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
-    separate = len(cases) <= MAX_PANELS
-    panels = [[case] for case in cases] if separate else [cases]
-    figure, axes = style.column(len(panels))
-    for number, (panel, group) in enumerate(zip(axes, panels, strict=True)):
-        (_draw_case if separate else _draw_medians)(panel, group, quantity)
-        label = style.describe(group[0]) if separate else f"{len(cases)} cases"
-        style.name_panel(panel, number, len(panels), label)
-        panel.set_ylabel(style.LABELS[quantity])
-    axes[-1].set_xlabel(style.LABELS["mean_pressure"])
-    style.set_title(figure, title)
-    return figure, list(zip(axes, panels, strict=True))
+    if grouping == BY_DEFAULT:
+        grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
+    drawn = _curves(cases, quantity, grouping)
+    values = _values(drawn, grouping.facet)
+    title, shown = style.limit_panels(title, values, grouping.facet or "curves", style.MAX_GRID)
+    figure, panels = style.grid(len(shown), style.LABELS["mean_pressure"], style.LABELS[quantity])
+    alike = () if grouping == EACH_CASE else ("method", *PARAMETERS, "seed")
+    shared = _describe(drawn, [name for name in alike if name != grouping.facet])
+    handles: list[Any] = []
+    for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
+        members = [each for each in drawn if each.parameters[grouping.facet] == value]
+        stated = _draw(axes, members, drawn, grouping, quantity)
+        handles += stated if not handles else []
+        own = _describe(members, [grouping.facet])
+        style.name_panel(axes, number, len(shown), own if len(shown) > 1 else ",  ".join(filter(None, [own, shared])))
+    _add_legend(figure, panels, _legend(drawn, grouping) + handles)
+    above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
+    figure.set_figheight(figure.get_figheight() + TITLE_ROW * len(above))
+    style.set_title(figure, "\n".join(above))
+    return Comparison(figure, panels, cases)
 
 
-def _draw_case(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """The most accurate numerical method as a line, further ones as points."""
-    (case,) = cases
-    reference, numerical = curves.numerical_method(case), numerical_names()
-    for method in _methods(case, quantity):
-        beside = method in numerical and method != reference
-        look = style.points(method) if beside else style.line(method)
-        if method in numerical:
+def _curves(cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping) -> list[Curve]:
+    """All curves there are, in the order in which they are drawn."""
+    numerical, found = numerical_names(), []
+    for position, case in enumerate(cases):
+        parameters = _parameters(case, position)
+        for method in case["solution_method"].values.tolist():
+            beside = method in numerical and method != curves.numerical_method(case)
+            points = beside and grouping.colour in ("", "method")
+            drawn = (lines.points if points else lines.line)(case, quantity, method)
+            if drawn:
+                found.append(Curve(case, method, *drawn, points, parameters | {"method": method}))
+    order = _drawing_order(curve.method for curve in found)
+    return sorted(found, key=lambda each: order.index(each.method))
+
+
+def _parameters(case: xr.Dataset, position: int) -> dict[str, Hashable]:
+    """What a case may be grouped by: numbers, the phases (one number if they are equal), the seed or else phases."""
+    phase = case["phases"].values[1:]
+    phase = phase[np.isfinite(phase)].round(9)
+    phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
+    seed = float(case.get("seed", np.nan))
+    numbers = {name: float(case[name]) for name in PARAMETERS}
+    return {"": None, "case": position, **numbers, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
+
+
+def _values(drawn: Iterable[Curve], name: str) -> list[Hashable]:
+    """The values of a parameter, numbers in their order and others in that of their appearance."""
+    values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
+    return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]
+
+
+def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
+    """A value of a parameter as a legend writes it."""
+    first = next(curve for curve in drawn if curve.parameters[name] == value)
+    if name == "method":
+        return str(style.line(first.method)["label"])
+    if name == "case":
+        return style.describe(first.case)
+    if name in PARAMETERS:
+        return style.describe(first.case, name)
+    if isinstance(value, float):
+        return rf"$\phi={value:.3g}$" if value == first.parameters["phases"] else f"seed {value:g}"
+    return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
+
+
+def _describe(members: Sequence[Curve], parameters: Sequence[str]) -> str:
+    """The values of those parameters that all of these curves share."""
+    alike = [name for name in parameters if name and len(_values(members, name)) == 1]
+    return ",  ".join(filter(None, (_label(members, name, members[0].parameters[name]) for name in alike)))
+
+
+def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
+    """Whether dashes tell the methods apart, since colours and panels do not."""
+    return grouping.colour not in ("", "method") and grouping.facet != "method" and len(_values(drawn, "method")) > 1
+
+
+def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:
+    """How a curve is drawn: its colour by the parameter of the scene, its dashes by the method if these differ."""
+    if grouping.colour in ("", "method"):
+        return curve.look
+    values = _values(drawn, grouping.colour)
+    own = style.family(len(values))[values.index(curve.parameters[grouping.colour])]
+    dashes = {"linestyle": style.line(curve.method)["linestyle"]} if _by_dash(drawn, grouping) else {}
+    return own | dashes
+
+
+def _draw(
+    axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grouping, quantity: str
+) -> list[Patch]:
+    """The median of the curves that look alike, within a band that holds all of them, or one curve with its errors.
+
+    Returns
+    -------
+    list of Patch
+        What the legend says of the errors.
+
+    """
+    alike: dict[tuple[Hashable, Hashable], list[Curve]] = {}
+    for curve in members:
+        alike.setdefault((curve.parameters[grouping.colour], curve.method), []).append(curve)
+    stated: list[Patch] = []
+    for same in alike.values():
+        if hidden := grouping.hidden(_differing(same)):
+            raise ValueError(grouping.proposal(hidden))
+        loads, values = lines.on_common_loads([(curve.loads, curve.values) for curve in same])
+        look = _look(same[0], drawn, grouping)
+        if same[0].method in numerical_names():
             look["zorder"] = 1.9  # below the estimates, which are thinner than it or have gaps
-        drawn = lines.points(case, quantity, method) if beside else lines.line(case, quantity, method)
-        if drawn:
-            axes.plot(*drawn, **look)
-            _draw_errors(axes, case, quantity, method)
+        axes.plot(loads, np.median(values, axis=0), **look)
+        if len(same) > 1:
+            axes.fill_between(loads, values.min(axis=0), values.max(axis=0), color=look["color"], **BAND)
+        elif grouping.colour in ("", "method"):
+            stated += _draw_errors(axes, same[0], quantity)
+    return stated
 
 
-def _draw_errors(axes: Axes, case: xr.Dataset, quantity: str, method: str) -> None:
-    """The errors that a method states, as bars: those shorter than a marker or a line is wide vanish behind it."""
-    stated, values = curves.curve(case, f"{quantity}_error", method), curves.curve(case, quantity, method)
-    if stated is not None and values is not None:
-        known = np.isfinite(stated) & (values > 0)
-        loads = case["mean_pressure"].values[known]
-        axes.errorbar(loads, values[known], stated[known], **style.error_bars(method))
+def _differing(same: Sequence[Curve]) -> list[str]:
+    """The parameters in which some curves differ; phases where they have several waves, as many each."""
+    differing = [name for name in PARAMETERS if len(_values(same, name)) > 1]
+    several = [curve for curve in same if curve.parameters["m"] != 1]
+    by_phases = "m" not in differing and len(_values(several, "phases")) > 1
+    return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases
 
 
-def _draw_medians(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """A thin line for each case, and a thick one, or points, for the median over those of other phases alone."""
-    methods = _in_drawing_order(method for case in cases for method in _methods(case, quantity))
-    as_points = style.drawn_as_points(methods)
-    for method in methods:
-        look = style.points(method) if method in as_points else style.line(method)
-        for group in curves.groups(cases, "D", "gamma", "m"):
-            drawn = [each for case in group if (each := lines.line(case, quantity, method))]
-            if not drawn:
-                continue
-            loads, values = lines.on_common_loads(drawn)
-            axes.plot(loads, values.T, color=look["color"], linewidth=0.3, alpha=style.FAINT_ALPHA)
-            axes.plot(loads, np.median(values, axis=0), **look, zorder=3)
-            look["label"] = None  # once in the legend
-    axes.plot([], [], color=style.GREY, label="thick: median over phases")
-    axes.plot([], [], color=style.GREY, linewidth=0.3, label="thin: a single profile")
+def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> list[Patch]:
+    """The errors that a method states, as a band, if it is anywhere so wide that one sees it."""
+    stated = curves.curve(curve.case, f"{quantity}_error", curve.method)
+    values = curves.curve(curve.case, quantity, curve.method)
+    if stated is None or values is None:
+        return []
+    width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
+    of = np.where(values > 0, values, 1.0) if quantity == "resistance" else values.max()  # by its logarithmic axis
+    wide = width / of >= VISIBLE[quantity]
+    if not (wide[1:] & wide[:-1]).any():
+        return []
+    look, label = style.line(curve.method)["color"], f"error stated by {style.line(curve.method)['label']}"
+    low = np.maximum(values - width, values * np.finfo(float).eps)  # on a logarithmic axis, too
+    axes.fill_between(curve.case["mean_pressure"].values, low, values + width, color=look, **STATED)
+    return [Patch(color=look, label=label, **STATED)]
 
 
-def _methods(case: xr.Dataset, quantity: str) -> list[str]:
-    """The methods that have a curve of a case, in the order in which they are drawn."""
-    methods = _in_drawing_order(case["solution_method"].values.tolist())
-    return [method for method in methods if curves.curve(case, quantity, method) is not None]
+def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
+    """What each colour, each dash and the band say."""
+    colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
+    values = _values(drawn, colour)
+    shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, MAX_NAMED).round().astype(int))]
+    handles: list[Any] = []
+    for value in shown:
+        first = next(curve for curve in drawn if curve.parameters[colour] == value)
+        own = _look(first, drawn, grouping) | ({"linestyle": "-"} if by_dash else {})
+        handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))
+    if by_dash:
+        methods = _values(drawn, "method")
+        handles += [Line2D([], [], **style.line(str(method)) | {"color": style.GREY}) for method in methods]
+    if grouping.median_over:
+        over = "phases" if set(grouping.median_over) <= {*PHASES} else " and ".join(grouping.median_over)
+        handles += [
+            Line2D([], [], color=style.GREY, label=f"line: median over {over}"),
+            Patch(color=style.GREY, label="band: all of them", **BAND),
+        ]
+    return handles
 
 
-def _in_drawing_order(methods: Iterable[str]) -> list[str]:
+def _add_legend(figure: Figure, panels: Sequence[Axes], handles: Sequence[Any]) -> None:
+    """The legend inside a single panel if it is short, else below all panels."""
+    if len(panels) == 1 and len(handles) <= MAX_NAMED:
+        panels[0].legend(handles=handles, loc="best")
+        return
+    columns = 2 if len(panels) == 1 else 3
+    figure.set_figheight(figure.get_figheight() + LEGEND_ROW * -(-len(handles) // columns))
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+
+
+def _drawing_order(methods: Iterable[str]) -> list[str]:
     """The estimates from the least accurate on, then methods that are not listed, then the numerical ones on top."""
     numerical = numerical_names()
     estimates = [name for name in names() if name not in numerical]

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
+from weier.figures import style
 from weier.figures.comparison import compare
-from weier.pipeline import curves
 from weier.scene import BY_DEFAULT, Grouping
 
 CAPTION = (
@@ -17,11 +17,8 @@ CAPTION = (
 
 
 def draw(studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT) -> Figure:
-    """Compliance over mean pressure by every method, up to full contact."""
-    figure, panels = compare(studies, title, "compliance", grouping)
-    for axes, cases in panels:
-        axes.set_xlim(0, curves.full_contact_load(cases))
-        axes.set_ylim(bottom=0)
-        if grouping == BY_DEFAULT:
-            axes.legend(loc="lower right")
+    """Compliance over mean pressure by every method, up to full contact, on an axis where light loads are seen."""
+    figure, panels, cases = compare(studies, title, "compliance", grouping)
+    style.set_load_axis(panels[0], cases)
+    panels[0].set_ylim(bottom=0)
     return figure

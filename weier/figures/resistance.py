@@ -12,16 +12,13 @@ from weier.figures.comparison import compare
 from weier.scene import BY_DEFAULT, Grouping
 
 CAPTION = (
-    "Contact resistance over mean pressure. {methods} The exact curve has a kink at each load at which contacts are "
-    "born or merge."
+    "Contact resistance over mean pressure. {methods} The exact curve has a step at each load at which a contact is "
+    "born, and a kink where two merge."
 )
 
 
 def draw(studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT) -> Figure:
     """Resistance over mean pressure by every method, on logarithmic axes, where equal ratios are equal distances."""
-    figure, panels = compare(studies, title, "resistance", grouping)
-    for axes, cases in panels:
-        style.set_logarithmic_axes(axes, cases, "resistance")
-        if grouping == BY_DEFAULT:
-            axes.legend(loc="lower left")
+    figure, panels, cases = compare(studies, title, "resistance", grouping)
+    style.set_logarithmic_axes(panels[0], cases, "resistance")
     return figure

@@ -17,6 +17,7 @@ from weier.figures import MAX_PANELS
 from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
+from weier.scene import Axis
 from weier.theory.profile import MAX_DENOMINATOR
 
 Group = TypeVar("Group")
@@ -24,9 +25,13 @@ Color = tuple[float, ...]
 
 WIDTH = 3.5  # inches: one column of a journal
 HEIGHT = 2.6
+GRID_PANELS = {1: (WIDTH, HEIGHT), 2: (2.9, 2.4), 3: (2.3, 2.0)}  # inches, by panels beside each other
+MAX_GRID = 12  # panels
+LINEAR_DECADES = 2  # of loads: a linear axis hides the lightest ones if there are more
 FAINT_ALPHA = 0.3  # opacity of the curves of single cases among many
 LOGARITHMIC_MARGIN = 1.3  # factor between the extreme values and the ends of a logarithmic axis
 
+COLOURBAR = "<colorbar>"  # how matplotlib labels the axes of one
 GREY = "0.35"  # of what a legend names without a colour
 
 # These stand in Python, not in a style sheet, so that whatever follows imports sees a change of style.
@@ -101,11 +106,6 @@ def points(method: str) -> dict[str, Any]:
     return line(method) | POINTS | {"marker": look.marker}
 
 
-def error_bars(method: str) -> dict[str, Any]:
-    """Keywords of Axes.errorbar for the errors that a method states, below its line or points."""
-    return {"fmt": "none", "ecolor": line(method)["color"], "elinewidth": 0.6, "zorder": 1.8}
-
-
 def drawn_as_points(methods: Collection[str]) -> list[str]:
     """The numerical methods among these that are drawn as points, beside the line of the most accurate one."""
     return [method for method in registry.numerical_names() if method in methods][1:]
@@ -161,17 +161,70 @@ def column(panels: int, height: float = HEIGHT, **options: Any) -> tuple[Figure,
     return figure, axes
 
 
-def limit_panels(title: str, groups: Sequence[Group], noun: str) -> tuple[str, Sequence[Group]]:
-    """As many of the groups as a column has space for, and a title that says so if these are not all."""
+def grid(panels: int, x: str, y: str) -> tuple[Figure, list[Axes]]:
+    """A figure with its panels in rows of two or three, which share their axes and the words on them."""
+    columns = {1: 1, 2: 2, 4: 2}.get(panels, 3)
+    width, height = GRID_PANELS[columns]
+    rows = -(-panels // columns)
+    figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel().tolist()
+    for number, each in enumerate(axes):
+        if number >= panels:
+            each.remove()
+            continue
+        if number + columns >= panels:  # nothing stands below it
+            each.tick_params(labelbottom=True)
+            each.set_xlabel(x)
+        if number % columns == 0:
+            each.set_ylabel(y)
+    return figure, axes[:panels]
+
+
+def limit_panels(
+    title: str, groups: Sequence[Group], noun: str, most: int = MAX_PANELS
+) -> tuple[str, Sequence[Group]]:
+    """As many of the groups as there is space for, and a title that says so if these are not all."""
     if not groups:
         raise ValueError(f"there are no {noun} to draw in these studies")
-    note = f"{MAX_PANELS} of {len(groups)} {noun}" if len(groups) > MAX_PANELS else ""
-    return ": ".join(filter(None, [title, note])), groups[:MAX_PANELS]
+    note = f"{most} of {len(groups)} {noun}" if len(groups) > most else ""
+    return ": ".join(filter(None, [title, note])), groups[:most]
+
+
+def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+    """An axis of all loads up to full contact: linear from 0, or logarithmic where that would hide the light ones."""
+    low, high = curves.first_load(cases), curves.full_contact_load(cases)
+    if high > 10**LINEAR_DECADES * low:
+        axes.set_xscale("log")
+        axes.set_xlim(low, high)
+    else:
+        axes.set_xlim(0, high)
+
+
+def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
+    """The scales and ends that a scene asks for, of all panels."""
+    for axes in figure.axes:
+        if axes.get_label() != COLOURBAR:
+            for name, wanted in (("x", x), ("y", y)):
+                _set_axis(axes, name, wanted)
+
+
+def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
+    """One axis; where its scale changes, a linear one begins at 0, and a logarithmic one at the least value drawn."""
+    low, high = getattr(axes, f"get_{name}lim")()
+    if wanted.scale and wanted.scale != getattr(axes, f"get_{name}scale")():
+        drawn = [getattr(each, f"get_{name}data")() for each in axes.get_lines()]
+        values = np.concatenate([np.asarray(each, float) for each in drawn] or [np.empty(0)])
+        positive = values[values > 0]
+        low = 0 if wanted.scale == "linear" else positive.min() if positive.size else high / 10
+        getattr(axes, f"set_{name}lim")(max(low, np.finfo(float).tiny), high)  # above 0 while it is logarithmic
+        getattr(axes, f"set_{name}scale")(wanted.scale)
+    ends = (low if wanted.low is None else wanted.low, high if wanted.high is None else wanted.high)
+    getattr(axes, f"set_{name}lim")(*ends)
 
 
 def set_logarithmic_axes(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """Logarithmic axes from light loads to full contact; a curve that falls to 0 leaves through the lower edge."""
-    low, high = curves.light_load(cases), curves.full_contact_load(cases)
+    """Logarithmic axes from the first load to full contact; a curve that falls to 0 leaves through the lower edge."""
+    low, high = curves.first_load(cases), curves.full_contact_load(cases)
     loads = cases[0]["mean_pressure"].values
     inside = (loads >= low) & (loads <= high)
     curves_of_all = np.concatenate([case[quantity].values for case in cases])
@@ -203,8 +256,11 @@ def describe(case: xr.Dataset, *names: str) -> str:
     values = {"D": rf"$D={float(case['D']):g}$", "gamma": rf"$\gamma={_ratio(case)}$", "m": rf"$m={_terms(case)}$"}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
-    if phase.size and np.ptp(phase) == 0:
-        values["phase"] = rf"$\phi={phase[0]:.3g}$"
+    seed = float(case.get("seed", np.nan))
+    if np.isfinite(seed):
+        values["seed"] = f"seed {seed:g}"
+    elif phase.size and np.ptp(phase) == 0:
+        values["phases"] = rf"$\phi={phase[0]:.3g}$"
     return r",  ".join(text for name, text in values.items() if not names or name in names)
 
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FULL_CONTACT_COMPLIANCE = 0.99  # of the compliance at full contact: above it a linear axis shows no more change
-LIGHT_LOAD_RATIO = 100  # below the load of full contact by more than this, one or two crests carry everything
 
 
 def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
@@ -67,10 +66,9 @@ def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
     return max((_full_contact_load(case) for case in cases), default=np.nan)
 
 
-def light_load(cases: Sequence[xr.Dataset]) -> float:
-    """Where a logarithmic axis of loads starts: a power of ten well below full contact, or the first load."""
-    decade = 10.0 ** np.floor(np.log10(full_contact_load(cases) / LIGHT_LOAD_RATIO))
-    return float(max(decade, min(case["mean_pressure"].values[0] for case in cases)))
+def first_load(cases: Sequence[xr.Dataset]) -> float:
+    """The lightest load of all cases."""
+    return float(min(case["mean_pressure"].values[0] for case in cases))
 
 
 def profile(case: xr.Dataset) -> Profile:

@@ -46,6 +46,9 @@ class Axis(NamedTuple):
     high: float | None = None
 
 
+FREE = Axis()
+
+
 class Figure(NamedTuple):
     """What a figure draws (a module of weier.figures), from which studies, and by which parameters.
 
@@ -57,6 +60,6 @@ class Figure(NamedTuple):
     studies: tuple[str, ...]
     title: str
     grouping: Grouping = BY_DEFAULT
-    x: Axis = Axis()
-    y: Axis = Axis()
+    x: Axis = FREE
+    y: Axis = FREE
     size: tuple[float, float] | None = None

@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import PLANNED, find_method, returned_by
 from weier.methods.settings import checked_settings
 from weier.scene.cases import Scene
-from weier.scene.figure import Axis, Figure, Grouping
+from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.products import MAX_CASES, axis, check_count, distinct_values, products
 from weier.scene.schema import mistakes_of_form
@@ -179,8 +179,8 @@ def _figure(name: str, raw: Raw, mistakes: Mistakes) -> Figure:
         studies=sound("studies", (), tuple),
         title=sound("title", "", str),
         grouping=mistakes.attempt(keys, partial(_grouping, figure), Grouping()),
-        x=sound("x", Axis(), _axis),
-        y=sound("y", Axis(), _axis),
+        x=sound("x", FREE, _axis),
+        y=sound("y", FREE, _axis),
         size=sound("size", None, tuple),
     )
 

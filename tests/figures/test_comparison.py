@@ -1,0 +1,167 @@
+"""Figures of compliance and resistance: colours, panels, medians and bands say what the scene asks for."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+from weier import figures
+from weier.data import dataset
+from weier.figures import compliance, resistance
+from weier.scene import Axis, Grouping
+
+LOADS = np.geomspace(0.01, 4, 12)
+GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]
+
+
+@pytest.fixture(scope="module")
+def sweep() -> xr.Dataset:
+    """Curves that rise with gamma, and differ a little between seeds."""
+    data = dataset.blank(len(GAMMAS) * SEEDS, METHODS, LOADS, 3)
+    for row, (gamma, seed) in enumerate((gamma, seed) for gamma in GAMMAS for seed in range(SEEDS)):
+        data["key"].values[row] = f"case{row}"
+        data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, gamma, 3
+        data["phases"].values[row] = 0, seed + 0.1, seed + 0.2
+        data["tail_amplitude"].values[row] = 0.1
+        data["total_amplitude"].values[row] = total = gamma + 0.1 * seed
+        data["compliance"].values[row] = total * -np.expm1(-LOADS)
+        data["resistance"].values[row] = total * np.exp(-LOADS)
+    return data
+
+
+def sketch(sweep: xr.Dataset, **grouping) -> Figure:
+    figure = compliance.draw([sweep], "", Grouping(**grouping))
+    figure.draw_without_rendering()
+    return figure
+
+
+def words(figure: Figure) -> list[str]:
+    legend = figure.legends[0] if figure.legends else figure.axes[0].get_legend()
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
+    """One panel a method, one line a ratio: its median over the seeds, in a band that holds all of them."""
+    figure = sketch(sweep, colour="gamma", facet="method", median_over=("seed",))
+    assert [axes.get_title() for axes in figure.axes] == [
+        "(a)  Demelio",
+        "(b)  boundary elements",
+    ]
+    assert figure.get_suptitle() == "$D=1.25$,  $m=3$"  # what does not vary
+    for axes in figure.axes:
+        ends = [line.get_ydata()[-1] for line in axes.get_lines()]
+        assert ends == pytest.approx([(gamma + 0.15) * -np.expm1(-LOADS[-1]) for gamma in GAMMAS])
+        assert len(axes.collections) == len(GAMMAS)
+        assert len({line.get_color() for line in axes.get_lines()}) == len(GAMMAS)
+    assert words(figure) == [
+        *(r"$\gamma=2$", r"$\gamma=5/2$", r"$\gamma=5$"), "line: median over phases", "band: all of them",
+    ]  # fmt: skip
+
+
+def test_the_legend_says_what_dashes_mean_where_they_are_methods(sweep: xr.Dataset) -> None:
+    figure = sketch(sweep, colour="gamma", median_over=("seed",))
+    assert words(figure)[3:5] == ["Demelio", "boundary elements"]
+    (axes,) = figure.axes
+    assert len(axes.get_lines()) == len(GAMMAS) * len(METHODS)
+
+
+@pytest.mark.parametrize(
+    ("grouping", "hidden"),
+    [
+        ({"colour": "gamma"}, "phases varies .* `facet: phases` or `median over: phases`"),
+        ({"facet": "method", "median_over": ("seed",)}, "gamma varies .* `colour: gamma` or `median over: gamma`"),
+        ({"colour": "seed", "facet": "method"}, "gamma varies .* add `median over: gamma`"),
+    ],
+)
+def test_curves_that_could_not_be_told_apart_are_refused(grouping, hidden, sweep: xr.Dataset) -> None:
+    with pytest.raises(ValueError, match=hidden):
+        sketch(sweep, **grouping)
+
+
+@pytest.mark.parametrize("name", ["phases", "seed"])
+def test_a_median_over_phases_is_one_by_each_of_their_names(name: str, sweep: xr.Dataset) -> None:
+    (axes,) = sketch(sweep.isel(solution_method=[0]), colour="gamma", median_over=(name,)).axes
+    assert len(axes.get_lines()) == len(axes.collections) == len(GAMMAS)
+
+
+def test_a_figure_that_names_no_parameter_takes_medians_over_the_phases_alone(sweep: xr.Dataset) -> None:
+    """A median over different ratios answers no question."""
+    with pytest.raises(ValueError, match="gamma varies among the curves"):
+        sketch(sweep)
+    longer = xr.concat([sweep.isel(case=slice(0, SEEDS)), sweep.isel(case=slice(0, SEEDS))], "case")
+    (axes,) = sketch(longer.isel(solution_method=[0])).axes
+    assert len(axes.get_lines()) == len(axes.collections) == 1
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels == ["Demelio", "line: median over phases", "band: all of them"]
+
+
+@pytest.mark.parametrize("name", ["method", "D", "gamma", "m", "phases", "seed"])
+def test_every_parameter_can_be_colour_and_facet(name: str, sweep: xr.Dataset) -> None:
+    others = ("gamma", "seed") if name in ("method", "D", "m") else ("seed",) if name == "gamma" else ("gamma",)
+    for key in ("colour", "facet"):
+        assert sketch(sweep, **{key: name}, median_over=others).axes
+
+
+def test_a_seed_is_named_where_the_data_have_it(sweep: xr.Dataset) -> None:
+    seeds = np.tile(np.arange(SEEDS, dtype=float), len(GAMMAS))
+    named = words(sketch(sweep.assign_coords(seed=("case", seeds)), colour="seed", median_over=("gamma",)))
+    assert named[:SEEDS] == [f"seed {number}" for number in range(SEEDS)]
+    unknown = sweep.assign_coords(seed=("case", np.full(seeds.size, np.nan)))
+    assert words(sketch(unknown, colour="seed", median_over=("gamma",)))[0] == "1. phases"
+
+
+def test_resistance_is_grouped_as_well(sweep: xr.Dataset) -> None:
+    figure = resistance.draw([sweep], "", Grouping("gamma", "method", ("seed",)))
+    assert [axes.get_yscale() for axes in figure.axes] == ["log", "log"]
+    assert figure.axes[0].get_xlim()[0] == LOADS[0]
+
+
+def test_panels_stand_in_a_grid_and_share_their_axes(sweep: xr.Dataset) -> None:
+    figure = sketch(sweep, facet="gamma", median_over=("seed",))
+    first, *others = figure.axes
+    assert len(others) == len(GAMMAS) - 1
+    assert all(axes.get_xlim() == first.get_xlim() and axes.get_ylim() == first.get_ylim() for axes in others)
+    assert [bool(axes.get_ylabel()) for axes in figure.axes] == [True, False, False]
+    assert len({round(axes.get_position().y0, 6) for axes in figure.axes}) == 1
+
+
+def test_light_loads_that_were_asked_for_are_seen(sweep: xr.Dataset) -> None:
+    """A linear axis of more than two decades would hide them."""
+    one = sweep.isel(case=[0])
+    wide = one.assign_coords(mean_pressure=np.geomspace(1e-4, 4, LOADS.size))
+    assert [sketch(each).axes[0].get_xscale() for each in (one.isel(mean_pressure=slice(4, None)), wide)] == [
+        "linear", "log",
+    ]  # fmt: skip
+    assert sketch(wide).axes[0].get_xlim()[0] == pytest.approx(1e-4)
+
+
+@pytest.mark.parametrize("kind", ["compliance", "phases", "truncated_compliance", "resistance", "contact_tree"])
+def test_a_scene_may_set_scales_and_ends_of_axes_and_the_size(kind, sweep, tmp_path, monkeypatch) -> None:
+    kept = []
+    monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
+    given = sweep.isel(case=[0])
+    given = given.assign_coords(contact_edge=(("case", "mean_pressure", "edge"), np.full((1, LOADS.size, 2), 0.5)))
+    axis = "y" if kind == "contact_tree" else "x"
+    for scale in ("log", "linear"):
+        wanted = {axis: Axis(scale, 0.05, 3.0)}
+        figures.draw(kind, [given], "", tmp_path / "f.png", **wanted, size=(5.0, 4.0))
+        axes = kept[-1].axes[0] if kind != "contact_tree" else kept[-1].axes[1]
+        assert getattr(axes, f"get_{axis}scale")() == scale
+        assert getattr(axes, f"get_{axis}lim")() == pytest.approx((0.05, 3))
+        assert kept[-1].get_size_inches() == pytest.approx((5, 4))
+        kept[-1].draw_without_rendering()
+    figures.draw(kind, [given], "", tmp_path / "f.png", x=Axis("linear"))
+    assert kept[-1].axes[0].get_xlim()[0] == (0 if kind != "contact_tree" else kept[-1].axes[0].get_xlim()[0])
+
+
+def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: xr.Dataset) -> None:
+    one = sweep.isel(case=[0]).copy(deep=True)
+    one["compliance_error"] = one["compliance"] * 0.1
+    (axes,) = compliance.draw([one.assign(compliance_error=one["compliance"] * 1e-4)], "").axes
+    assert not axes.collections
+    (axes,) = compliance.draw([one], "").axes
+    (band, _) = axes.collections
+    values = one["compliance"].sel(solution_method="demelio").values[0]
+    assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.1 * values.max())
+    said = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert said[2:] == ["error stated by Demelio", "error stated by boundary elements"]
