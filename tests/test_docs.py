@@ -24,9 +24,10 @@ from weier.pipeline.claims import claim, paper
 from weier.scene.schema import schema
 
 
-def test_the_tutorial_is_true():
+@pytest.mark.parametrize("name", ["tutorial", "first_day"])
+def test_the_pages_that_run_are_true(name):
     plt.switch_backend("agg")  # no windows
-    result = doctest.testfile(str(Path("docs/tutorial.rst").resolve()), module_relative=False)
+    result = doctest.testfile(str(Path(f"docs/{name}.rst").resolve()), module_relative=False)
     plt.close("all")
     assert result.attempted > 20
     assert result.failed == 0
