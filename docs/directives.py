@@ -15,7 +15,8 @@ from weier.data.provenance import VERSION
 from weier.data.variables import VARIABLES
 from weier.figures import kinds, style
 from weier.figures.captions import caption
-from weier.methods.registry import PLOTTED
+from weier.methods.registry import METHODS, PLOTTED
+from weier.methods.settings import described
 from weier.scene.schema import kind_of, schema
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -81,6 +82,21 @@ class SceneKeys(SphinxDirective):
         """Its cells, as Markdown."""
         says = f"{of.get('description', '')}{' Required.' if needed else ''}"
         return [f"`{name}`", markdown.plain(says), markdown.plain(kind_of(of, known))]
+
+
+class SettingsOfMethods(SphinxDirective):
+    """Every setting of every method, from the methods themselves."""
+
+    def run(self):
+        """A table with a row for each."""
+        rows = [self.row(*entry) for entry in described(METHODS)]
+        return self.parse_text_to_nodes(markdown.table(["setting", "default", "what it is"], rows))
+
+    @staticmethod
+    def row(setting, meaning):
+        """Its cells, as Markdown."""
+        name, _, default = setting.partition("=")
+        return [f"`{name}`", markdown.plain(default), markdown.plain(meaning)]
 
 
 class FigureKinds(SphinxDirective):
@@ -156,6 +172,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("table-of-variables", TableOfVariables)
     app.add_directive("scene-keys", SceneKeys)
     app.add_directive("figure-kinds", FigureKinds)
+    app.add_directive("settings-of-methods", SettingsOfMethods)
     app.connect("autodoc-skip-member", skip_fields)
     app.connect("doctree-read", mark_numbers)
     app.connect("autodoc-process-docstring", before_napoleon, priority=100)

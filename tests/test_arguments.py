@@ -225,7 +225,10 @@ LIST = np.array([1.2, 1.3])
             "got 0.1 at positions 0 and 1: give each load once",
         ),
         (lambda: weier.solve(PROFILE, [0.2, 0.1]), "must increase, got 0.2 before 0.1: sort the loads"),
-        (lambda: weier.solve(PROFILE, [0.1], "bem", tolerance=None), "tolerance of bem must lie in .*, got None"),
+        (
+            lambda: weier.solve(PROFILE, [0.1], "bem", residual_tolerance=None),
+            "residual_tolerance of bem must lie in .*, got None",
+        ),
         (lambda: weier.solve(PROFILE, [0.1], "bem", resistance="no"), "resistance of bem must be true or false"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", resistance=None), "resistance of bem must be true or false"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),

@@ -29,7 +29,7 @@ methods: [westergaard, demelio, bem, patches]
 tolerance: 0.5
 contact_edges: true
 settings:
-  bem: {tolerance: 1.0e-9}
+  bem: {residual_tolerance: 1.0e-9}
 studies:
   waves: {product: {D: 1.25, gamma: 5, m: [1, 2, .inf]}}
 claims:
@@ -178,7 +178,7 @@ def test_every_variable_of_curves_says_its_range_and_symbol():
 def test_the_settings_of_each_solution_are_there(folder):
     with netCDF4.Dataset(folder / "contact.nc") as file:
         bem, none = json.loads(str(file["settings"][0, 2])), str(file["settings"][0, 1])
-    assert bem["tolerance"] == 1e-9
+    assert bem["residual_tolerance"] == 1e-9
     assert bem["solver"] == "fft"
     assert none == "{}"
 

@@ -121,7 +121,10 @@ def test_plot_leaves_the_file_that_is_named(run, tmp_path, name, written):
             [*PROFILE, "--set", "bem.points=1e9"],
             "points of bem must be a whole number, from 1 to 10000000, got 1000000000.0",
         ),
-        ([*PROFILE, "--set", "bem.tolerance=nan"], "tolerance of bem must lie in [1e-15, 1), got the text 'nan'"),
+        (
+            [*PROFILE, "--set", "bem.residual_tolerance=nan"],
+            "residual_tolerance of bem must lie in [1e-15, 1), got the text 'nan'",
+        ),
         ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not run"),
         ([*PROFILE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
     ],

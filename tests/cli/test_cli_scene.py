@@ -101,7 +101,9 @@ def test_a_file_of_another_kind_is_one_sentence(run, solved, monkeypatch, argume
 
 
 def test_numbers_that_yaml_takes_for_words_are_numbers(run, scene_file, tmp_path):
-    text = SCENE.replace("[demelio]", "[bem, layer]\nsettings: {bem: {tolerance: VALUE}, layer: {accuracy: VALUE}}")
+    text = SCENE.replace(
+        "[demelio]", "[bem, layer]\nsettings: {bem: {residual_tolerance: VALUE}, layer: {accuracy: VALUE}}"
+    )
     found = []
     for value in ("1e-9", "1.0e-9"):
         scene_file.write_text(text.replace("VALUE", value))

@@ -11,9 +11,16 @@ from weier.cli import options
 from weier.figures import style
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
+from weier.methods.settings import defaults
 from weier.theory.phases import random_phases
 
 INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
+
+
+@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+def test_every_setting_says_what_it_is(method):
+    assert method.settings.keys() == defaults(method).keys()
+    assert all(f"{method.name}.{name}" in solve.__doc__ for name in method.settings)
 
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)

@@ -32,9 +32,9 @@ def test_all_methods_agree_on_one_wave(method):
 
 
 def test_settings_are_attributes_of_the_result():
-    curve = weier.solve(PROFILE, LOADS, "bem", points=100, tolerance=1e-9)
+    curve = weier.solve(PROFILE, LOADS, "bem", points=100, residual_tolerance=1e-9)
     assert curve.attrs["points"] == 100
-    assert curve.attrs["tolerance"] == 1e-9
+    assert curve.attrs["residual_tolerance"] == 1e-9
     assert np.all(curve.residual <= 1e-9)
 
 
@@ -58,7 +58,7 @@ def test_bad_loads_are_refused(loads, message):
 def test_an_unknown_method_or_setting_is_refused_with_the_choice():
     with pytest.raises(ValueError, match=r"one of westergaard, archard, .*bem.* got 'fem'"):
         weier.solve(PROFILE, LOADS, "fem")
-    with pytest.raises(ValueError, match=r'"bem" has no setting .n.: it takes solver, points'):
+    with pytest.raises(ValueError, match=r'"bem" has no setting .n.: it takes points_per_wave, points'):
         weier.solve(PROFILE, LOADS, "bem", n=3)
     with pytest.raises(ValueError, match=r'"archard" has no setting .points.: it takes none'):
         weier.solve(PROFILE, LOADS, "archard", points=3)

@@ -15,10 +15,10 @@ LOADS = np.array([0.1, 1.0])
 
 
 def test_a_setting_is_a_number_and_no_text():
-    one = single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": 1e-9}})
-    assert json.loads(str(one["settings"].values[0, 0]))["tolerance"] == 1e-9
-    with pytest.raises(ValueError, match=r"tolerance of bem must lie in .*, got the text '1e-9'"):
-        single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": "1e-9"}})
+    one = single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"residual_tolerance": 1e-9}})
+    assert json.loads(str(one["settings"].values[0, 0]))["residual_tolerance"] == 1e-9
+    with pytest.raises(ValueError, match=r"residual_tolerance of bem must lie in .*, got the text '1e-9'"):
+        single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"residual_tolerance": "1e-9"}})
 
 
 def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
@@ -33,7 +33,7 @@ def test_what_no_method_finds_raises():
     with pytest.raises(ValueError, match="bem: m = inf has no finest wave"):
         single.solve_one(SERIES | {"m": np.inf, "phases": 0.0}, LOADS, ["bem"], {})
     with pytest.raises(ConvergenceError, match="bem: boundary elements on 2000 points stopped"):
-        single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"tolerance": 1e-15, "points": 2000}})
+        single.solve_one(SERIES, LOADS, ["bem"], {"bem": {"residual_tolerance": 1e-15, "points": 2000}})
 
 
 def test_a_setting_of_another_method_is_refused():

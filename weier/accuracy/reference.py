@@ -27,7 +27,7 @@ MIN_TOUCH = 1e-20  # p_0*: below it the relative error of a contact as a Hertzia
 TOUCH_HEIGHT = 1e-12  # g_0: no other crest as close to the highest one is touched there
 AT_FULL_CONTACT = 1 + 1e-12  # times the load of full contact, which is known to rounding
 TOLERANCE = 1e-12
-TIGHTEST = Variant(patches.METHOD.name, patches.METHOD.name, {"tolerance": TOLERANCE})
+TIGHTEST = Variant(patches.METHOD.name, patches.METHOD.name, {"residual_tolerance": TOLERANCE})
 SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
 MAX_REFERENCE_SECONDS = 60.0  # that a reference by contact patches may take
 

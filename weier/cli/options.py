@@ -12,7 +12,8 @@ import numpy as np
 from weier.data.files import check_target
 from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
-from weier.methods.registry import DEFAULT, PLOTTED, infinite_names, names
+from weier.methods.registry import DEFAULT, METHODS, PLOTTED, infinite_names, names
+from weier.methods.settings import described
 from weier.theory.loads import MAX_LOADS, checked_loads
 
 Command = Callable[..., Any]
@@ -143,6 +144,15 @@ _SOLVED = (
         help="Setting of a method, such as bem.points=512; give this option once for each.",
     ),
 )  # fmt: skip
+
+
+class SolvingCommand(click.Command):
+    """A command that takes settings, which it lists below its options."""
+
+    def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Each setting with its default, and what it means."""
+        with formatter.section("Settings with their defaults, for --set"):
+            formatter.write_dl(described(METHODS))
 
 
 def of_one_profile(default_loads: str) -> Option:

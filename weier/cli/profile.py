@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, of_one_profile, output, parameters
+from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, parameters
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, PLOTTED
 from weier.methods.segment import QUANTITIES
@@ -26,7 +26,7 @@ def _solved(
     return single.solve_one(profile, loads, methods or single.applicable(profile, default), settings)
 
 
-@click.command()
+@click.command(cls=SolvingCommand)
 @of_one_profile(LOADS)
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row a load.")
@@ -53,7 +53,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     single.check_solved(data)
 
 
-@click.command()
+@click.command(cls=SolvingCommand)
 @of_one_profile(PLOTTED_LOADS)
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path", "", ".pdf", ".svg", ".png")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from weier.kernels.arrays import Array
@@ -118,6 +118,8 @@ class Method:
         From a profile, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
         annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and whatever else the table of
         variables knows. Raises ConvergenceError rather than return a wrong number.
+    settings : mapping of str
+        What each of these keywords means, with its unit, for people who choose its value.
     applies : callable
         Raises NotApplicableError, which says why, for a profile that the method says nothing about.
     check : callable
@@ -155,6 +157,7 @@ class Method:
     label: str
     summary: str
     solve: Callable[..., Any]
+    settings: Mapping[str, str] = field(default_factory=dict)
     applies: Callable[[Profile], None] = _applies_to_all
     check: Callable[..., None] = _take_all
     numerical: bool = False

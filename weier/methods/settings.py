@@ -72,6 +72,15 @@ def defaults(method: Method) -> dict[str, Any]:
     return {name: keyword.default for name, keyword in _keywords(method.solve).items()}
 
 
+def described(methods: Iterable[Method]) -> list[tuple[str, str]]:
+    """Every setting of some methods with its default, such as `layer.points=16`, and what it means."""
+    return [
+        (f"{method.name}.{name}" + ("" if default is None else f"={default}"), method.settings.get(name, ""))
+        for method in methods
+        for name, default in defaults(method).items()
+    ]
+
+
 @cache  # as often as there are cases
 def _keywords(solve: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     parameters = inspect.signature(solve).parameters.values()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import xarray as xr
@@ -13,7 +13,7 @@ from weier.data import provenance
 from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, METHODS, find_method
-from weier.methods.settings import checked_settings
+from weier.methods.settings import checked_settings, described
 from weier.methods.solve import solve_curve
 from weier.theory.arguments import checked_flag, shown
 from weier.theory.loads import checked_loads
@@ -41,8 +41,10 @@ def solve(
     contact_edges : bool
         Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
     **settings
-        Settings of the method, such as `points` of "bem". With a list of methods, those of each under its name, such
-        as `bem={"points": 640}`.
+        Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`. With
+        their defaults:
+
+        {settings}
 
     Returns
     -------
@@ -122,9 +124,13 @@ def _settings(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, 
     return {name: checked_settings(find_method(name), own) for name, own in settings.items()}
 
 
-def _summaries(indent: str) -> str:
-    """A line for each method, for the docstring."""
-    return f"\n{indent}".join(f'"{method.name}": {method.summary}.' for method in METHODS)
+def _listed(lines: Iterable[str]) -> str:
+    """Lines of a list, for the docstring."""
+    return "\n        ".join(f"* {line}." for line in lines)
 
 
-solve.__doc__ = str(solve.__doc__).replace("{methods}", _summaries(" " * 8))
+solve.__doc__ = (
+    str(solve.__doc__)
+    .replace("{methods}", _listed(f'"{method.name}": {method.summary}' for method in METHODS))
+    .replace("{settings}", _listed(f"{name}: {meaning}" for name, meaning in described(METHODS)))
+)

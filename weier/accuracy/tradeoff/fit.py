@@ -135,7 +135,7 @@ def _grid_nodes(sample: Sample) -> float:
 
 def _in_tolerances(error: Array, sample: Sample) -> float:
     """The largest error beyond rounding, over the tolerance."""
-    return float((error.max() - error_model.RESISTANCE_ROUNDING) / sample.settings["tolerance"])
+    return float((error.max() - error_model.RESISTANCE_ROUNDING) / sample.settings["residual_tolerance"])
 
 
 def _estimate(sample: Sample) -> float:
@@ -167,7 +167,7 @@ FITS = (
     ),
     Fit(
         patches.METHOD.name,
-        lambda sample: sample.settings["tolerance"] in CONTACTS.TOLERANCES,
+        lambda sample: sample.settings["residual_tolerance"] in CONTACTS.TOLERANCES,
         (
             Term("PATCHES_COMPLIANCE", CONTACTS.COMPLIANCE_FACTOR, lambda s: _in_tolerances(s.compliance_error, s)),
             Term("PATCHES_RESISTANCE", CONTACTS.RESISTANCE_FACTOR, lambda s: _in_tolerances(s.resistance_error, s)),

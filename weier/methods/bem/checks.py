@@ -108,7 +108,7 @@ def check_residual(residual: Array, loads: Array, points: int, tolerance: float)
         raise ConvergenceError(
             f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
             f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
-            "tolerance",
+            "residual_tolerance",
             float(residual[worst]),
         )
 

@@ -24,6 +24,19 @@ RESIDUALS_COMPARED = (1e-4, 1e-6, 1e-8)  # beside the default 1e-10, on 32 point
 POINTS_AT_RESIDUALS = 32
 
 
+def _solve(
+    profile: Profile,
+    loads: Array,
+    points_per_wave: int | None = None,
+    points: int | None = None,
+    edges: str | None = None,
+    solver: str = "fft",
+    resistance: bool = True,
+    residual_tolerance: float = 1e-10,
+) -> Curve:
+    return curve(profile, loads, solver, points, residual_tolerance, resistance, edges, points_per_wave)
+
+
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
     """Edges of contact on nodes and between them, on several grids; residuals at which the solver stops."""
     waves = profile.waves_per_period[-1]
@@ -32,8 +45,9 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
         yield f"nodes {count}", {"points": count * waves, "edges": "nodes"}
     for count in (count for count in POINTS_COMPARED if count <= largest):
         yield f"{count}", {"points": count * waves}
+    grid = {"points": POINTS_AT_RESIDUALS * waves}
     for residual in RESIDUALS_COMPARED:
-        yield f"{POINTS_AT_RESIDUALS} {residual:.0e}", {"points": POINTS_AT_RESIDUALS * waves, "tolerance": residual}
+        yield f"{POINTS_AT_RESIDUALS} {residual:.0e}", {**grid, "residual_tolerance": residual}
 
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
@@ -64,7 +78,15 @@ METHOD = Method(
     name="bem",
     label="boundary elements",
     summary="boundary elements of linear pressure (5.1); finite m",
-    solve=curve,
+    solve=_solve,
+    settings={
+        "points_per_wave": "nodes for each of the finest waves, 32 by default, or 64 with edges on nodes",
+        "points": "nodes in one period, in place of points_per_wave",
+        "edges": '"subgrid", with edges of contact between the nodes, the default of "fft"; or "nodes"',
+        "solver": '"fft", or "direct" for the dense matrix of Section 5.1',
+        "resistance": "whether to solve for the resistance, too",
+        "residual_tolerance": "largest residual of a contact condition, in g_0",
+    },
     applies=applies_to_resolvable,
     numerical=True,
     style=Style("#000000", (), "o"),

@@ -46,6 +46,10 @@ METHOD = Method(
     label="resolved terms on the layer",
     summary="coarse terms by boundary elements on the layer of all finer ones; m = inf",
     solve=_solve,
+    settings={
+        "terms": "waves to resolve; by default as many as fit on the default grid",
+        "points": "nodes in a period of these waves, by default 32 for each of the finest",
+    },
     applies=_applies,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
     solution_error=_solution_error,

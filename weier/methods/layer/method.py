@@ -21,9 +21,13 @@ MAX_SECONDS_SCALE = 0.006  # of a scale, for each load: 1000 scales near D = 2
 
 
 def _solve(
-    profile: Profile, loads: Array, points: int = POINTS, accuracy: float = ACCURACY, tolerance: float = TOLERANCE
+    profile: Profile,
+    loads: Array,
+    points: int = POINTS,
+    accuracy: float = ACCURACY,
+    residual_tolerance: float = TOLERANCE,
 ) -> Curve:
-    return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy, tolerance)
+    return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy, residual_tolerance)
 
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
@@ -56,6 +60,11 @@ METHOD = Method(
     label="non-linear layer",
     summary="each wave bears on a non-linear layer of all finer ones (4.3); any m, also inf",
     solve=_solve,
+    settings={
+        "points": "nodes on half a wave, from 4 to 500",
+        "accuracy": "largest relative error of the compliance by tables of the finer waves, from 1e-9 to 0.01",
+        "residual_tolerance": "largest residual of a wave, relative to the compression at its edge of contact",
+    },
     uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),
     noise=Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5

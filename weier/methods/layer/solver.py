@@ -171,5 +171,5 @@ def _check_settings(points: int, accuracy: float, tolerance: float) -> None:
         raise ValueError(f"accuracy must lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}], got {accuracy}")
     if not (isinstance(tolerance, Real) and MIN_TOLERANCE <= tolerance <= accuracy):
         raise ValueError(
-            f"tolerance must lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy, got {tolerance}"
+            f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy, got {tolerance}"
         )

@@ -242,7 +242,7 @@ def _contacts_of(state: ContactState, period: float) -> tuple[Array, Array, Arra
 def check_tolerance(tolerance: float) -> None:
     """ValueError for a tolerance below rounding, or so large that it would not be one."""
     if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
-        raise ValueError(f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}")
+        raise ValueError(f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}")
 
 
 def check_loads(mean_pressure: ArrayLike) -> Array:

@@ -25,6 +25,10 @@ def planning_method(among: Callable[[], tuple[Method, ...]]) -> Method:
         runs_others=True,
         summary="whichever of these meets a tolerance, as weier.plan chooses and explains; any m",
         solve=solve,
+        settings={
+            "tolerance": "largest error: of h, in g_0; of R, relative to the larger of itself and 1 g_0/p_0*",
+            "quantity": "which of the two is to be that accurate, compliance or resistance",
+        },
         style=Style("#56B4E9", (3, 0.8), "X"),
         variants=lambda profile: (),  # it runs those of the others
         noise=Noise(TOLERANCE, math.inf),  # segments of several methods; asked for the compliance alone
