@@ -187,7 +187,10 @@ ONE_MISTAKE = [
     ({"methods": "bem"}, "methods: this must be a list, got 'bem'"),
     ({"settings": {"bme": {"points": 3}}}, "settings.bme: this must be one of .*: did you mean 'bem'?"),
     ({"settings": {"demelio": {"points": 3}}}, "settings.demelio.points: .*no setting 'points'"),
-    ({"settings": {"bem": {"tolerence": 3}}}, "settings.bem.tolerence: .*: did you mean 'tolerance'?"),
+    (
+        {"settings": {"bem": {"residual_tolerence": 3}}},
+        "settings.bem.residual_tolerence: .* mean 'residual_tolerance'?",
+    ),
     (
         {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 8}}},
         "studies.one.product: points_per_wave must be a whole number of at least 16",

@@ -99,9 +99,7 @@ def _words(error: ValidationError) -> str:
             return f"this must be {error.schema['description']}, got {shown(value)}"
         case "oneOf":
             choices = [each["required"][0] for each in wanted]
-            return (
-                f"one of {' and '.join(choices)} must be given, and not {'both' if choices[0] in value else 'none'}"
-            )
+            return f"one of {' and '.join(choices)} must be given, and not {'both' if choices[0] in (value or ()) else 'none'}"
         case "not":
             return str(wanted["description"])
         case "dependentRequired":
