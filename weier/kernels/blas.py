@@ -1,4 +1,4 @@
-"""BLAS on one thread, for the dense matrices of a few hundred unknowns that a load takes.
+"""BLAS on one thread, for the dense matrices and the vectors of some thousand unknowns that a load takes.
 
 A second thread makes them no faster. It spins while it waits, and on a busy machine the solver then has to wait for
 it, so that a load takes ten times as long. Each case has one core; the other cores are for other cases.

@@ -1,6 +1,7 @@
 """Planned curves are within the errors that they state, at light loads and around births and mergers, too."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -168,3 +169,23 @@ def test_the_largest_and_least_loads_are_planned_in_silence(quantity, m, loads):
         assert np.all(np.isfinite(curve.resistance_error))
     with pytest.raises(ValueError, match="at least 1e-300 p_0"):
         plan(profile, [5e-324, *loads], 0.5, quantity)
+
+
+def test_what_takes_far_longer_than_planned_is_stopped_with_the_next_way(monkeypatch):
+    """Every look at the clock is 40 s later; contact patches are planned to take a second a load."""
+    clock = iter(np.arange(100) * 40.0)
+    monkeypatch.setattr(planned, "thread_time", lambda: next(clock))
+    monkeypatch.setattr(patches.error_model, "SECONDS_LOAD", 1.0)
+    monkeypatch.setattr(bem.error_model, "SECONDS_LOAD", 1.1)
+    loads = [0.1, 0.2, 0.3, 0.4]
+    with pytest.raises(ConvergenceError) as stopped:
+        solve(THREE_WAVES, loads, "planned", tolerance=1e-5)
+    assert re.fullmatch(
+        r"patches with 3 terms was expected to take 4 s, and was stopped after 80 s with 2 of 4 loads solved; "
+        r"the next way is bem with 3 terms, in 4\.\d s for all loads: take that method, or a larger tolerance",
+        str(stopped.value),
+    )
+    monkeypatch.setattr(bem.error_model, "PLANNED_POINTS_PER_WAVE", ())
+    with pytest.raises(ConvergenceError, match="no other method is as accurate"):
+        solve(THREE_WAVES, loads, "planned", tolerance=1e-5)
+    assert solve(THREE_WAVES, loads[:2], "planned", tolerance=1e-5).planned_method.values.tolist() == ["patches"] * 2

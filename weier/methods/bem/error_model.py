@@ -30,8 +30,8 @@ MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
 COARSEST_POINTS_PER_WAVE = 8  # of the coarsest of the nested grids, at least
 MAX_POINTS = 2**21  # a load then takes a second
-# Of the grids that plans choose from, with edges between the nodes: fewer were not measured.
-PLANNED_POINTS_PER_WAVE = tuple(points * 2**doubling for doubling in range(12) for points in (16, 24))
+# Of the grids that plans choose from, with edges between the nodes: contact patches are cheaper than finer ones.
+PLANNED_POINTS_PER_WAVE = (16, 24, 32, 48, 64, 96, 128)
 PLANNED_RESIDUAL = 1e-10  # g_0, at which boundary elements of a plan stop
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 8e-5

@@ -13,7 +13,7 @@ from weier.theory.profile import Profile
 LIGHT_SHARE, HEAVY_SHARE = 1.25, 0.16
 
 SECONDS_START, SECONDS_LOAD = 0.15, 4e-3
-SECONDS_NODE = 1.2e-5  # of each load and node
+SECONDS_NODE = 4e-5  # of each load and node
 START_LOADS = 3  # a start takes as long as so many loads
 BYTES_NODE = 900
 

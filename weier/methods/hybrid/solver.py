@@ -7,6 +7,7 @@ from typing import NamedTuple
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.kernels.blas import one_thread
 from weier.methods.bem import checked_points
 from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
@@ -38,6 +39,7 @@ class Curve(NamedTuple):
     residual: Array
 
 
+@one_thread
 def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> Curve:
     """Best estimate of the infinite series from its first terms, with bounds beside it.
 

@@ -10,6 +10,7 @@ from weier.methods.estimate import offer
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.segment import Segment, Task
+from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
 POINTS_COMPARED = (6, 12, 24, 48)
@@ -36,6 +37,9 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 
 def _candidates(task: Task) -> Iterator[Segment]:
+    """None where every wave can be resolved, which takes less time for the same error."""
+    if resolvable(task.profile):
+        return iter(())
     return offer(task, "layer", MAX_ERROR_SHARE, SECONDS, _solve)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from time import thread_time
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +21,8 @@ from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
 
 ROUNDING = 1e-9  # of a tolerance: expected errors and those found are sums that may be rounded differently
+MAX_OVERRUN, MIN_OVERRUN_SECONDS = 10, 60.0  # times the seconds planned, and at least, before a segment is stopped
+PART_SECONDS = 1.0  # expected, between looks at the clock
 METHOD_NAME = VARIABLES["planned_method"].dtype
 
 
@@ -83,6 +87,8 @@ def curve(
     ------
     OutOfReachError
         If no method meets the tolerance, as expected or as found.
+    ConvergenceError
+        If a segment takes more than ten times as long as planned, and more than a minute; it names the next way.
 
     Notes
     -----
@@ -102,7 +108,10 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
     """Run a plan; where errors are found above the tolerance, plan and run again without what left them."""
     solved = []
     for segment in made.segments:
-        values = _attempt(made.profile, segment)
+        try:
+            values = _attempt_in_time(made.profile, segment)
+        except TimeoutError as overrun:
+            raise ConvergenceError(f"{overrun}; {_next_way(made, methods, segment, failed)}") from None
         error = values.compliance_error if made.quantity == COMPLIANCE else _relative_error(values)
         exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
         if exceeding.any():
@@ -114,6 +123,48 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
                 old[exceeding] = new
         solved.append(values)
     return _joined(solved)
+
+
+def _attempt_in_time(profile: Profile, segment: Segment) -> SolvedLoads:
+    """Run a segment part by part; TimeoutError if it takes far longer than planned.
+
+    The clock starts after the first part, in which kernels may be compiled.
+    """
+    allowed = max(MAX_OVERRUN * segment.seconds, MIN_OVERRUN_SECONDS)
+    solved: list[SolvedLoads] = []
+    start = 0.0
+    for number, part in enumerate(_parts(segment)):
+        seconds = thread_time() - start if number > 0 else 0.0
+        if seconds > allowed:
+            raise TimeoutError(
+                f"{_described(segment)} was expected to take {segment.seconds:.2g} s, and was stopped after "
+                f"{seconds:.0f} s with {sum(each.compliance.size for each in solved)} of "
+                f"{segment.mean_pressure.size} loads solved"
+            )
+        solved.append(_attempt(profile, part))
+        start = thread_time() if number == 0 else start
+    return _joined(solved)
+
+
+def _parts(segment: Segment) -> Iterator[Segment]:
+    """The segment in parts of so many expected seconds, or of one load."""
+    second = np.cumsum(segment.seconds_load) // PART_SECONDS
+    ends = [0, *(np.flatnonzero(np.diff(second)) + 1).tolist(), second.size]
+    return (segment.at(slice(first, last)) for first, last in pairwise(ends))
+
+
+def _next_way(made: Plan, methods: Sequence[Method], stopped: Segment, failed: Sequence[Segment]) -> str:
+    """What would come after a segment that was stopped."""
+    try:
+        other = plan(made.profile, stopped.mean_pressure, methods, made.tolerance, made.quantity, (*failed, stopped))
+    except OutOfReachError:
+        return "no other method is as accurate: take a larger tolerance"
+    ways = ", ".join(dict.fromkeys(map(_described, other.segments)))
+    return f"the next way is {ways}, in {other.seconds:.2g} s for all loads: take that method, or a larger tolerance"
+
+
+def _described(segment: Segment) -> str:
+    return f"{segment.method} with {segment.terms:g} terms"
 
 
 def _attempt(profile: Profile, segment: Segment) -> SolvedLoads:
@@ -140,8 +191,7 @@ def _relative_error(solved: SolvedLoads) -> Array:
 def _excess_message(segment: Segment, error: Array) -> str:
     worst = error.argmax()
     left = f"left an error of {error[worst]:.2g}" if np.isfinite(error[worst]) else "stopped"
-    expected = f"{segment.method} with {segment.terms:g} terms was expected to do"
-    return f"{expected}, and {left} at {segment.mean_pressure[worst]:g} p_0*"
+    return f"{_described(segment)} was expected to do, and {left} at {segment.mean_pressure[worst]:g} p_0*"
 
 
 def run(profile: Profile, segments: Sequence[Segment]) -> SolvedLoads:
