@@ -99,7 +99,8 @@ def _words(error: ValidationError) -> str:
             return f"this must be {error.schema['description']}, got {shown(value)}"
         case "oneOf":
             choices = [each["required"][0] for each in wanted]
-            return f"one of {' and '.join(choices)} must be given, and not {'both' if choices[0] in (value or ()) else 'none'}"
+            given = "both" if choices[0] in (value or ()) else "none"
+            return f"one of {' and '.join(choices)} must be given, and not {given}"
         case "not":
             return str(wanted["description"])
         case "dependentRequired":
