@@ -123,9 +123,9 @@ def test_the_figure_of_contributing_is_drawn(two_profiles):
     names = {}
     exec(compile(code, "CONTRIBUTING.md", "exec"), names)
     assert "{methods}" in names["CAPTION"]
-    panels = names["draw"]([two_profiles], "").axes
-    assert [axes.get_xscale() for axes in panels] == ["linear"] * two_profiles.sizes["case"]
-    assert all({"Demelio", "contact patches"} <= {line.get_label() for line in axes.lines} for axes in panels)
+    figure = names["draw"]([two_profiles], "")
+    assert [axes.get_xscale() for axes in figure.axes] == ["linear"] * two_profiles.sizes["case"]
+    assert {"Demelio", "contact patches"} <= {text.get_text() for each in figure.legends for text in each.get_texts()}
 
 
 def test_the_claim_of_contributing_is_measured(two_profiles, monkeypatch):
