@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.blas import one_thread
 from weier.kernels.loads_done import count_load
-from weier.methods.bem.contact import DiscreteSolution, blank_solution, count_patches
+from weier.methods.bem.fft import DiscreteSolution, blank_solution, count_patches
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

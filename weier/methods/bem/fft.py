@@ -16,16 +16,44 @@ from numpy.typing import NDArray
 
 from weier.kernels.jit import kernel
 from weier.kernels.loads_done import count_load
-from weier.kernels.transform import Spectrum
-from weier.methods.bem.contact import DiscreteSolution, blank_solution, count, count_patches
+from weier.kernels.transform import Spectrum, backward, forward
 from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, refine
-from weier.methods.bem.transform import circulant_product
 
 Array = NDArray[np.float64]
 
 RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
 MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
+
+
+class DiscreteSolution(NamedTuple):
+    """The discrete solution over the loads, each of shape (loads,).
+
+    plane : height of the rigid plane above the mean plane (the mean gap d), in g_0
+    resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
+    contact_nodes, patches : nodes in contact, and the number of unbroken runs of them
+    residual : largest violation of a contact condition, as a length in g_0
+    work : solver's own measure of cost
+    """
+
+    plane: Array
+    resistance: Array
+    contact_nodes: NDArray[np.int64]
+    patches: NDArray[np.int64]
+    residual: Array
+    work: Array
+
+
+def blank_solution(loads: int) -> DiscreteSolution:
+    """A solution with nothing in it yet."""
+    return DiscreteSolution(
+        np.empty(loads),
+        np.full(loads, np.nan),
+        np.empty(loads, np.int64),
+        np.empty(loads, np.int64),
+        np.empty(loads),
+        np.zeros(loads),
+    )
 
 
 class GridState(NamedTuple):
@@ -68,6 +96,33 @@ def leading_part(state: GridState, points: int) -> GridState:
         state.residual[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
         state.edge[: points + 2],
     )  # fmt: skip
+
+
+@kernel
+def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: Array) -> None:
+    """Multiply x by the symmetric circulant matrix with these eigenvalues: one pair of FFTs."""
+    forward(x, spectrum)
+    for k in range(spectrum.size):
+        spectrum[k] *= eigenvalue[k]
+    backward(spectrum, product)
+
+
+@kernel
+def count(contact: NDArray[np.bool_]) -> int:
+    """Nodes in contact."""
+    nodes = 0
+    for i in range(contact.size):
+        nodes += contact[i]
+    return nodes
+
+
+@kernel
+def count_patches(contact: NDArray[np.bool_]) -> int:
+    """Unbroken runs of contact around the period; 0 when nothing separates them (full contact)."""
+    runs = 0
+    for i in range(contact.size):
+        runs += contact[i] and not contact[i - 1]
+    return runs
 
 
 @kernel
@@ -276,7 +331,6 @@ def resume(load: float, hierarchy: Hierarchy, whole: GridState) -> tuple[float, 
     return plane, residual, float(pairs)
 
 
-@kernel
 def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> DiscreteSolution:
     """Solve every load from the heaviest down; on the coarsest grid each starts from the one before.
 
@@ -298,18 +352,23 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
 
     """
     solution = blank_solution(loads.size)
-    finest = hierarchy.points.size - 1
-    state = make_grid_state(hierarchy.points[finest])
+    state = make_grid_state(int(hierarchy.points[-1]))
     for load in range(loads.size - 1, -1, -1):
-        plane, residual, pairs = cascade(loads[load], hierarchy, pressure, state)
-        solution.plane[load] = plane
-        solution.residual[load] = residual
-        solution.contact_nodes[load] = count(state.contact)
-        solution.patches[load] = count_patches(state.contact)
-        solution.work[load] = pairs
-        if with_resistance:
-            rate, pairs = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, finest), state)
-            solution.resistance[load] = rate
-            solution.work[load] += pairs
+        row = _solve_one(float(loads[load]), hierarchy, pressure, with_resistance, state)
+        for values, number in zip(solution, row, strict=True):
+            values[load] = number
         count_load()
     return solution
+
+
+@kernel
+def _solve_one(
+    load: float, hierarchy: Hierarchy, pressure: Array, with_resistance: bool, state: GridState
+) -> tuple[float, float, int, int, float, float]:
+    """The same for one load, as one row of its result."""
+    plane, residual, pairs = cascade(load, hierarchy, pressure, state)
+    nodes, patches, rate = count(state.contact), count_patches(state.contact), np.nan
+    if with_resistance:
+        rate, more = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
+        pairs += more
+    return plane, rate, nodes, patches, residual, pairs

@@ -149,7 +149,7 @@ def gap_energy(pressure: Array, rate: Array, half_width: float) -> tuple[float, 
 
 
 @kernel
-def crest(height: Array, start: float, reach: float) -> float:
+def highest(height: Array, start: float, reach: float) -> float:
     """Where the polynomial is highest near `start`, not farther than `reach`."""
     s = start
     for _ in range(MAX_STEPS):

@@ -7,13 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from weier.methods.bem import direct, error_model, fft, subgrid_solver
+from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.checks import check_residual, check_resistance, check_tolerance, checked_edges, checked_points
-from weier.methods.bem.contact import blank_solution
-from weier.methods.bem.contact_list import ContactTable
-from weier.methods.bem.continuum import make_continuum
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
-from weier.methods.errors import ConvergenceError
+from weier.methods.bem.subgrid_solver import CurveSolver, LoadSolution
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.limits import check_points
 from weier.theory.loads import checked_loads
@@ -138,7 +135,7 @@ def _nodal_curve(
     """The curve with the edges of contact on nodes."""
     partial = loads[loads < full_contact_load(profile, points)]
     if partial.size == 0:
-        solution = blank_solution(0)
+        solution = fft.blank_solution(0)
     elif solver == "fft":
         hierarchy = nested_grids(profile, points, tolerance)
         start = full_contact(hierarchy, float(partial[-1]))
@@ -167,20 +164,20 @@ def _nodal_curve(
 
 def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool) -> Curve:
     """The curve with the edges of contact between nodes."""
-    solution = _solve_subgrid(profile, loads, points, tolerance)
-    count = _fill(loads, solution.contacts.number, 0).astype(np.int64)
-    fraction = np.where(solution.contacts.number > 0, _total_width(solution.contacts) / profile.period, 1.0)
-    edge = _padded_edges(solution.contacts, loads.size)
+    solutions = _solve_subgrid(profile, loads, points, tolerance)
+    plane, dh_dp, compliance_error, resistance_error, residual, work, count, width = (
+        np.array([_numbers(each) for each in solutions]).reshape(-1, 8).T
+    )
     curve = Curve(
-        _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
-        _fill(loads, solution.resistance, 0.0),
-        _fill(loads, fraction, 1.0),
-        count,
-        _fill(loads, solution.residual, 0.0),
-        _fill(loads, solution.work, 0),
-        _fill(loads, solution.compliance_error, 0.0),
-        _fill(loads, solution.resistance_error, 0.0),
-        edge,
+        _fill(loads, profile.total_amplitude - plane, profile.total_amplitude),
+        _fill(loads, dh_dp, 0.0),
+        _fill(loads, width / profile.period, 1.0),
+        _fill(loads, count, 0).astype(np.int64),
+        _fill(loads, residual, 0.0),
+        _fill(loads, work, 0),
+        _fill(loads, compliance_error, 0.0),
+        _fill(loads, resistance_error, 0.0),
+        _padded_edges(solutions, loads.size),
         points,
         "subgrid",
     )
@@ -188,25 +185,26 @@ def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float
     return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
 
 
-def _solve_subgrid(profile: Profile, loads: Array, points: int, tolerance: float) -> subgrid_solver.Corrected:
-    """Solve all loads of partial contact, and check what comes."""
+def _numbers(solution: LoadSolution) -> tuple[float, ...]:
+    """One row of the curve."""
+    width = float((solution.contacts.right - solution.contacts.left).sum())
+    return (
+        solution.plane, solution.resistance, solution.compliance_error, solution.resistance_error, solution.residual,
+        solution.work, solution.contacts.left.size, width,
+    )  # fmt: skip
+
+
+def _solve_subgrid(profile: Profile, loads: Array, points: int, tolerance: float) -> list[LoadSolution]:
+    """All loads of partial contact."""
     partial = loads[loads < profile.full_contact_load]
-    solution = subgrid_solver.blank_correction(0)
-    if partial.size:
-        hierarchy = nested_grids(profile, points, tolerance)
-        start = full_contact(hierarchy, float(partial[-1]))
-        solution = subgrid_solver.solve_loads(hierarchy, start, partial, make_continuum(profile, points))
-    check_residual(solution.residual, partial, points, tolerance)
-    _check_correction(solution, partial, points)
-    return solution
+    return CurveSolver(profile, points, tolerance).solve(partial) if partial.size else []
 
 
-def _padded_edges(table: ContactTable, loads: int) -> Array:
+def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:
     """Left and right edges of the contacts at each load, shape (loads, edges)."""
-    edge = np.full((loads, 2 * int(table.number.max(initial=0))), np.nan)
-    for row, first, count in zip(edge, table.first, table.number, strict=False):  # full contact has none
-        here = slice(first, first + count)
-        row[: 2 * count] = np.column_stack([table.left[here], table.right[here]]).ravel()
+    edge = np.full((loads, 2 * max((each.contacts.left.size for each in solutions), default=0)), np.nan)
+    for row, each in zip(edge, solutions, strict=False):  # full contact has none
+        row[: 2 * each.contacts.left.size] = np.column_stack([each.contacts.left, each.contacts.right]).ravel()
     return edge
 
 
@@ -220,15 +218,12 @@ def contacts(
     loads = checked_loads(mean_pressure)
     check_tolerance(tolerance)
     points = checked_points(profile, points, "subgrid")
-    table = _solve_subgrid(profile, loads, points, tolerance).contacts
     none = np.empty(0)
-    found = []
-    for first, count, uncertain in zip(table.first, table.number, table.uncertain, strict=True):
-        here = slice(first, first + count)
-        left, right = table.left[here], table.right[here]
-        found.append(
-            Contacts((left + right) / 2, (right - left) / 2, table.force[here], table.share[here], bool(uncertain))
-        )
+    found = [
+        Contacts((left + right) / 2, (right - left) / 2, force, share, each.uncertain)
+        for each in _solve_subgrid(profile, loads, points, tolerance)
+        for left, right, force, share in [each.contacts]
+    ]
     return found + [Contacts(none, none, none, none, False)] * (loads.size - len(found))
 
 
@@ -245,26 +240,3 @@ def full_contact_load(profile: Profile, points: int) -> float:
 def full_contact_pressure(height: Array, period: float) -> Array:
     """The pressures, of mean 0, that press these heights at the nodes of a period flat."""
     return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
-
-
-def _total_width(table: ContactTable) -> Array:
-    """Width of all contacts at each load, shape (loads,), in lambda_0."""
-    filled = slice(int(table.number.sum()))  # behind it the table has room, which holds anything
-    width = np.concatenate([[0.0], np.cumsum(table.right[filled] - table.left[filled])])
-    return np.asarray(width[table.first + table.number] - width[table.first])
-
-
-def _check_correction(solution: subgrid_solver.Corrected, loads: Array, points: int) -> None:
-    """Refuse a correction that is not finite: of a rate that the solver gave up, or of edges that were not found."""
-    numbers = (
-        solution.plane, solution.resistance, solution.compliance_error, solution.resistance_error,
-        _total_width(solution.contacts),
-    )  # fmt: skip
-    missed = np.flatnonzero(~np.isfinite(numbers).all(axis=0))
-    if missed.size:
-        raise ConvergenceError(
-            f"boundary elements on {points} points solved the contact on the grid, but their correction for edges of "
-            f"contact between the nodes is not finite under the mean pressure {loads[missed[0]]:.6g} p_0*; try more "
-            'points, or edges="nodes"',
-            np.inf,
-        )

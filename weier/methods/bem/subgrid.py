@@ -8,20 +8,21 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.contact_list import ContactList, blank_list, list_contacts
+from weier.methods.bem.contact_list import ContactList, list_contacts
+from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts, make_contacts
 from weier.methods.bem.continuum import Continuum
 from weier.methods.bem.correction_error import expected_errors
 from weier.methods.bem.edge_error import find_steps, next_order
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.gaps import correct_gap, find_dips, open_gaps
-from weier.methods.bem.grid_contacts import BIRTH, NARROW, WIDE, Contacts, make_contacts
+from weier.methods.bem.gaps import EDGE_REST, correct_gap, is_dip
 from weier.methods.bem.grid_solution import GridSolution, next_node
 from weier.methods.bem.grids import Grid
-from weier.methods.bem.interaction import redistribute
-from weier.methods.bem.moments import add_grid_moments
-from weier.methods.bem.narrow_contacts import contact_edges, crest
-from weier.methods.bem.polynomials import TERMS, remainder
+from weier.methods.bem.interaction import make_interaction
+from weier.methods.bem.narrow_contacts import contact_edges, highest
+from weier.methods.bem.polynomials import REST, TERMS, remainder
+from weier.methods.bem.redistribution import add_grid_moments, redistribute
 from weier.methods.bem.windows import (
+    CREST_MARGIN,
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
@@ -33,45 +34,73 @@ from weier.methods.bem.windows import (
 )
 
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
+MAX_ROUNDS = 5  # of judging crests again
 
 
 class Correction(NamedTuple):
-    """What the continuum adds to compliance and resistance, the contacts there, and the errors that are expected."""
+    """What the continuum adds to a solution on the grid.
 
+    verified : whether forces were found that are positive, and no crest stands above the plane but those that touch
+    compliance, resistance : in g_0 and g_0/p_0*
+    contacts : in the continuum
+    compliance_error, resistance_error : expected
+    uncertain : whether a contact or a gap may be one too many or too few
+    """
+
+    verified: bool
     compliance: float
     resistance: float
     contacts: ContactList
     compliance_error: float
     resistance_error: float
+    uncertain: bool
 
 
 @kernel
 def correct(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum) -> Correction:
     """What the continuum adds to a converged solution, whose edges are `edge`.
 
-    Where no contact under its polynomial carries its force, as next to a merger, its edges are taken by themselves.
+    Crests that may touch are told by the plane on the grid at first. The corrected plane and pressure judge all
+    crests again, until no more of them may touch.
     """
-    without = np.zeros(edge.size - 2, np.bool_)
-    correction, again = _correct_without(without, solution, grid, edge, continuum)
-    while again:
-        correction, again = _correct_without(without, solution, grid, edge, continuum)
-    return correction
+    points = solution.pressure.size
+    crest, displacement = np.zeros(points, np.bool_), np.zeros(points)
+    crests = find_crests(solution.plane, solution, displacement, crest)
+    for _ in range(MAX_ROUNDS):
+        correction = _correct_with(crest, crests, solution, grid, edge, continuum, displacement)
+        new = find_crests(solution.plane - correction.compliance, solution, displacement, crest)
+        if new == 0 or not correction.verified:
+            return correction
+        crests += new
+    return _refuse(correction)
 
 
 @kernel
-def _correct_without(
-    without: Flags, solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum
-) -> tuple[Correction, bool]:
-    """The same, if the runs `without` have no polynomials; whether more of them, marked there, must not have one."""
+def _refuse(correction: Correction) -> Correction:
+    """The same as one that is not verified."""
+    return Correction(
+        False, correction.compliance, correction.resistance, correction.contacts, correction.compliance_error,
+        correction.resistance_error, True,
+    )  # fmt: skip
+
+
+@kernel
+def _correct_with(
+    crest: Flags, crests: int, solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum,
+    displacement: Array,
+) -> Correction:  # fmt: skip
+    """The correction with these crests, and the displacement of all nodes that goes with it."""
     runs = edge.size - 2
     points = solution.pressure.size
+    load = float(np.mean(solution.pressure))
     owned = np.zeros(runs, np.bool_)  # edges that belong to a narrow contact or gap
-    polynomial = narrow_runs(edge, solution.contact, continuum.narrow, without)
-    contacts = make_contacts(runs // 2 + count_crests(solution), TERMS)
+    polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
+    contacts = make_contacts(runs // 2 + crests, TERMS)
     contact_of = np.zeros(runs, np.int64)  # of a gap, the one before it
     gap_edge = np.full((runs, 2), np.nan)  # of a gap with a polynomial, in lambda_0
-    compliance = resistance = off = rate_off = 0.0
-    merging = False
+    gap_adds = np.zeros((runs, 2))  # to compliance and resistance
+    errors = np.zeros(2)
+    uncertain = False
     used = 0
     for run in range(runs):
         start, nodes = edge[run + 1] % points, edge[run + 2] - edge[run + 1]
@@ -82,59 +111,96 @@ def _correct_without(
             )
             used += 1
         else:
-            used = add_crests(start, nodes, run, solution, continuum, contacts, used)
+            used = add_crests(start, nodes, run, crest, solution, continuum, contacts, used)
             if polynomial[run]:
-                gap = correct_gap(start, nodes, edge, run, solution, grid, continuum)
+                gap = correct_gap(start, nodes, margin_of(edge, run), REST, solution, grid, continuum)
                 polynomial[run] = gap.left <= gap.right
                 gap_edge[run] = gap.left, gap.right
-                compliance += gap.compliance
-                resistance += gap.resistance
-                off += gap.compliance_error
-                rate_off += gap.resistance_error
-                merging |= gap.uncertain
+                gap_adds[run] = gap.compliance, gap.resistance
+                errors[0] += gap.compliance_error
+                errors[1] += gap.resistance_error
+                uncertain |= gap.uncertain
         if polynomial[run]:
             owned[run] = owned[(run + 1) % runs] = True
     for run in range(runs):
         if not solution.contact[edge[run + 1] % points]:
             contact_of[run] = contact_of[run - 1]
+            for side in (
+                run - 1,
+                (run + 1) % runs,
+            ):  # what a gap adds belongs to the contacts beside it, half to each
+                contacts.edge_compliance[contact_of[side]] += gap_adds[run, 0] / 2
+                contacts.edge_resistance[contact_of[side]] += gap_adds[run, 1] / 2
     for run in range(runs):
         place_edge(run, edge[run + 1], owned[run], gap_edge, contact_of, solution, continuum, contacts)
-    dip, dips = find_dips(solution)
-    opened, slower, missed, rate_missed = open_gaps(dip, dips, solution, grid, continuum)
-    off += missed
-    rate_off += rate_missed
-    compliance += opened
-    resistance += slower
-    higher, faster = redistribute(contacts, used, solution.plane, solution.rate, compliance, continuum.period)
-    again = False
-    for at in range(used):
-        if contacts.lost[at]:
-            again = without[contacts.run[at]] = True
-    if again:
-        return _no_correction(), True
-    steps = find_steps(solution, edge, float(np.mean(solution.pressure)), continuum.period)
-    lower, slower = next_order(edge, steps, polynomial)
-    more_off, more_rate_off, uncertain = expected_errors(
-        solution, edge, steps, polynomial, contacts, used, continuum.angle, continuum.period
+    added, faster, opened, settled, doubtful = open_gaps(
+        contacts, contact_of, edge, errors, solution, grid, continuum
     )
-    listed = list_contacts(contacts, used, dips, solution, continuum.period, uncertain or merging)
+    interaction = make_interaction(contacts, used, grid, continuum)
+    forces = redistribute(contacts, used, solution.plane, solution.rate, continuum.period, interaction)
+    for node in range(points):
+        displacement[node] = interaction.displacement[node]
+    verified = forces.found and settled
+    for at in range(used):
+        beyond = abs(forces.centre[at]) + forces.half_width[at] > contacts.limit[at]
+        verified &= not (contacts.kind[at] != WIDE and forces.touching[at] and beyond)
+    steps = find_steps(solution, edge, load, continuum.period)
+    lower, slower = next_order(edge, steps, polynomial)
+    error, rate_error, unsure, judged = expected_errors(
+        solution, edge, steps, polynomial, contacts, used, forces, continuum.angle, continuum.period
+    )
+    listed = list_contacts(contacts, used, forces, opened, solution, continuum.period)
     return Correction(
-        compliance + higher - lower, resistance + faster - slower, listed, off + more_off, rate_off + more_rate_off
-    ), False
+        verified and judged, added + forces.compliance - lower, faster + forces.resistance - slower,
+        listed, errors[0] + error, errors[1] + rate_error, uncertain or doubtful or unsure,
+    )  # fmt: skip
 
 
 @kernel
-def _no_correction() -> Correction:
-    """One that is to be refused."""
-    return Correction(np.nan, np.nan, blank_list(), np.nan, np.nan)
+def open_gaps(
+    contacts: GridContacts, contact_of: Indices, edge: Edges, errors: Array, solution: GridSolution, grid: Grid,
+    continuum: Continuum,
+) -> tuple[float, float, Array, bool, bool]:  # fmt: skip
+    """Add what gaps between two nodes add to the contacts that they divide, and their errors.
 
-
-@kernel
-def narrow_runs(edge: Edges, contact: Flags, most: int, without: Flags) -> Flags:
-    """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others.
-
-    The runs `without` get none.
+    Returns what they add where all nodes touch, edges of the open ones, shape (gaps, 2), whether all were found, and
+    whether one may be open or closed.
     """
+    compliance = resistance = 0.0
+    found, uncertain = True, False
+    runs, run = edge.size - 2, -1
+    opened, count = np.empty((8, 2)), 0
+    for node in range(solution.pressure.size):
+        while run + 1 < runs and edge[run + 2] <= node:
+            run += 1
+        if not is_dip(node, solution):
+            continue
+        margin = side_margin(node, solution.contact)
+        factor = REST if margin == CREST_MARGIN else EDGE_REST
+        gap = correct_gap(node, 1, margin, factor, solution, grid, continuum)
+        if not gap.left <= gap.right:
+            found = False
+            continue
+        uncertain |= gap.uncertain
+        if gap.left < gap.right:
+            if count == opened.shape[0]:
+                opened = np.concatenate((opened, np.empty((count, 2))))
+            opened[count] = gap.left, gap.right
+            count += 1
+        errors[0] += gap.compliance_error
+        errors[1] += gap.resistance_error
+        if runs > 0:
+            contacts.edge_compliance[contact_of[run]] += gap.compliance
+            contacts.edge_resistance[contact_of[run]] += gap.resistance
+        else:
+            compliance += gap.compliance
+            resistance += gap.resistance
+    return compliance, resistance, opened[:count], found, uncertain
+
+
+@kernel
+def narrow_runs(edge: Edges, contact: Flags, most: int) -> Flags:
+    """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others."""
     runs = edge.size - 2
     nodes = np.empty(runs, np.int64)
     for run in range(runs):
@@ -143,7 +209,7 @@ def narrow_runs(edge: Edges, contact: Flags, most: int, without: Flags) -> Flags
     taken = np.zeros(runs, np.bool_)
     for run in np.argsort(nodes, kind="mergesort"):
         after = (run + 1) % runs
-        if nodes[run] // 2 <= most and not (taken[run] or taken[after] or without[run]):
+        if nodes[run] // 2 <= most and not (taken[run] or taken[after]):
             chosen[run] = taken[run] = taken[after] = True
     return chosen
 
@@ -151,7 +217,7 @@ def narrow_runs(edge: Edges, contact: Flags, most: int, without: Flags) -> Flags
 @kernel
 def add_contact(
     start: int, nodes: int, polynomial: bool, edge: Edges, run: int,
-    solution: GridSolution, continuum: Continuum, contacts: Contacts, at: int,
+    solution: GridSolution, continuum: Continuum, contacts: GridContacts, at: int,
 ) -> bool:  # fmt: skip
     """Enter a contact; whether it has a polynomial, as it should if `polynomial`."""
     points = solution.pressure.size
@@ -164,15 +230,9 @@ def add_contact(
     half_width = ((nodes - 1) / 2 + EDGE) * spacing
     contacts.kind[at], contacts.run[at] = WIDE, run
     contacts.position[at] = (start + (nodes - 1) / 2) * spacing
-    contacts.reach[at] = half_width
     contacts.force[at] = force.sum()
     contacts.share[at] = share.sum()
-    if contacts.share[at] > 0:
-        for i in range(nodes):
-            ahead = solution.displacement[(start + i) % points] - solution.rate
-            contacts.uneven[at] += share[i] / contacts.share[at] * ahead
     contacts.self_compliance[at] = -2 * np.log(np.sin(min(np.pi * half_width / continuum.period, np.pi / 2)))
-    contacts.edge_compliance[at] = contacts.edge_resistance[at] = 0.0
     margin = margin_of(edge, run)
     if not polynomial or nodes + 2 * margin < MIN_POLYNOMIAL or not contacts.share[at] > 0:
         return False
@@ -207,8 +267,8 @@ def add_contact(
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
     for i in range(nodes):
         x = (i - (nodes - 1) / 2) * spacing
-        add_grid_moments(force[i], x, spacing, contacts.grid_force_moments[at])
-        add_grid_moments(share[i], x, spacing, contacts.grid_share_moments[at])
+        add_grid_moments(force[i], x, spacing, contacts.force_moments[at])
+        add_grid_moments(share[i], x, spacing, contacts.share_moments[at])
     contacts.grid_mixed[at] = mixed + np.sum(force * smoothing)
     contacts.grid_energy[at] = own + 2 * energy + np.sum(share * smoothing)
     contacts.grid_cross[at] = energy + np.sum(share * smoothing) / 2
@@ -218,7 +278,7 @@ def add_contact(
 @kernel
 def enter_polynomials(
     fitted: Array, whole: int, centre: float, half_width: float, continuum: Continuum, spacing: float,
-    contacts: Contacts, at: int,
+    contacts: GridContacts, at: int,
 ) -> None:  # fmt: skip
     """Enter what was fitted in the window of a contact: heights, rates of others, and the next two terms of each."""
     scale, degree, following = scale_of(whole), continuum.windows.degree[whole], continuum.windows.following[whole]
@@ -232,7 +292,7 @@ def enter_polynomials(
 @kernel
 def place_edge(
     run: int, node: int, owned: bool, gap_edge: Array, contact_of: Indices, solution: GridSolution,
-    continuum: Continuum, contacts: Contacts,
+    continuum: Continuum, contacts: GridContacts,
 ) -> None:  # fmt: skip
     """Place the edge at which a run begins: at that of a narrow gap, or by itself if no narrow run has it."""
     points = solution.pressure.size
@@ -244,15 +304,19 @@ def place_edge(
         found = correct_edge(node % points, solution)
         contacts.edge_compliance[which] += found.compliance
         contacts.edge_resistance[which] += found.resistance
+        contacts.edge_drop[which] += found.drop
         if found.load > 0:
-            contacts.edge_drop[which] += found.drop
             contacts.edge_yield[which] += found.drop / (found.load * contacts.share[which])
         position = (node - found.beyond if begins else node - 1 + found.beyond) * continuum.period / points
+    elif run == 0 and begins:  # the gap before it ends in the next period
+        position -= continuum.period
+    if run == 0 and not begins:  # the contact before it ends there
+        position += continuum.period
     if begins:
         contacts.left[which] = position
     else:
         contacts.right[which] = position
-        contacts.joined[which] = gap_edge[run, 0] == gap_edge[run, 1]
+        contacts.closed_after[which] = int(gap_edge[run, 0] == gap_edge[run, 1])
 
 
 class EdgeCorrection(NamedTuple):
@@ -273,7 +337,7 @@ class EdgeCorrection(NamedTuple):
 
 @kernel
 def correct_edge(start: int, solution: GridSolution) -> EdgeCorrection:
-    """What an edge of wide runs adds to compliance and resistance, and its step."""
+    """Where an edge of wide runs is within its step, and what that adds."""
     points = solution.pressure.size
     inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
     closing = solution.displacement[inside] - solution.displacement[outside]
@@ -290,34 +354,42 @@ def correct_edge(start: int, solution: GridSolution) -> EdgeCorrection:
 
 
 @kernel
-def _is_crest(node: int, solution: GridSolution) -> bool:
-    """Whether a node is the highest of three in a gap, and no farther below the plane than they bend."""
-    right = next_node(node, solution.deformed.size)
-    if solution.contact[node - 1] or solution.contact[node] or solution.contact[right]:
-        return False
-    before, here, after = solution.deformed[node - 1], solution.deformed[node], solution.deformed[right]
-    return before <= here and after < here and solution.plane - here < 2 * here - before - after
+def find_crests(plane: float, solution: GridSolution, displacement: Array, crest: Flags) -> int:
+    """Mark the crests in the gaps that may touch between two nodes, and return how many are new.
 
-
-@kernel
-def count_crests(solution: GridSolution) -> int:
-    """Crests in the gaps that may touch between two nodes."""
-    crests = 0
-    for node in range(solution.contact.size):
-        crests += _is_crest(node, solution)
-    return crests
+    The node of such a crest is the highest of three, and no farther below the plane than they bend. The surface is
+    displaced by so much more than on the grid.
+    """
+    points = crest.size
+    new = 0
+    for node in range(points):
+        right = next_node(node, points)
+        if solution.contact[node - 1] or solution.contact[node] or solution.contact[right]:
+            continue
+        before = solution.deformed[node - 1] - displacement[node - 1]
+        here = solution.deformed[node] - displacement[node]
+        after = solution.deformed[right] - displacement[right]
+        if before <= here and after < here and plane - here < 2 * here - before - after:
+            known = False
+            for beside in range(-2, 3):
+                known |= crest[(node + beside) % points]
+            if not known:
+                crest[node] = True
+                new += 1
+    return new
 
 
 @kernel
 def add_crests(
-    start: int, nodes: int, run: int, solution: GridSolution, continuum: Continuum, contacts: Contacts, used: int
-) -> int:
-    """Enter the crests of a gap that may touch between two nodes; the contacts then used."""
+    start: int, nodes: int, run: int, crest: Flags, solution: GridSolution, continuum: Continuum,
+    contacts: GridContacts, used: int,
+) -> int:  # fmt: skip
+    """Enter the marked crests of a gap; the contacts then used."""
     points = solution.pressure.size
     spacing = continuum.period / points
     for i in range(nodes):
         node = (start + i) % points
-        if not _is_crest(node, solution):
+        if not crest[node]:
             continue
         margin = side_margin(node, solution.contact)
         whole = 1 + 2 * margin
@@ -327,14 +399,11 @@ def add_crests(
             near = (node - margin + j) % points
             seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
         fitted = fit_window(continuum.windows, whole, seen)
-        top = crest(fitted[0], 0.0, 1 / scale)
-        contacts.kind[used], contacts.run[used] = BIRTH, run
+        top = highest(fitted[0], 0.0, 1 / scale)
+        contacts.kind[used], contacts.run[used] = CREST, run
         contacts.position[used] = (node + top * scale) * spacing
-        contacts.reach[used] = contacts.force[used] = contacts.share[used] = 0.0
-        contacts.self_compliance[used] = 0.0
-        contacts.edge_compliance[used] = contacts.edge_resistance[used] = 0.0
         contacts.origin[used] = node * spacing
+        contacts.limit[used] = 1.0
         enter_polynomials(fitted, whole, top, 0.0, continuum, spacing, contacts, used)
-        contacts.grid_mixed[used] = contacts.grid_energy[used] = 0.0
         used += 1
     return used

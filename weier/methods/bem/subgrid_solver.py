@@ -1,93 +1,99 @@
-"""Loads on the grid, each with what the continuum adds to it."""
+"""Loads on the grid, each with what the continuum adds to it; what fails its verification is solved more finely."""
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.kernels.loads_done import count_load
+from weier.kernels.loads_done import count_load, counted_as
 from weier.methods.bem import fft
-from weier.methods.bem.contact_list import ContactTable, append_contacts, blank_table
-from weier.methods.bem.continuum import Continuum
+from weier.methods.bem.checks import check_residual
+from weier.methods.bem.contact_list import ContactList
+from weier.methods.bem.continuum import Continuum, make_continuum
 from weier.methods.bem.edges import find_edges
 from weier.methods.bem.grid_solution import GridSolution
-from weier.methods.bem.grids import Hierarchy, grid_of
+from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
 from weier.methods.bem.rate import solve_rate
 from weier.methods.bem.subgrid import correct
+from weier.methods.errors import ConvergenceError
+from weier.theory.profile import MAX_POINTS, Profile
 
 MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
+MAX_DOUBLINGS = 2  # of the points under a load that is not verified
+PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
 
 
-class Corrected(NamedTuple):
-    """Over the loads, each of shape (loads,): `DiscreteSolution`, with edges of contact between the nodes.
+class LoadSolution(NamedTuple):
+    """One load, with edges of contact between the nodes.
 
+    verified : whether the corrected solution has been found to be one
     plane : mean gap d, in g_0
-    resistance : dh/dp, in g_0/p_0*; inf if the rate was missed
-    contacts : in the continuum
-    residual, work : of the solution on the grid
+    resistance : dh/dp, in g_0/p_0*
     compliance_error, resistance_error : expected, in the same units
+    contacts : in the continuum
+    uncertain : whether a contact or a gap may be one too many or too few
+    residual, work : of the solution on the grid
     """
 
-    plane: Array
-    resistance: Array
-    contacts: ContactTable
-    residual: Array
-    work: Array
-    compliance_error: Array
-    resistance_error: Array
+    verified: bool
+    plane: float
+    resistance: float
+    compliance_error: float
+    resistance_error: float
+    contacts: ContactList
+    uncertain: bool
+    residual: float
+    work: float
 
 
 @kernel
-def blank_correction(loads: int) -> Corrected:
-    """The same with nothing in it yet."""
-    return Corrected(
-        np.empty(loads), np.full(loads, np.nan), blank_table(loads), np.empty(loads), np.zeros(loads),
-        np.full(loads, np.nan), np.full(loads, np.nan),
-    )  # fmt: skip
+def _solve_load(
+    load: float, heavier: float, hierarchy: Hierarchy, continuum: Continuum, start: Array, carried: Array,
+    state: fft.GridState,
+) -> LoadSolution:  # fmt: skip
+    """Solve one load on the finest grid, and correct it.
 
-
-@kernel
-def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, continuum: Continuum) -> Corrected:
-    """Solve every load from the heaviest down, as `fft.solve_loads`, which see, and correct it on the finest grid."""
-    corrected = blank_correction(loads.size)
+    Under a load near the `heavier` one before, the search begins with the pressure that this has `carried` and its
+    rate, in `state`; else on the coarsest grid with the pressure `start`. All three are overwritten.
+    """
     finest = grid_of(hierarchy, hierarchy.points.size - 1)
-    state = fft.make_grid_state(finest.height.size)
-    table, end = corrected.contacts, 0
-    carried = np.zeros(finest.height.size)
-    few = finest.height.size <= MAX_PER_WAVE * hierarchy.harmonics.waves_per_period[-1]
-    least = MIN_NEAR if few else np.inf
-    for load in range(loads.size - 1, -1, -1):
-        plane, residual, pairs = 0.0, np.inf, 0.0
-        if load + 1 < loads.size and loads[load] > least * loads[load + 1]:
-            relieve(carried, state.pressure, loads[load + 1] - loads[load])
-            plane, residual, pairs = fft.resume(loads[load], hierarchy, state)
-        if not residual <= finest.tolerance:
-            plane, residual, more = fft.cascade(loads[load], hierarchy, pressure, state)
-            pairs += more
-        carried, deformed = state.pressure.copy(), state.deformed.copy()
-        rate, more = solve_rate(hierarchy, state)
-        corrected.residual[load] = residual
-        corrected.work[load] = pairs + more
-        if residual > finest.tolerance or rate == np.inf:  # to be refused
-            corrected.plane[load], corrected.resistance[load] = plane, rate
-            continue
-        displacement = -state.deformed
-        solution = GridSolution(plane, rate, carried, deformed, state.pressure, displacement, state.contact)
-        added = correct(solution, finest, find_edges(state.contact, state.edge), continuum)
-        corrected.plane[load] = _positive(plane - added.compliance)
-        corrected.resistance[load] = _positive(rate + added.resistance)
-        table, end = append_contacts(table, end, load, added.contacts)
-        corrected.compliance_error[load] = added.compliance_error
-        corrected.resistance_error[load] = added.resistance_error
-        count_load()
-    return Corrected(
-        corrected.plane, corrected.resistance, table, corrected.residual, corrected.work, corrected.compliance_error,
-        corrected.resistance_error,
+    plane, residual, pairs = 0.0, np.inf, 0.0
+    if load > MIN_NEAR * heavier:
+        relieve(carried, state.pressure, heavier - load)
+        plane, residual, pairs = fft.resume(load, hierarchy, state)
+    if not residual <= finest.tolerance:
+        plane, residual, more = fft.cascade(load, hierarchy, start, state)
+        pairs += more
+    carried[:] = state.pressure
+    deformed = state.deformed.copy()
+    rate, more = solve_rate(hierarchy, state)
+    pairs += more
+    if not (residual <= finest.tolerance and rate < np.inf):
+        return _miss(plane, residual, pairs)
+    displacement = -state.deformed
+    solution = GridSolution(plane, rate, carried, deformed, state.pressure, displacement, state.contact)
+    added = correct(solution, finest, find_edges(state.contact, state.edge), continuum)
+    numbers = plane - added.compliance, rate + added.resistance, added.compliance_error, added.resistance_error
+    finite = (
+        np.isfinite(numbers[0]) and np.isfinite(numbers[1]) and np.isfinite(numbers[2]) and np.isfinite(numbers[3])
+    )
+    # A mean gap and a resistance are not below 0, where both are smaller than their errors.
+    return LoadSolution(
+        added.verified and finite, max(numbers[0], 0.0), max(numbers[1], 0.0), numbers[2], numbers[3], added.contacts,
+        added.uncertain, residual, pairs,
     )  # fmt: skip
+
+
+@kernel
+def _miss(plane: float, residual: float, pairs: float) -> LoadSolution:
+    """A load that was not solved on the grid, or whose rate was not."""
+    none = ContactList(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+    return LoadSolution(False, plane, np.nan, np.nan, np.nan, none, True, residual, pairs)
 
 
 @kernel
@@ -104,7 +110,82 @@ def relieve(pressure: Array, per_load: Array, load: float) -> None:
         per_load[:] = pressure
 
 
-@kernel
-def _positive(value: float) -> float:
-    """A mean gap or resistance: not below 0, where both are smaller than their errors; NaN stays."""
-    return 0.0 if value < 0 else value
+class GridSolver:
+    """One profile on one grid, and what its solution under a load leaves for the next lighter one."""
+
+    def __init__(self, profile: Profile, points: int, tolerance: float) -> None:
+        """Make the grids, and room for a solution."""
+        self.hierarchy = nested_grids(profile, points, tolerance)
+        self.continuum = make_continuum(profile, points)
+        self._state, self._carried = fft.make_grid_state(points), np.zeros(points)
+        self._start, self._heavier = np.empty(0), np.inf
+        # Beyond so many points the edges move by many of them from load to load.
+        self._few = points <= MAX_PER_WAVE * profile.waves_per_period[-1]
+
+    def solve(self, load: float) -> LoadSolution:
+        """Solve the next lighter load."""
+        if self._heavier == np.inf:
+            self._start = full_contact(self.hierarchy, load)
+        found: LoadSolution = _solve_load(
+            load, self._heavier, self.hierarchy, self.continuum, self._start, self._carried, self._state
+        )
+        if self._few:
+            self._heavier = load
+        return found
+
+    def solve_alone(self, load: float) -> LoadSolution:
+        """Solve a load independently of all others."""
+        self._heavier = np.inf
+        return self.solve(load)
+
+
+class CurveSolver:
+    """Loads of a profile on a grid, verified."""
+
+    def __init__(self, profile: Profile, points: int, tolerance: float) -> None:
+        """Make the grid; finer ones are made if they are needed."""
+        self.profile, self.points, self.tolerance = profile, points, tolerance
+
+    def solve(self, loads: Array) -> list[LoadSolution]:
+        """Solve loads of partial contact, which increase, from the heaviest down."""
+        found, grid = [], GridSolver(self.profile, self.points, self.tolerance)
+        for load in loads[::-1]:
+            solution = grid.solve(float(load))
+            check_residual(np.array([solution.residual]), np.array([load]), self.points, self.tolerance)
+            found.append(solution if solution.verified else self._solve_more_finely(float(load)))
+            count_load()
+        return found[::-1]
+
+    @cached_property
+    def _finer(self) -> list[GridSolver]:
+        points = [self.points * 2**doubling for doubling in range(1, MAX_DOUBLINGS + 1)]
+        return [GridSolver(self.profile, count, self.tolerance) for count in points if count <= MAX_POINTS]
+
+    def _solve_more_finely(self, load: float) -> LoadSolution:
+        """Solve a load on a finer grid, or by contact patches."""
+        for grid in self._finer:
+            solution = grid.solve_alone(load)
+            if solution.verified:
+                return solution
+        return _solve_by_patches(self.profile, load)
+
+
+def _solve_by_patches(profile: Profile, load: float) -> LoadSolution:
+    """A load that the grids leave in doubt, by the method that needs none."""
+    from weier.methods import patches  # which begins with boundary elements itself
+
+    try:
+        with counted_as(0):
+            curve, solution = patches.curve(profile, [load]), patches.solve_load(profile, load)
+    except ConvergenceError as error:
+        raise ConvergenceError(
+            f"neither boundary elements nor contact patches verify a solution under the mean pressure {load:.6g} "
+            f'p_0*: {error}; try more points, or edges="nodes"',
+            error.residual,
+        ) from error
+    edge, unknown = solution.edges, np.full(solution.centre.size, np.nan)
+    resistance = float(curve.resistance[0])
+    return LoadSolution(
+        True, solution.mean_gap, resistance, float(curve.residual[0]), PATCHES_RESISTANCE * max(resistance, 1.0),
+        ContactList(edge[:, 0], edge[:, 1], unknown, unknown), False, float(curve.residual[0]), 0.0,
+    )  # fmt: skip

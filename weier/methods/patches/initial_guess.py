@@ -13,10 +13,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.kernels.loads_done import counted_as
-from weier.methods.bem import subgrid_solver
-from weier.methods.bem.continuum import Continuum, make_continuum
-from weier.methods.bem.grids import Hierarchy, full_contact, nested_grids
+from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import nodes
 from weier.methods.patches.defect_correction import own_density, residuals
@@ -158,13 +155,6 @@ def hertz_density(dual: bool, curvature: float, half_width: float, node_count: i
     return np.full(node_count, curvature * half_width / (2 * np.pi))
 
 
-class _Grid(NamedTuple):
-    """What boundary elements need of one profile on one grid."""
-
-    hierarchy: Hierarchy
-    continuum: Continuum
-
-
 class Starts:
     """Initial guesses for the loads of one profile, each independent of the other loads."""
 
@@ -173,11 +163,8 @@ class Starts:
         self.profile, self.surface, self.tolerance = profile, surface, tolerance
         self._grid = cache(self._make_grid)
 
-    def _make_grid(self, per_wave: int) -> _Grid:
-        points = per_wave * self.profile.waves_per_period[-1]
-        return _Grid(
-            nested_grids(self.profile, points, _grid_tolerance(self.profile)), make_continuum(self.profile, points)
-        )
+    def _make_grid(self, per_wave: int) -> GridSolver:
+        return GridSolver(self.profile, per_wave * self.profile.waves_per_period[-1], _grid_tolerance(self.profile))
 
     def guesses(self, load: float) -> Iterator[InitialGuess]:
         """What to start from under this load, the most likely first."""
@@ -194,12 +181,7 @@ class Starts:
 
     def _from_grid(self, per_wave: int, load: float) -> InitialGuess | None:
         """The contacts on a grid, but for those that have no width there; None if all have none."""
-        hierarchy, continuum = self._grid(per_wave)
-        start = full_contact(hierarchy, load)
-        with counted_as(0):
-            found = subgrid_solver.solve_loads(hierarchy, start, np.array([load]), continuum).contacts
-        here = slice(found.first[0], found.first[0] + found.number[0])
-        left, right, force = found.left[here], found.right[here], found.force[here]
+        left, right, force, _ = self._grid(per_wave).solve_alone(load).contacts
         wide = right > left
         if not wide.any():
             return None

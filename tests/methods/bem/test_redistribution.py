@@ -1,0 +1,126 @@
+"""How contacts displace each other, forces on one plane, and the next order of edges that stand alone."""
+
+import numpy as np
+import pytest
+
+from weier import Profile, random_phases, solve
+from weier.methods.bem import curve, fft
+from weier.methods.bem.contacts import make_contacts
+from weier.methods.bem.continuum import make_continuum
+from weier.methods.bem.edge_error import find_steps
+from weier.methods.bem.edges import find_edges
+from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.grids import full_contact, grid_of, nested_grids
+from weier.methods.bem.interaction import displace, make_interaction, press
+from weier.methods.bem.polynomials import TERMS
+from weier.methods.bem.rate import solve_rate
+from weier.methods.bem.redistribution import add_grid_moments, solve_bordered
+
+PERIOD, POINTS = 1.0, 2048
+PLACES = np.array([0.2, 0.3512, 0.7])
+
+
+def kernel(x):
+    """Displacement at x by a unit force."""
+    return -2 * np.log(np.abs(2 * np.sin(np.pi * x / PERIOD)))
+
+
+def images(x):
+    """The same by the images alone, of a force at 0."""
+    return kernel(x) + 2 * np.log(2 * np.pi * np.abs(x) / PERIOD)
+
+
+@pytest.fixture
+def three_contacts():
+    """Contacts in line, on a grid much finer than their distances."""
+    profile = Profile(1.25, 5, 1)
+    contacts = make_contacts(PLACES.size, TERMS)
+    contacts.position[:] = PLACES
+    grid = grid_of(nested_grids(profile, POINTS, 1e-10), 3)
+    assert grid.height.size == POINTS
+    return make_interaction(contacts, PLACES.size, grid, make_continuum(profile, POINTS))
+
+
+def test_moments_displace_and_tilt_and_bend_the_surface(three_contacts):
+    """As two forces at a distance of each other do that have these moments."""
+    apart, force = 0.004, np.array([0.3, 0.5, 1.0])
+    offset = np.array([0.002, -0.001, 0.0])
+    moments = np.stack([force, force * offset, force * (offset**2 + apart**2)], axis=1)
+    effects = displace(moments, three_contacts)
+    for i, x in enumerate(PLACES):
+        u = np.zeros(3)
+        step = 1e-4 * np.array([-1.0, 0.0, 1.0])
+        for j, y in enumerate(PLACES):
+            of = images if i == j else kernel
+            for side in (-apart, apart):
+                u += force[j] / 2 * of(x + step - y - offset[j] - side)
+        bend = (u[2] + u[0] - 2 * u[1]) / step[2] ** 2 / 2
+        # Third and fourth moments are left out: a few (0.004/0.15)^2, the half distance over that of contacts.
+        assert effects[i] == pytest.approx([u[1], (u[2] - u[0]) / (2 * step[2]), bend], rel=3e-3, abs=1e-3)
+
+
+def test_few_contacts_and_many_displace_each_other_alike(three_contacts):
+    """By a matrix, and by a product on the grid."""
+    force = np.array([1.0, -0.3, 0.5])
+    expected = [sum(kernel(x - y) * f for y, f in zip(PLACES, force, strict=True) if y != x) for x in PLACES]
+    none = np.zeros((0, 0))
+    assert press(force, three_contacts) == pytest.approx(expected, rel=1e-12)
+    assert press(force, three_contacts._replace(mutual=none)) == pytest.approx(expected, abs=1e-4)  # triangles
+
+
+def test_forces_on_one_plane_solve_the_bordered_system(three_contacts):
+    slope, right, total = np.array([9.0, 8.0, 7.0]), np.array([1.0, 2.0, -1.0]), 0.4
+    for touching in (np.ones(3, bool), np.array([True, False, True])):
+        x, common, found = solve_bordered(slope, right, touching, total, three_contacts)
+        assert found
+        residual = right - slope * x - three_contacts.mutual @ x - common
+        assert residual[touching] == pytest.approx(0, abs=1e-6)
+        assert x[~touching] == pytest.approx(0)
+        assert x.sum() == pytest.approx(total)
+    assert not solve_bordered(-slope, right, np.ones(3, bool), total, three_contacts)[2]
+
+
+def test_the_grid_has_moments_of_triangles():
+    """Of a triangle from -1 to 1, moved by 2: its mean is 2, and its variance 1/6."""
+    x = np.linspace(1, 3, 200_001)
+    weight = (1 - np.abs(x - 2)) * (x[1] - x[0])
+    moments = np.zeros(2)
+    add_grid_moments(3.0, 2.0, 1.0, moments)
+    assert moments == pytest.approx([3 * weight @ x**k for k in (1, 2)], rel=1e-6)
+
+
+def grid_solution(profile, load, nodes):
+    """A converged solution on the grid, with its rate."""
+    hierarchy = nested_grids(profile, nodes, 1e-12)
+    state = fft.make_grid_state(nodes)
+    plane, _, _ = fft.cascade(load, hierarchy, full_contact(hierarchy, load), state)
+    pressure, deformed = state.pressure.copy(), state.deformed.copy()
+    rate, _ = solve_rate(hierarchy, state)
+    return GridSolution(plane, rate, pressure, deformed, state.pressure, -state.deformed, state.contact)
+
+
+def test_the_next_node_closes_as_fast_as_far_from_other_edges():
+    """With half a wave in contact q is as large at the next step, and the constant is right to a node of many."""
+    profile = Profile(D=1.5, gamma=2, m=1, phases=0.7)
+    ratio = []
+    for nodes in (1024, 4096):
+        solution = grid_solution(profile, 0.5, nodes)
+        edge = find_edges(solution.contact, np.zeros(nodes + 2, int))
+        ratio.append(find_steps(solution, edge, 0.5, 1.0).stiffer.mean())
+    assert np.abs(ratio) == pytest.approx([0, 0], abs=2e-3)
+    assert abs(ratio[1]) < abs(ratio[0]) / 3
+
+
+def test_several_contacts_state_errors_within_one_order():
+    """The median over loads where contacts bear on each other: 13 and 19 on random series."""
+    wider = []
+    for seed, D in ((1, 1.25), (2, 1.6), (3, 1.4)):
+        profile = Profile(D, 4, 3, random_phases(seed))
+        loads = profile.full_contact_load * np.geomspace(1e-3, 0.5, 25)
+        exact, found = solve(profile, loads, "patches"), curve(profile, loads, points=16 * 16)
+        several = exact.patch_count.values > 1
+        h, R = (np.abs(getattr(found, name) - exact[name].values) for name in ("compliance", "resistance"))
+        wider.append(np.array([found.compliance_error / h, found.resistance_error / R])[:, several])
+    wider = np.concatenate(wider, axis=1)
+    assert wider.min() > 1
+    assert np.all(np.median(wider, axis=1) < 30)

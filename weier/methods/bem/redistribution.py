@@ -1,0 +1,451 @@
+"""Forces of contacts in the continuum, with those born between nodes: all bear on each other and on one plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags
+from weier.kernels.jit import kernel
+from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
+from weier.methods.bem.interaction import HATS, Interaction, displace, press
+from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
+from weier.methods.bem.polynomials import expansion, slopes, value
+
+MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
+MAX_ROUNDS = 8  # of touching and letting go
+MAX_GRADIENTS = 200  # steps of conjugate gradients; there are no more than contacts, but for rounding
+GRADIENT_TOLERANCE = 1e-14  # square of the relative error at which they stop
+CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
+ROUNDING = 1e-14  # of the heights, below which no step says anything
+MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
+MAX_LOSS = 0.9  # of its force that a contact may lose in one step
+
+
+class Redistribution(NamedTuple):
+    """What contacts carry in the continuum, each array of shape (contacts,).
+
+    found : whether forces were found
+    compliance, resistance : what all this adds
+    touching : whether a contact of the grid still touches, or a crest does
+    change, share_change : how much more force each has, and of how much more share
+    centre, half_width : of contacts with polynomials and of crests, in s
+    pressed, tilt : displacement by what others carry more than on the grid, or elsewhere, and its slope
+    second, rate_second : sizes of what second moments change of compliance and resistance
+    penetration, closing : by how much each that is narrow, or a crest, stands above the plane that it does not touch,
+        or would without its force, in g_0, and the rate of that per mean pressure
+    """
+
+    found: bool
+    compliance: float
+    resistance: float
+    touching: Flags
+    change: Array
+    share_change: Array
+    centre: Array
+    half_width: Array
+    pressed: Array
+    tilt: Array
+    second: Array
+    rate_second: Array
+    penetration: Array
+    closing: Array
+
+
+class _State(NamedTuple):
+    """Where the iteration stands, each of shape (contacts,).
+
+    touching, change, centre, half_width : as in `Redistribution`
+    excess : height of the plane that each contact asks for, besides what its own and other changes of force do
+    slope : fall of it with its force
+    lift : displacement of each contact by moments of all that the grid has not, with their images
+    """
+
+    touching: Flags
+    change: Array
+    centre: Array
+    half_width: Array
+    excess: Array
+    slope: Array
+    lift: Array
+
+
+@kernel
+def redistribute(
+    contacts: GridContacts, used: int, plane: float, rate: float, period: float,
+    interaction: Interaction,
+) -> Redistribution:  # fmt: skip
+    """Find the forces of contacts that are to stand on one plane."""
+    state = _State(
+        contacts.kind[:used] != CREST, np.zeros(used), contacts.centre[:used].copy(),
+        contacts.half_width[:used].copy(), np.zeros(used), np.zeros(used), np.zeros(used),
+    )  # fmt: skip
+    total = contacts.force[:used].sum()
+    found = False
+    for _ in range(MAX_ROUNDS):
+        found = _equalise_heights(contacts, plane, period, interaction, state, total)
+        if not found:
+            break
+        pressed = press(state.change, interaction)
+        for i in range(used):
+            pressed[i] += state.lift[i]
+        common = _common_height(contacts, state, pressed)
+        if not _touch_and_let_go(contacts, period, common, pressed, state, total):
+            break
+    for i in range(used):  # a wide contact has no law of its own that keeps its force positive
+        found &= contacts.force[i] + state.change[i] > 0 or not state.touching[i]
+    return _sum_up(found, contacts, plane, rate, period, interaction, state)
+
+
+@kernel
+def _heights(contacts: GridContacts, plane: float, period: float, state: _State) -> bool:
+    """Height of the plane for each force, and its fall with the force; False if not found.
+
+    On a wide contact the height falls by nothing but what other forces and its own compliance say: `excess` leaves
+    these out for all contacts of the grid.
+    """
+    for i in range(state.change.size):
+        if not state.touching[i]:
+            continue
+        if contacts.kind[i] == WIDE:
+            state.excess[i] = plane - contacts.edge_compliance[i] * period / contacts.share[i]
+            state.slope[i] = contacts.self_compliance[i]
+            continue
+        height, compliance, centre, half_width = plane_height(
+            contacts.height[i], contacts.force[i] + state.change[i], state.centre[i], state.half_width[i],
+            contacts.scale[i], period,
+        )  # fmt: skip
+        if not height < np.inf:
+            return False
+        state.centre[i], state.half_width[i] = centre, half_width
+        state.slope[i] = compliance
+        state.excess[i] = height
+        if contacts.kind[i] == NARROW:
+            state.excess[i] += contacts.self_compliance[i] * state.change[i]
+    return True
+
+
+@kernel
+def _equalise_heights(
+    contacts: GridContacts, plane: float, period: float, interaction: Interaction, state: _State,
+    total: float,
+) -> bool:  # fmt: skip
+    """Newton's method for the change of each force that brings all touching contacts to one height."""
+    n = state.change.size
+    right = np.zeros(n)
+    effects = displace(_moments_of_force(contacts, state), interaction)
+    for i in range(n):
+        state.lift[i] = effects[i, 0]
+    for _ in range(MAX_STEPS):
+        if not _heights(contacts, plane, period, state):
+            return False
+        pressed = press(state.change, interaction)
+        for i in range(n):
+            right[i] = state.excess[i] - contacts.self_compliance[i] * state.change[i] - pressed[i] - state.lift[i]
+        step, _, found = solve_bordered(state.slope, right, state.touching, -state.change.sum(), interaction)
+        if not found:
+            return False
+        largest, done, gone = 0.0, True, False
+        for i in range(n):
+            if state.touching[i]:
+                if contacts.kind[i] != WIDE:
+                    step[i] = max(step[i], -MAX_LOSS * (contacts.force[i] + state.change[i]))
+                state.change[i] += step[i]
+                gone |= _has_let_go(contacts, i, state.change[i], total)
+                largest = max(largest, abs(step[i]))
+                done &= (abs(step[i]) - CLOSE * total) * state.slope[i] <= ROUNDING * abs(state.excess[i])
+        if done or gone:  # a contact without force is let go before the others are solved for
+            return True
+        if not largest < np.inf:
+            return False
+    return False
+
+
+@kernel
+def solve_bordered(
+    slope: Array, right: Array, touching: Flags, total: float, interaction: Interaction
+) -> tuple[Array, float, bool]:
+    """Solve (slope + mutual) x + y = right for those touching, with the sum of x given: x, y, whether it went well.
+
+    Conjugate gradients on changes that sum to 0, preconditioned by the slopes.
+    """
+    n = right.size
+    x, rest, direction = np.zeros(n), np.zeros(n), np.zeros(n)
+    weight = size = 0.0
+    for i in range(n):
+        if touching[i]:
+            if not slope[i] > 0:
+                return x, 0.0, False
+            weight += 1 / slope[i]
+            size += right[i] ** 2 / slope[i]
+    for i in range(n):
+        if touching[i]:
+            x[i] = total / (slope[i] * weight)
+    pressed = press(x, interaction)
+    for i in range(n):
+        rest[i] = right[i] - slope[i] * x[i] - pressed[i]
+    common = energy = first = 0.0
+    for step in range(MAX_GRADIENTS):
+        last, common = energy, 0.0
+        for i in range(n):
+            if touching[i]:
+                common += rest[i] / (slope[i] * weight)
+        energy = 0.0
+        for i in range(n):
+            if touching[i]:
+                energy += (rest[i] - common) ** 2 / slope[i]
+        if step == 0:
+            first = energy
+        if energy <= GRADIENT_TOLERANCE * first + ROUNDING**2 * size:
+            return x, common, True
+        for i in range(n):
+            if touching[i]:
+                direction[i] = (rest[i] - common) / slope[i] + (energy / last * direction[i] if step > 0 else 0.0)
+        along = press(direction, interaction)
+        curvature = 0.0
+        for i in range(n):
+            along[i] += slope[i] * direction[i]
+            curvature += along[i] * direction[i]
+        if not curvature > 0:
+            return x, common, False
+        for i in range(n):
+            x[i] += energy / curvature * direction[i]
+            rest[i] -= energy / curvature * along[i]
+    return x, common, False
+
+
+@kernel
+def _common_height(contacts: GridContacts, state: _State, pressed: Array) -> float:
+    """Height at which all that touch have come to stand."""
+    common = weight = 0.0
+    for i in range(state.change.size):
+        if state.touching[i]:
+            own = contacts.self_compliance[i] * state.change[i]
+            common += contacts.share[i] * (state.excess[i] - own - pressed[i])
+            weight += contacts.share[i]
+    return common / weight if weight > 0 else np.nan
+
+
+@kernel
+def _has_let_go(contacts: GridContacts, at: int, change: float, total: float) -> bool:
+    """Whether a contact with a polynomial carries nothing any more."""
+    return contacts.kind[at] != WIDE and contacts.force[at] + change <= CLOSE * total
+
+
+@kernel
+def _touch_and_let_go(
+    contacts: GridContacts, period: float, plane: float, pressed: Array, state: _State, total: float
+) -> bool:
+    """Release contacts without force, and let crests touch that stand above the plane; whether anything changed."""
+    changed = False
+    for i in range(state.change.size):
+        if contacts.kind[i] == WIDE:
+            continue
+        if state.touching[i]:
+            if _has_let_go(contacts, i, state.change[i], total):
+                state.touching[i] = False
+                state.change[i] = -contacts.force[i]
+                changed = True
+        elif contacts.kind[i] == CREST:
+            top = state.centre[i] if state.half_width[i] == 0 else contacts.centre[i]
+            above = value(contacts.height[i], top) - pressed[i] - plane
+            bend = -slopes(contacts.height[i], top)[1]
+            if above > CLOSE * abs(plane) and bend > 0:
+                state.touching[i] = changed = True
+                half_width = np.sqrt(2 * above / bend)
+                state.change[i] = above / (1 + punch_compliance(half_width * contacts.scale[i], period))
+                state.centre[i], state.half_width[i] = top, 2 * np.sqrt(state.change[i] / bend)
+    return changed
+
+
+@kernel
+def _moments_of_force(contacts: GridContacts, state: _State) -> Array:
+    """First and second moments of force that the continuum has more than the grid, shape (contacts, 3)."""
+    moments = np.zeros((state.change.size, 3))
+    for i in range(state.change.size):
+        if state.touching[i] and contacts.kind[i] == NARROW:
+            height = expansion(contacts.height[i], state.centre[i], state.half_width[i])
+            total = contacts.force[i] + state.change[i]
+            _add_moments(moments[i], total, height[1], height[2], contacts, state, i)
+            moments[i, 1] -= contacts.force_moments[i, 0]
+            moments[i, 2] -= contacts.force_moments[i, 1]
+    return moments
+
+
+@kernel
+def _moments_of_share(contacts: GridContacts, state: _State) -> Array:
+    """The same of the shares, which press flat what the rates of others have bent."""
+    moments = np.zeros((state.change.size, 3))
+    for i in range(state.change.size):
+        if state.touching[i] and contacts.kind[i] == NARROW:
+            rate = expansion(contacts.rate[i], state.centre[i], state.half_width[i])
+            _add_moments(moments[i], contacts.share[i], -rate[1], -rate[2], contacts, state, i)
+            moments[i, 1] -= contacts.share_moments[i, 0]
+            moments[i, 2] -= contacts.share_moments[i, 1]
+    return moments
+
+
+@kernel
+def _add_moments(
+    moments: Array, total: float, odd: float, even: float, contacts: GridContacts, state: _State, at: int
+) -> None:
+    """Add moments of a pressure that carries `total` and presses flat what has these coefficients of T_1 and T_2."""
+    middle, reach = contacts.scale[at] * state.centre[at], contacts.scale[at] * state.half_width[at]
+    moments[1] += total * middle + reach * odd / 4
+    moments[2] += total * middle**2 + middle * reach * odd / 2 + reach**2 * (total / 2 + even / 4)
+
+
+@kernel
+def add_grid_moments(force: float, x: float, spacing: float, moments: Array) -> None:
+    """Add first and second moments of a nodal force, at x from where they are taken."""
+    moments[0] += force * x
+    moments[1] += force * (x**2 + HATS * spacing**2)
+
+
+class _Weights(NamedTuple):
+    """What reciprocity makes of each contact, with the shares of the grid as weights; each of shape (contacts,).
+
+    own : compliance that each has more than on the grid
+    others : displacement by the rates of others that each has more, since it is elsewhere
+    raised : the same for more force, which does not change how the rates are spread
+    closing : rate of the plane towards a crest that the grid has not in contact
+    """
+
+    own: Array
+    others: Array
+    raised: Array
+    closing: Array
+
+
+@kernel
+def _sum_up(
+    found: bool, contacts: GridContacts, plane: float, rate: float, period: float,
+    interaction: Interaction, state: _State,
+) -> Redistribution:  # fmt: skip
+    """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact."""
+    n = state.change.size
+    touching, change = state.touching, state.change
+    weights, shape = _weigh(contacts, rate, period, state)
+    of_share = _moments_of_share(contacts, state)
+    by_shares = displace(of_share, interaction)
+    faster, slower, released, solved = _changes_of_shares(contacts, period, state, weights, by_shares, interaction)
+    of_force = _moments_of_force(contacts, state)
+    for i in range(n):
+        of_force[i, 0], of_share[i, 0] = change[i], faster[i]
+    moved_shares = displace(of_share, interaction)
+    moved = displace(of_force, interaction)  # the last product: its displacement of all nodes is looked at later
+    compliance, resistance = shape / period, 0.0
+    second, rate_second, closing, penetration = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    pressed, tilt = np.zeros(n), np.zeros(n)
+    for i in range(n):
+        share, own, tilted = contacts.share[i], contacts.self_compliance[i], by_shares[i, 0]
+        mixed = of_force[i, 1] * by_shares[i, 1] + of_force[i, 2] * by_shares[i, 2]
+        energy = of_share[i, 1] * by_shares[i, 1] + of_share[i, 2] * by_shares[i, 2]
+        compliance += mixed / period
+        resistance += energy / period
+        pressed[i], tilt[i] = abs(moved[i, 0]), moved[i, 1]
+        force_spread = _spread(of_force[i], contacts.force[i] + change[i])
+        share_spread = _spread(of_share[i], share + faster[i])
+        images = 2 / 15 * (np.pi / period) ** 4
+        by_share = abs(moved_shares[i, 2]) + images * share_spread
+        second[i] = (force_spread * by_share + share_spread * abs(moved[i, 2])) / period
+        rate_second[i] = 2 * share_spread * by_share / period
+        if touching[i] and contacts.kind[i] == WIDE:  # its edges move on with the force, by a step at most
+            drop = contacts.edge_drop[i]
+            yielded = min(max(contacts.edge_yield[i] * change[i], -drop), drop)
+            resistance -= yielded
+            rate_second[i] += abs(yielded)
+        if touching[i]:
+            tilted -= weights.closing[i]
+            compliance -= (share * (state.excess[i] - plane) - (weights.raised[i] + tilted) * change[i]) / (
+                period - released
+            )
+            more = weights.own[i] * share + weights.others[i]
+            resistance += (more * (share + faster[i]) + weights.others[i] * share + tilted * faster[i]) / (
+                period - released
+            )
+        else:
+            compliance -= (share * (moved[i, 0] + own * change[i]) - tilted * change[i]) / (period - released)
+            resistance -= share * (moved_shares[i, 0] + tilted - own * share) / (period - released)
+    for i in range(n):
+        if contacts.kind[i] == WIDE:
+            continue
+        top = contacts.centre[i] if contacts.kind[i] == CREST else state.centre[i]
+        if touching[i]:
+            compliance_here = punch_compliance(state.half_width[i] * contacts.scale[i], period)
+            penetration[i] = (contacts.force[i] + change[i]) * compliance_here
+            closing[i] = weights.closing[i] if contacts.kind[i] == CREST else contacts.share[i] * compliance_here
+        else:
+            penetration[i] = value(contacts.height[i], top) - moved[i, 0] - (plane - compliance)
+            closing[i] = rate + resistance - value(contacts.rate[i], top) - moved_shares[i, 0]
+    found &= solved and released <= MAX_RELEASED * period
+    return Redistribution(
+        found, compliance, resistance, touching, change, faster, state.centre, state.half_width, pressed, tilt,
+        second, rate_second, penetration, closing,
+    )  # fmt: skip
+
+
+@kernel
+def _spread(moments: Array, total: float) -> float:
+    """Size of second moments: of the one that was found, and of the first one."""
+    return abs(moments[2]) + (moments[1] ** 2 / total if total > 0 else 0.0)
+
+
+@kernel
+def _weigh(contacts: GridContacts, rate: float, period: float, state: _State) -> tuple[_Weights, float]:
+    """Weights of all that touch, and what their shapes change of the compliance, times the period."""
+    n = state.change.size
+    weights = _Weights(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
+    shape = 0.0
+    for i in range(n):
+        share = contacts.share[i]
+        if state.touching[i] and contacts.kind[i] == WIDE:
+            weights.own[i] = contacts.edge_resistance[i] * period / share**2
+        elif state.touching[i]:
+            compliance = punch_compliance(state.half_width[i] * contacts.scale[i], period)
+            others = expansion(contacts.rate[i], state.centre[i], state.half_width[i])
+            if contacts.kind[i] == NARROW:
+                height = expansion(contacts.height[i], state.centre[i], state.half_width[i])
+                mixed, energy = contact_energy(height, others, contacts.force[i], share, compliance)
+                weights.others[i] = (cross_energy(others, share) - contacts.grid_cross[i]) / share
+                weights.raised[i] = others[0] - contacts.grid_cross[i] / share
+                more = energy - contacts.grid_energy[i] + contacts.edge_resistance[i] * period
+                weights.own[i] = more / share**2 - 2 * weights.others[i] / share
+                shape += mixed - contacts.grid_mixed[i] + contacts.edge_compliance[i] * period
+            else:
+                weights.closing[i] = rate - others[0]
+    return weights, shape
+
+
+@kernel
+def _changes_of_shares(
+    contacts: GridContacts,
+    period: float,
+    state: _State,
+    weights: _Weights,
+    by_shares: Array,
+    interaction: Interaction,
+) -> tuple[Array, float, float, bool]:
+    """How much more of a load each carries, how much less the plane sinks, shares released; whether it was found."""
+    n = state.change.size
+    slope, right, gone = np.ones(n), np.zeros(n), np.zeros(n)
+    released = 0.0
+    for i in range(n):
+        share = contacts.share[i]
+        if not state.touching[i]:
+            released += share
+            gone[i] = share
+            continue
+        slope[i] = contacts.self_compliance[i] + weights.own[i]
+        if contacts.kind[i] == CREST:
+            slope[i] = punch_compliance(state.half_width[i] * contacts.scale[i], period)
+        right[i] = weights.closing[i] - weights.own[i] * share - weights.others[i] - by_shares[i, 0]
+    if released > 0:  # what they carried on the grid is carried by the others
+        pressed = press(gone, interaction)
+        for i in range(n):
+            right[i] += pressed[i]
+    faster, slower, found = solve_bordered(slope, right, state.touching, released, interaction)
+    for i in range(n):
+        faster[i] -= gone[i]
+    return faster, slower, released, found
