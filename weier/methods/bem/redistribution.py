@@ -329,7 +329,7 @@ def _sum_up(
     weights, shape = _weigh(contacts, rate, period, state)
     of_share = _moments_of_share(contacts, state)
     by_shares = displace(of_share, interaction)
-    faster, slower, released, solved = _changes_of_shares(contacts, period, state, weights, by_shares, interaction)
+    faster, released, solved = _changes_of_shares(contacts, period, state, weights, by_shares, interaction)
     of_force = _moments_of_force(contacts, state)
     for i in range(n):
         of_force[i, 0], of_share[i, 0] = change[i], faster[i]
@@ -426,8 +426,8 @@ def _changes_of_shares(
     weights: _Weights,
     by_shares: Array,
     interaction: Interaction,
-) -> tuple[Array, float, float, bool]:
-    """How much more of a load each carries, how much less the plane sinks, shares released; whether it was found."""
+) -> tuple[Array, float, bool]:
+    """How much more of a load each carries, shares released, and whether these were found."""
     n = state.change.size
     slope, right, gone = np.ones(n), np.zeros(n), np.zeros(n)
     released = 0.0
@@ -445,7 +445,7 @@ def _changes_of_shares(
         pressed = press(gone, interaction)
         for i in range(n):
             right[i] += pressed[i]
-    faster, slower, found = solve_bordered(slope, right, state.touching, released, interaction)
+    faster, _, found = solve_bordered(slope, right, state.touching, released, interaction)
     for i in range(n):
         faster[i] -= gone[i]
-    return faster, slower, released, found
+    return faster, released, found
