@@ -30,6 +30,8 @@ PROFILE = weier.Profile(1.25, 5, 2, 1.0)
 INTERFACE = weier.Interface(
     mu_1=45e9, mu_2=45e9, nu_1=0.34, nu_2=0.34, rho_1=1.7e-8, rho_2=1.7e-8, lambda_0=1e-3, g_0=1e-6
 )
+HEIGHTS = np.fft.irfft(np.r_[0, np.exp(1j * np.arange(1, 26) ** 2) / np.arange(1, 26)], 64)
+TRACE = weier.Trace(HEIGHTS, 1e-3)
 
 
 def contact():
@@ -46,7 +48,8 @@ SOUND = {
     "phases": 0.5, "seed": 7, "low": 0.05, "high": 0.3, "tolerance": 1e-3, "quantity": "compliance", "points": 64,
     "path": "there/is/none.nc", "x": [0.1, 0.2], "terms": 1, "normalised": [0.1, 0.2],
     "radii": [1e-6], "contour_radius": 1e-5, "modulus": 1e9, "compliance_slope": 1e-9,
-    "contact_edges": True, "data": contact(), **vars(INTERFACE),
+    "heights": HEIGHTS, "length": 1e-3, "shortest": 1e-4, "ends": "mirrored", "source": "", "trace": TRACE,
+    "longest": 9e-4, "contact_edges": True, "data": contact(), **vars(INTERFACE),
 }  # fmt: skip
 OWN = {
     "Profile": {"phases": 0.0},
@@ -66,7 +69,7 @@ def functions():
         if issubclass(value, Exception):
             del found[name]  # raised, not called
             continue
-        instance = {"Profile": PROFILE, "Interface": INTERFACE}[name]
+        instance = {"Profile": PROFILE, "Interface": INTERFACE, "Trace": TRACE}[name]
         for method, function in inspect.getmembers(value, inspect.isfunction):
             if not method.startswith("_") and set(inspect.signature(function).parameters) - {"self"}:
                 found[f"{name}.{method}"] = getattr(instance, method)
@@ -119,10 +122,15 @@ NOT_NUMBERS = {
     "data",
     "contact_edges",
     "study",
+    "ends",
+    "source",
+    "trace",
 }
 TEXT_TOO = {"gamma"}
 NONE_TOO = {
-    "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"}, "plan": {"tolerance", "quantity"},
+    "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"},
+    "Trace": {"shortest"}, "Trace.sampled_height": {"terms"}, "fit": {"longest", "shortest"},
+    "plan": {"tolerance", "quantity"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }  # fmt: skip
 
@@ -219,7 +227,7 @@ LIST = np.array([1.2, 1.3])
         (lambda: weier.Profile(LIST, 5, 3), r"D must lie in \(1, 2\), got an array of shape \(2,\)"),
         (lambda: weier.Profile(1.25, 5, None), "m must be a whole number of terms, .*, got None"),
         (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
-        (lambda: weier.solve([0.1], [0.1]), "profile must be a weier.Profile, got 0.1"),
+        (lambda: weier.solve([0.1], [0.1]), "profile must be a weier.Profile or a weier.Trace, got 0.1"),
         (
             lambda: weier.solve(PROFILE, [0.1, 0.1]),
             "got 0.1 at positions 0 and 1: give each load once",
@@ -260,5 +268,7 @@ def test_full_contact_has_fields_however_heavy_the_load():
 
 def test_a_curve_is_no_profile():
     curve = weier.solve(weier.Profile(1.25, 5, 2), [0.1], "demelio")
-    with pytest.raises(ValueError, match=r"profile must be a weier\.Profile, got <xarray\.Dataset>"):
+    with pytest.raises(
+        ValueError, match=r"profile must be a weier\.Profile or a weier\.Trace, got <xarray\.Dataset>"
+    ):
         weier.solve(curve, [0.1])

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from weier.theory.conduction import Interface
     from weier.theory.phases import random_phases
     from weier.theory.profile import Profile
+    from weier.theory.spectrum import fit
+    from weier.theory.trace import Trace
 
 __version__ = VERSION
 
@@ -27,9 +29,11 @@ __all__ = [
     "NotApplicableError",
     "OutOfReachError",
     "Profile",
+    "Trace",
     "__version__",
     "events",
     "fields",
+    "fit",
     "open",
     "plan",
     "random_phases",
@@ -42,8 +46,10 @@ _MODULES = {
     "NotApplicableError": "methods.errors",
     "OutOfReachError": "methods.errors",
     "Profile": "theory.profile",
+    "Trace": "theory.trace",
     "events": "methods.fields",
     "fields": "methods.fields",
+    "fit": "theory.spectrum",
     "open": "data.dataset",
     "plan": "pipeline.plan",
     "random_phases": "theory.phases",

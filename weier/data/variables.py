@@ -86,6 +86,25 @@ VARIABLES = {
     ),
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL, files=(COST,)),
     "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL, files=(COST,)),
+    "trace": Variable(
+        ("case",), "name of the file of measured heights", dtype="U64", content=LABEL, optional=True
+    ),
+    "trace_digest": Variable(
+        ("case",), "digest of the measured heights and of how they are continued", dtype="U12", content=LABEL,
+        optional=True,
+    ),
+    "trace_ends": Variable(
+        ("case",), "how measured heights go on behind their ends", dtype="U8", content=LABEL, optional=True
+    ),
+    "trace_length": Variable(
+        ("case",), "length of the trace of heights, lambda_0", "m", least=0, content=LABEL, optional=True
+    ),
+    "trace_height": Variable(
+        ("case",), "root mean square height of the trace, g_0", "m", least=0, content=LABEL, optional=True
+    ),
+    "trace_shortest": Variable(
+        ("case",), "shortest wavelength kept of the trace", "m", least=0, content=LABEL, optional=True
+    ),
     "total_amplitude": Variable(
         ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=ALL_MEASURED
     ),
@@ -202,7 +221,7 @@ def blank(
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str, Any]:
     """The attributes of a variable in a file, by the CF conventions."""
     entry = table[name]
-    normalised = entry.unit not in ("1", "rad", "s")
+    normalised = entry.unit not in ("1", "rad", "s", "m")
     known: dict[str, Any] = {"long_name": entry.long_name, "units": "1" if normalised else entry.unit}
     known["coverage_content_type"] = entry.content
     if normalised:

@@ -11,7 +11,8 @@ from weier.methods import bem, patches
 from weier.theory.arguments import checked_word
 from weier.theory.limits import check_resolvable
 from weier.theory.loads import checked_load
-from weier.theory.profile import Profile, checked_profile
+from weier.theory.profile import Profile
+from weier.theory.waves import checked_surface
 
 ATTRIBUTES = {
     "x": ("position along the surface", "lambda_0"),
@@ -76,7 +77,7 @@ def fields(
     """
     load = checked_load(mean_pressure)
     checked_word("method", method, (patches.METHOD.name, bem.METHOD.name), "for the fields along the surface")
-    check_resolvable(checked_profile(profile))
+    check_resolvable(checked_surface(profile))
     if method == bem.METHOD.name:
         found = bem.field(profile, load, points)
         return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
@@ -128,7 +129,7 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
     0.891 0 3
 
     """
-    check_resolvable(checked_profile(profile))
+    check_resolvable(checked_surface(profile))
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")

@@ -18,6 +18,7 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.segment import Segment, Task
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 Settings = Mapping[str, Any]
 
@@ -63,7 +64,7 @@ class Variant(NamedTuple):
     settings: Settings
 
 
-def applies_to_resolvable(profile: Profile) -> None:
+def applies_to_resolvable(profile: Waves) -> None:
     """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
 
     NotApplicableError is raised if there is no finest wave, or it fits too often into the period.
@@ -122,6 +123,8 @@ class Method:
         What each of these keywords means, with its unit, for people who choose its value.
     applies : callable
         Raises NotApplicableError, which says why, for a profile that the method says nothing about.
+    takes_traces : bool
+        Whether it solves any sum of waves, a measured surface too; others rest on the series.
     check : callable
         From a profile and settings as keywords, each of the right kind: raises ValueError where `solve` would, before
         anything is solved.
@@ -158,7 +161,8 @@ class Method:
     summary: str
     solve: Callable[..., Any]
     settings: Mapping[str, str] = field(default_factory=dict)
-    applies: Callable[[Profile], None] = _applies_to_all
+    applies: Callable[..., None] = _applies_to_all
+    takes_traces: bool = False
     check: Callable[..., None] = _take_all
     numerical: bool = False
     uses_phases: bool = True
@@ -180,10 +184,19 @@ class Method:
         returned = inspect.signature(self.solve, eval_str=True).return_annotation
         return tuple(getattr(returned, "_fields", ()))
 
-    def takes(self, profile: Profile) -> bool:
-        """Whether the method applies to a profile."""
+    def check_applies(self, profile: Waves) -> None:
+        """Raise NotApplicableError, which says why, if the method says nothing about a surface."""
+        if not (self.takes_traces or isinstance(profile, Profile)):
+            raise NotApplicableError(
+                f'method "{self.name}" is for the Weierstrass series, got a {profile.describe()}: '
+                "take the series that weier.fit finds for it"
+            )
+        self.applies(profile)
+
+    def takes(self, profile: Waves) -> bool:
+        """Whether the method applies to a surface."""
         try:
-            self.applies(profile)
+            self.check_applies(profile)
         except ValueError:
             return False
         return True

@@ -9,7 +9,7 @@ from typing import Any
 
 from weier.methods.method import Method
 from weier.theory.arguments import checked_count, checked_flag, checked_number, shown, suggestion
-from weier.theory.profile import MAX_POINTS
+from weier.theory.waves import MAX_POINTS
 
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
 

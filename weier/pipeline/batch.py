@@ -23,7 +23,7 @@ from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
-from weier.methods.solve import describe_profile, solve_checked
+from weier.methods.solve import solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
 from weier.scene.case import Case
 from weier.scene.cases import Scene
@@ -127,7 +127,7 @@ def arrays(data: xr.Dataset) -> Arrays:
 def describe_case(values_of: Arrays, number: int, case: Case) -> None:
     """Fill in the coordinates of a case."""
     profile = case.profile
-    values = {"key": case.key, **describe_profile(profile)}
+    values = {"key": case.key, **profile.labels}
     del values["phases"]  # as text
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
     if np.isfinite(profile.m):

@@ -17,7 +17,8 @@ from weier.methods.settings import checked_settings, described
 from weier.methods.solve import solve_curve
 from weier.theory.arguments import checked_flag, shown
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile, checked_profile
+from weier.theory.profile import Profile
+from weier.theory.waves import checked_surface
 
 
 def solve(
@@ -81,7 +82,7 @@ def solve(
     loads, edges = checked_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
     profiles, methods = _list("profile", profile), _list("method", method)
     for each in profiles:
-        checked_profile(each)
+        checked_surface(each)
     solvers = [find_method(each) for each in methods]
     if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
         return _solve_all(profiles, loads, methods, settings, edges)

@@ -12,6 +12,7 @@ from weier.kernels.arrays import Array
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
+MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
 
 
 def countable(waves: int) -> bool:
@@ -24,6 +25,10 @@ def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, poin
 
     The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
     """
+    if len(amplitude) > MAX_DIRECT_TERMS:
+        coefficient = np.zeros(points, complex)
+        np.add.at(coefficient, [k % points for k in waves_per_period], amplitude * np.exp(1j * phase))
+        return np.asarray(np.fft.ifft(coefficient).real * points)
     j, total = np.arange(points), np.zeros(points)
     for a, k, phi in zip(amplitude, waves_per_period, phase, strict=True):
         total += a * np.cos(_angle(k, j, points) + phi)
@@ -37,10 +42,41 @@ def find_crests(
 
     The phases themselves take Newton's steps: the slope at a crest is 0 to rounding, however fine the waves.
     """
-    wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
     z = sample(amplitude, waves_per_period, phase, points)
     top = np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
+    return _refine(amplitude, waves_per_period, phase, period, top, points)
+
+
+def highest_crest(
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
+) -> tuple[float, float]:
+    """Position and height of the highest point of a series.
+
+    A crest between samples is higher than they are by an eighth of the largest curvature at most: only samples that
+    are not lower by more than that are looked at.
+    """
+    points = SAMPLES_PER_WAVE * waves_per_period[-1]
+    z = sample(amplitude, waves_per_period, phase, points)
+    angle = 2 * np.pi * np.array(waves_per_period, float) / points
+    high = z >= z.max() - np.abs(amplitude) @ angle**2 / 8
+    top = np.flatnonzero((z >= np.roll(z, 1)) & (z >= np.roll(z, -1)) & high)
+    x, theta = _refine(amplitude, waves_per_period, phase, period, top, points)
+    height = np.cos(theta) @ amplitude
+    highest = int(np.argmax(height))
+    return float(x[highest]), float(height[highest])
+
+
+def _refine(
+    amplitude: Array,
+    waves_per_period: Sequence[int],
+    phase: Array,
+    period: float,
+    top: NDArray[np.int64],
+    points: int,
+) -> tuple[Array, Array]:
+    """What `find_crests` returns, from the highest of the samples around each crest."""
+    wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     x = np.asarray(top * (period / points), float)
     theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase
     for _ in range(NEWTON_STEPS):

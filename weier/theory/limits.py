@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from weier.theory.arguments import shown
-from weier.theory.profile import MAX_POINTS, Profile
+from weier.theory.profile import Profile
+from weier.theory.waves import MAX_POINTS, Waves
 
 MAX_WAVES = 100_000  # of the finest term in one period: 6.4 million nodes, a gigabyte
 NEARBY = 0.01  # relative: a ratio that stands in for one that has no period, or too long a one
@@ -13,13 +14,13 @@ NEARBY_DENOMINATOR = 99
 MAX_DENSE_POINTS = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
 
 
-def resolvable(profile: Profile) -> bool:
+def resolvable(profile: Waves) -> bool:
     """Whether the waves of one period can be sampled."""
-    return (profile.m - 1) * math.log(profile.gamma.numerator) <= math.log(MAX_WAVES)
+    return profile.finest <= MAX_WAVES
 
 
-def check_resolvable(profile: Profile) -> None:
-    """Refuse a finite series whose finest wave fits more often into the period than a computer can hold."""
+def check_resolvable(profile: Waves) -> None:
+    """Refuse a surface whose finest wave fits more often into the period than a computer can hold."""
     if not resolvable(profile):
         raise ValueError(
             f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
@@ -34,8 +35,10 @@ def check_points(points: float, dense: bool = False) -> None:
         raise ValueError(f"points must be at most {most}, got {shown(points)}: {instead}")
 
 
-def _nearby_ratio(profile: Profile) -> str:
+def _nearby_ratio(profile: Waves) -> str:
     """Advice where a gamma near to the one asked for has a period that can be held: its first few digits do."""
+    if not isinstance(profile, Profile):  # a trace has a ratio of no waves, and never too many of them
+        return ""
     most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # numerator, whose power is a whole number
     denominator = int(most / float(profile.gamma))
     if denominator < 1:

@@ -5,6 +5,7 @@ Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,24 +16,22 @@ from numbers import Rational
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory import series
-from weier.theory.arguments import checked_count, checked_number, checked_numbers, shown
-from weier.theory.crests import find_crests, sample
+from weier.theory.arguments import checked_count, checked_number, shown
 from weier.theory.phases import Phases, RandomPhases, checked_phases, random_phases
 from weier.theory.tables import html_table
+from weier.theory.waves import Waves
 
-MAX_POINTS = 10**7  # of a sampled period, and so of a grid
 MAX_PHASES_DESCRIBED = 8  # phases in a line
+MAX_PHASES_LISTED = 1000  # of random ones, which the seed gives as well
 MAX_TERMS_SHOWN = 12  # rows of a notebook's table
-MAX_X = 1e15  # lambda_0: from here on a float does not tell the crest of a wave from its trough
 MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, and pi is no ratio
 
 
 @dataclass(frozen=True)
-class Profile:
+class Profile(Waves):
     """The profile z(x) = sum_n g_n cos(2 pi gamma^n x + phi_n), n = 0..m-1 (1), in g_0.
 
     Parameters
@@ -155,6 +154,28 @@ class Profile:
         a, b, last = self.gamma.numerator, self.gamma.denominator, self.terms - 1
         return [a**n * b ** (last - n) for n in range(self.terms)]
 
+    @property
+    def finest(self) -> float:
+        """Waves of the finest term in one period; inf if they are more than a float holds."""
+        try:
+            return float(self.gamma.numerator) ** (self.m - 1)
+        except OverflowError:
+            return math.inf
+
+    @property
+    def labels(self) -> dict[str, Any]:
+        """What tells this series from others, by the names of coordinates: the seed is NaN where there is none."""
+        drawn = isinstance(self.phases, RandomPhases)
+        short = not drawn or self.m <= MAX_PHASES_LISTED
+        phases = self.phase.tolist() if drawn and short else self.phases if short else None
+        return {
+            "D": self.D,
+            "gamma": float(self.gamma),
+            "m": float(self.m),
+            "seed": float(self.phases.seed) if isinstance(self.phases, RandomPhases) else math.nan,
+            "phases": json.dumps(phases),
+        }
+
     def describe(self) -> str:
         """The parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
         gamma = self.gamma if self.gamma.denominator <= MAX_DENOMINATOR else float(self.gamma)
@@ -180,68 +201,6 @@ class Profile:
         more = f"; {len(rows) - MAX_TERMS_SHOWN} more terms" if len(rows) > MAX_TERMS_SHOWN else ""
         header = ["n", "amplitude, g_0", "full-contact pressure, p_0*", "phase, rad"]
         return html_table(self.describe_with_phases(), header, rows[:MAX_TERMS_SHOWN], total + more)
-
-    def height(self, x: ArrayLike) -> Array:
-        """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
-        return self._series(x, self.amplitude, np.cos)
-
-    def slope(self, x: ArrayLike) -> Array:
-        """Slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
-        return self._series(x, -self.amplitude * self._wavenumber, np.sin)
-
-    def curvature(self, x: ArrayLike) -> Array:
-        """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
-        return self._series(x, -self.amplitude * self._wavenumber**2, np.cos)
-
-    def sampled_height(self, points: int, terms: int | None = None) -> Array:
-        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
-        terms = self.terms if terms is None else checked_count("terms", terms, 1, self.terms)
-        points = checked_count("points", points, 1, MAX_POINTS)
-        return sample(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
-
-    @cached_property
-    def crest(self) -> tuple[float, float]:
-        """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
-        x, phase = find_crests(self.amplitude, self.waves_per_period, self.phase, self.period)
-        height = np.cos(phase) @ self.amplitude
-        highest = int(np.argmax(height))
-        return float(x[highest]), float(height[highest])
-
-    @cached_property
-    def full_contact_load(self) -> float:
-        """The mean pressure p from which on no gap is left, in p_0*: p + sum p_n* cos(...) is then 0 at one place."""
-        pressure = -self.full_contact_pressure
-        _, phase = find_crests(pressure, self.waves_per_period, self.phase, self.period)
-        return float((np.cos(phase) @ pressure).max())
-
-    @cached_property
-    def _wavenumber(self) -> Array:
-        return 2 * np.pi * self._waves_per_length
-
-    @cached_property
-    def _waves_per_length(self) -> Array:
-        """Waves of each term in lambda_0, shape (m,)."""
-        try:
-            return np.array([k / self.period for k in self.waves_per_period])
-        except OverflowError:
-            raise ValueError(
-                f"the finest wave of {self.describe()} is too short for a float: take fewer terms"
-            ) from None
-
-    def _series(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
-        x = checked_numbers("x", x, f"lie in [-{MAX_X:g}, {MAX_X:g}]", lambda x: np.abs(x) <= MAX_X)
-        total = np.zeros_like(x)
-        for c, k, phi in zip(coefficient, self._waves_per_length, self.phase, strict=True):
-            cycles = x * k
-            total += c * wave(2 * np.pi * (cycles - np.rint(cycles)) + phi)
-        return total
-
-
-def checked_profile(profile: Profile) -> Profile:
-    """The profile, if it is one."""
-    if not isinstance(profile, Profile):
-        raise ValueError(f"profile must be a weier.Profile, got {shown(profile)}")
-    return profile
 
 
 def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:

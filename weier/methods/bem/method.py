@@ -88,6 +88,7 @@ METHOD = Method(
         "residual_tolerance": "largest residual of a contact condition, in g_0",
     },
     applies=applies_to_resolvable,
+    takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "o"),
     noise=Noise(1e-9, 2.5e-3),  # a residual of 1e-10, and the largest error of R on 32 points a wave

@@ -101,6 +101,7 @@ METHOD = Method(
         "residual_tolerance": "relative size of the last Newton step and Chebyshev coefficients, from 1e-13 to 1e-6"
     },
     applies=applies_to_resolvable,
+    takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "d"),
     noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10

@@ -1,0 +1,174 @@
+"""The Weierstrass series that stands for a measured surface: the one with its spectrum between two wavelengths.
+
+From one wave of the series to the next the variance changes by the factor gamma^(2 (D - 2)). On a surface whose
+power spectral density falls with the wavenumber k as k^-beta, beta = 5 - 2 D, it does so from one band of wavelengths
+to the next, where each band is gamma times as fine as the one before.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.theory.arguments import checked_number, shown
+from weier.theory.profile import Profile, checked_ratio
+from weier.theory.series import amplitude
+from weier.theory.trace import Trace
+
+WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say little about a surface
+MIN_RATIO = 4.0  # of the longest wavelength to the shortest one: the slope of less than two octaves is not known
+NEAR = 1 + 1e-9  # what quotients of decimal numbers are off
+STEEPEST = 40.0  # of the exponents that are looked for; 1 to 3 are those of a series
+BISECTIONS = 60
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A Weierstrass series with the spectrum of a trace.
+
+    Attributes
+    ----------
+    D, D_error : float
+        Fractal dimension, and its standard error.
+    gamma : Fraction
+        Ratio of successive wavelengths, as it was asked for.
+    m : int
+        Number of waves from lambda_0 to the shortest wavelength compared.
+    lambda_0 : float
+        Wavelength of the coarsest wave, in m.
+    g_0, g_0_error : float
+        Its amplitude, and the standard error of it, in m.
+    """
+
+    D: float
+    D_error: float
+    gamma: Fraction
+    m: int
+    lambda_0: float
+    g_0: float
+    g_0_error: float
+
+    def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
+        """The series, with these phases: a spectrum tells none. With another m it ends earlier or later, or never."""
+        return Profile(self.D, self.gamma, self.m if m is None else m, phases, seed=seed)
+
+
+def fit(
+    trace: Trace, longest: float | None = None, shortest: float | None = None, gamma: int | float | str | Fraction = 2
+) -> Fit:
+    """The Weierstrass series with the spectrum of a trace between two wavelengths.
+
+    Parameters
+    ----------
+    trace : Trace
+        The measured surface.
+    longest, shortest : float, optional
+        The wavelengths between which the spectra are compared, in m; by default a fourth of the length of the trace,
+        and the shortest that the trace has. Each wave of the series stands for those within the root of gamma around
+        its own, so that lambda_0 is shorter than `longest` by this root.
+    gamma : int, Fraction, str or float
+        Ratio of successive wavelengths. A spectrum without gaps does not tell it.
+
+    Returns
+    -------
+    Fit
+        D and g_0 with their standard errors, lambda_0 and m.
+
+    Raises
+    ------
+    ValueError
+        If the wavelengths are less than two octaves or gamma apart or not in the trace, or if its spectrum falls as
+        that of no series, with 1 < D < 2.
+
+    Notes
+    -----
+    Let P_k be the variance of wave k. Multiplied by k^beta, beta = 5 - 2 D, the spectrum is to have its centre in the
+    middle of the band, where equal ratios of k count alike: sum w_k P_k k^beta (ln k - c) = 0, with the weights
+    w_k = ln (k + 1/2)/(k - 1/2) and c = sum w_k ln k/sum w_k. This needs no bins, and waves at equal ratios weigh as
+    much as a spectrum without gaps. g_0 gives the waves of the series the variance of the band.
+
+    The standard errors are those of these sums for a random surface, whose waves are independent. On 20 wavelengths
+    `longest` and more, D was off by at most 0.006 in the mean of 200 such surfaces, and by less than 0.01 on
+    Weierstrass series, for which the standard error is far too large: there is no chance in them.
+
+    Examples
+    --------
+    >>> import weier
+    >>> series = weier.Profile(D=1.4, gamma=1.5, m=11, seed=1)
+    >>> heights = 1e-6 * series.height([i / 200 for i in range(8000)])
+    >>> trace = weier.Trace(heights, length=40e-3)
+    >>> found = weier.fit(trace, longest=1e-3 * 1.5**0.5, shortest=1e-3 / 1.5**10.5, gamma=1.5)
+    >>> print(f"D = {found.D:.2f}, m = {found.m}, g_0 = {found.g_0:.2e} m")
+    D = 1.40, m = 11, g_0 = 1.00e-06 m
+    """
+    if not isinstance(trace, Trace):
+        raise ValueError(f"trace must be a weier.Trace, got {shown(trace)}")
+    ratio = checked_ratio(gamma)
+    first, m = _band(trace, longest, shortest, ratio)
+    last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
+    k = np.arange(math.ceil(period / first / NEAR), math.floor(period / last * NEAR) + 1)
+    power = _power(trace, k)
+    beta, beta_error = _exponent(k, power)
+    D, D_error = (5 - beta) / 2, beta_error / 2
+    if not 1 < D < 2:
+        raise ValueError(
+            f"the spectrum must fall as k^-beta with beta between 1 and 3, got {beta:.3g} from {first:g} to "
+            f"{last:g} m: take other wavelengths"
+        )
+    n = np.arange(m)
+    shares = amplitude(n, D, float(ratio)) ** 2
+    g_0 = math.sqrt(2 * power.sum() / shares.sum())
+    by_slope = math.log(ratio) * float(n @ shares) / shares.sum() * D_error  # ln g_0 by D
+    by_variance = math.sqrt(power @ power) / power.sum() / 2
+    return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * math.hypot(by_slope, by_variance))
+
+
+def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
+    """The longest wavelength that is compared, in m, and the waves down to the shortest one."""
+    finest = trace.lambda_0 * trace.period / trace.finest
+    last = checked_number(
+        "shortest", finest if shortest is None else shortest, f"be at least that of the trace, {finest:.6g} m",
+        lambda x: finest <= x * NEAR,
+    )  # fmt: skip
+    fewest = max(MIN_RATIO, float(ratio)) * last
+    first = checked_number(
+        "longest", trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
+        f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
+        f"trace, {trace.lambda_0:.6g} m", lambda x: fewest <= x * NEAR and x <= trace.lambda_0 * NEAR,
+    )  # fmt: skip
+    return first, math.floor(math.log(first / last * NEAR) / math.log(ratio))
+
+
+def _power(trace: Trace, k: Indices) -> Array:
+    """Variance of the waves of these numbers a period, in m^2; 0 for those that the trace does not have."""
+    waves = np.array(trace.waves_per_period)
+    within = (waves >= k[0]) & (waves <= k[-1])
+    power = np.zeros(k.size)
+    power[waves[within] - k[0]] = (trace.g_0 * trace.amplitude[within]) ** 2 / 2
+    return power
+
+
+def _exponent(k: Indices, power: Array) -> tuple[float, float]:
+    """The exponent beta of a spectrum k^-beta, and its standard error."""
+    weight = np.log((k + 0.5) / (k - 0.5))
+    x = np.log(k)
+    x = x - weight @ x / weight.sum()
+    weighted = weight * power / power.max()
+
+    def shares(beta: float) -> Array:
+        exponent = np.log(np.maximum(weighted, 1e-300)) + beta * x
+        values = np.exp(exponent - exponent.max())
+        return values / values.sum()
+
+    low, high = -STEEPEST, STEEPEST
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if shares(middle) @ x < 0 else (low, middle)
+    share = shares(low)
+    scatter = x * (share - weight / weight.sum())
+    return low, math.sqrt(scatter @ scatter) / float(share @ x**2)

@@ -1,0 +1,296 @@
+"""A measured surface: heights at equal steps, as the finite sum of waves that the numerical methods take.
+
+Lengths along x are in lambda_0, the length of the trace, heights in g_0, the root mean square height of its waves,
+and pressures in p_0* = 2 pi M g_0/lambda_0.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array, Indices
+from weier.theory.arguments import checked_number, checked_numbers, checked_word, shown
+from weier.theory.waves import Waves
+
+MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
+MAX_WAVES = 100_000  # of the shortest in a period: 3.2 million nodes
+MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
+TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
+ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
+# A step is a difference of more than half of all heights that is ten times as large as the three on either side.
+STEP_SHARE, STEP_RATIO, STEP_NEIGHBOURS = 0.5, 10.0, 3
+UNEVEN = 0.01  # of a step: the digits that files give of positions
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+
+
+class Spectrum(NamedTuple):
+    """Waves of a period, coarse to fine: their numbers, heights and phases, each of shape (waves,)."""
+
+    waves_per_period: Indices
+    amplitude: Array
+    phase: Array
+
+
+class Trace(Waves):
+    """A surface given by its heights: one line across the roughness of a turned, ground or drawn body.
+
+    The mean is removed, and the tilt by least squares unless the trace is periodic. It is continued as a periodic
+    surface, and waves shorter than `shortest` are cut off; nothing else is smoothed. Between the samples the surface
+    is the sum of the waves that are left.
+
+    Parameters
+    ----------
+    heights : array_like, shape (samples,)
+        At equal steps, upwards out of the body, in m.
+    length : float
+        Of the trace, as many steps as there are heights, in m.
+    shortest : float, optional
+        The shortest wavelength that is kept, in m; by default two steps, so that all are.
+    ends : "mirrored", "periodic" or "tapered"
+        How the surface goes on behind the ends: as a mirror image, so that the period is twice the length; from the
+        start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean over
+        the last tenth of the length at either end.
+    source : str
+        Where the heights come from: a name for the results.
+
+    Attributes
+    ----------
+    lambda_0, g_0 : float
+        The units of lengths and heights, in m: the length of the trace, and the root mean square of its waves.
+    samples, digest : int, str
+        The number of heights, and twelve letters that differ where heights or waves do.
+
+    Raises
+    ------
+    ValueError
+        If the heights are no roughness that waves can describe; the message says what would do.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import weier
+    >>> x = 5e-6 * np.arange(400)
+    >>> heights = 1e-6 * np.cos(2 * np.pi * x / 1e-3) + 2e-7 * np.cos(2 * np.pi * x / 8e-5 + 1)
+    >>> trace = weier.Trace(heights, length=2e-3, ends="periodic")
+    >>> print(f"{trace.describe()}; g_0 = {trace.g_0:.3g} m")
+    trace of 400 heights over 0.002 m, 2 waves down to 8e-05 m; g_0 = 7.21e-07 m
+    """
+
+    def __init__(
+        self,
+        heights: ArrayLike,
+        length: float,
+        shortest: float | None = None,
+        ends: str = MIRRORED,
+        source: str = "",
+    ) -> None:
+        z = _checked_heights(heights)
+        self.lambda_0 = checked_number("length", length, "be positive and finite, in m", lambda x: 0 < x < math.inf)
+        if not isinstance(source, str):
+            raise ValueError(f"source must be a text, got {shown(source)}")
+        self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), source, z.size
+        step = self.lambda_0 / z.size
+        _check_steps(z if self.ends != PERIODIC else np.append(z, z[0]), step)
+        self.shortest = _checked_shortest(2 * step if shortest is None else shortest, step, self.lambda_0)
+        found = _waves(_levelled(z, self.ends), self.period * self.lambda_0 / self.shortest)
+        self.g_0 = math.sqrt(float(found.amplitude @ found.amplitude) / 2)
+        if not self.g_0 > ROUNDING * np.abs(z).max():
+            raise ValueError(f"heights must be rough, got none with waves of {self.shortest:g} m or longer")
+        rough = found.amplitude > ROUNDING * self.g_0
+        self._spectrum = Spectrum(found.waves_per_period[rough], found.amplitude[rough], found.phase[rough])
+        self.m = self.amplitude.size
+        told = [self.lambda_0, self.shortest, self.ends]
+        self.digest = hashlib.sha256(repr(told).encode() + z.tobytes()).hexdigest()[:12]
+        if (finest := self.waves_per_period[-1]) > MAX_WAVES:
+            raise ValueError(
+                f"shortest must leave at most {MAX_WAVES} of the finest waves in a period, got {self.shortest:g} m, "
+                f"which leaves {finest}: take a larger one, or a part of the trace"
+            )
+
+    @classmethod
+    def read(
+        cls,
+        path: str | Path,
+        length: float | None = None,
+        shortest: float | None = None,
+        ends: str = MIRRORED,
+        x_unit: str = "m",
+        height_unit: str = "m",
+    ) -> Trace:
+        """A trace from a file of text with one or two columns, between commas, semicolons or blanks.
+
+        Parameters
+        ----------
+        path : path
+            Two columns are positions at equal steps and heights, one column is the heights. A first line that is no
+            numbers is a heading; empty lines and those that begin with # say nothing.
+        length : float, optional
+            Of the trace, in m, if there is one column.
+        shortest, ends
+            As of a trace.
+        x_unit, height_unit : "m", "mm", "um" or "nm"
+            What the file has positions and heights in.
+
+        Raises
+        ------
+        ValueError
+            If the file is no such table, or its heights are no roughness.
+
+        """
+        table = _table(Path(path))
+        heights = table[:, -1] * UNITS[checked_word("height_unit", height_unit, UNITS)]
+        if (length is None) == (table.shape[1] == 1):
+            why = "one column: its length must be given" if length is None else "positions: length must be left out"
+            raise ValueError(f"{path} has {why}")
+        if length is None:
+            length = _length(table[:, 0]) * UNITS[checked_word("x_unit", x_unit, UNITS)]
+        return cls(heights, length, shortest, ends, Path(path).name)
+
+    @property
+    def amplitude(self) -> Array:
+        """Amplitudes of the waves, shape (m,), in g_0."""
+        return self._spectrum.amplitude / self.g_0
+
+    @property
+    def full_contact_pressure(self) -> Array:
+        """Mean pressures that flatten each wave alone, shape (m,), in p_0*."""
+        return self.amplitude * self._spectrum.waves_per_period / self.period
+
+    @property
+    def phase(self) -> Array:
+        """Phases, shape (m,), in radians; x = 0 is the first height."""
+        return self._spectrum.phase
+
+    @property
+    def waves_per_period(self) -> list[int]:
+        """Waves of each kind in one period, ascending, m of them."""
+        return [int(waves) for waves in self._spectrum.waves_per_period]
+
+    @property
+    def period(self) -> int:
+        """Length after which the surface repeats, in lambda_0: 2 if it is mirrored, else 1."""
+        return 2 if self.ends == MIRRORED else 1
+
+    @property
+    def total_amplitude(self) -> float:
+        """The highest point above the mean plane, in g_0: compliance counts from first contact."""
+        return self.crest[1]
+
+    @property
+    def labels(self) -> dict[str, Any]:
+        """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
+        series = {"D": math.nan, "gamma": math.nan, "m": float(self.m), "seed": math.nan, "phases": "null"}
+        return series | {
+            "trace": self.source, "trace_digest": self.digest, "trace_ends": self.ends,
+            "trace_length": self.lambda_0, "trace_height": self.g_0, "trace_shortest": self.shortest,
+        }  # fmt: skip
+
+    def describe(self) -> str:
+        """The trace in a few words."""
+        name = f"trace {self.source}" if self.source else "trace"
+        finest = self.period * self.lambda_0 / self.waves_per_period[-1]
+        return f"{name} of {self.samples} heights over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
+
+
+def _checked_heights(heights: ArrayLike) -> Array:
+    """The heights as an array of one dimension."""
+    z = checked_numbers("heights", heights, "be finite, in m", np.isfinite)
+    if z.ndim != 1:
+        raise ValueError(f"heights must be one list, in m, got an array of shape {z.shape}")
+    if not MIN_HEIGHTS <= z.size <= MAX_HEIGHTS:
+        raise ValueError(f"heights must be {MIN_HEIGHTS} to {MAX_HEIGHTS} numbers, got {z.size}")
+    if np.ptp(z) == 0:
+        raise ValueError(f"heights must be rough, got {z.size} times {z[0]:g} m")
+    return z
+
+
+def _checked_shortest(shortest: float, step: float, length: float) -> float:
+    condition = f"lie between two steps and the length of the trace, {2 * step:g} and {length:g} m"
+    near = 1 - 1e-9  # what a quotient of decimal numbers is off
+    return checked_number("shortest", shortest, condition, lambda x: 2 * step * near <= x <= length)
+
+
+def _check_steps(z: Array, step: float) -> None:
+    """Refuse heights that jump: waves would overshoot there, and the contact on the edge has no finite pressure."""
+    jump, n = np.abs(np.diff(z)), STEP_NEIGHBOURS
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(jump, n), 2 * n + 1).copy()
+    around[:, n] = 0
+    steps = np.flatnonzero((jump > STEP_SHARE * np.ptp(z)) & (jump > STEP_RATIO * around.max(axis=1)))
+    if steps.size:
+        at = int(steps[0])
+        raise ValueError(
+            f"heights must not jump, got a step of {z[at + 1] - z[at]:.3g} m behind x = {at * step:.6g} m: "
+            "cut the trace there"
+        )
+
+
+def _levelled(z: Array, ends: str) -> Array:
+    """The heights of one period, without mean and tilt."""
+    if ends == PERIODIC:
+        return z - z.mean()
+    x = np.arange(z.size) - (z.size - 1) / 2
+    z = z - z.mean() - x * (x @ z) / (x @ x)
+    if ends == MIRRORED:
+        return np.concatenate([z, z[::-1]])
+    fall = np.arange(z.size) / (TAPER * z.size)
+    share = np.clip(np.minimum(fall, fall[::-1]), 0, 1)
+    tapered = z * np.sin(np.pi / 2 * share) ** 2
+    return tapered - tapered.mean()
+
+
+def _waves(z: Array, most: float) -> Spectrum:
+    """The waves of a period of which no more than so many fit into it."""
+    # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
+    waves = np.arange(1, min(math.floor(most * (1 + 1e-9)), (z.size - 1) // 2) + 1)
+    coefficient = 2 * np.fft.rfft(z)[waves] / z.size
+    return Spectrum(waves, np.abs(coefficient), np.angle(coefficient))
+
+
+def _table(path: Path) -> Array:
+    """The numbers of a file, shape (rows, 1) or (rows, 2)."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} must be a file of text with one or two columns") from None
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, 1):
+        fields = line.replace(",", " ").replace(";", " ").split()
+        if not fields or fields[0].startswith("#") or (number == 1 and not _is_number(fields[0])):
+            continue
+        if len(fields) > 2 or not all(map(_is_number, fields)):
+            raise ValueError(f"{path}, line {number}, must have one or two numbers, got {shown(line)}")
+        if rows and len(fields) != len(rows[0]):
+            raise ValueError(
+                f"{path}, line {number}, must have as many numbers as the lines before, got {shown(line)}"
+            )
+        rows.append([float(field) for field in fields])
+    if not rows:
+        raise ValueError(f"{path} must have one or two columns of numbers, got none")
+    return np.array(rows)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _length(x: Array) -> float:
+    """As many steps as there are positions, if these are even."""
+    step = (x[-1] - x[0]) / max(x.size - 1, 1)
+    off = np.abs(x - x[0] - step * np.arange(x.size))
+    if not (step > 0 and off.max() <= UNEVEN * step):
+        at = int(np.argmax(off))
+        raise ValueError(
+            f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} for {x[0] + at * step:g}: "
+            "interpolate the heights first"
+        )
+    return float(step * x.size)

@@ -1,0 +1,134 @@
+"""A surface that is a finite sum of waves: what the numerical methods ask of the Weierstrass series and of a trace.
+
+Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0; each surface says what its
+lambda_0 and g_0 are.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier.kernels.arrays import Array
+from weier.theory.arguments import checked_count, checked_numbers, shown
+from weier.theory.crests import highest_crest, sample
+
+MAX_POINTS = 10**7  # of a sampled period, and so of a grid
+MAX_X = 1e15  # lambda_0: from here on a float does not tell the crest of a wave from its trough
+
+
+class Waves(ABC):
+    """The periodic surface z(x) = sum_n a_n cos(2 pi k_n x/L + phi_n), with k_n waves in a period L."""
+
+    m: float  # the number of waves; a series may have inf
+
+    @property
+    @abstractmethod
+    def amplitude(self) -> Array:
+        """Amplitudes a_n, shape (m,), in g_0."""
+
+    @property
+    @abstractmethod
+    def full_contact_pressure(self) -> Array:
+        """Mean pressures p_n* that flatten each wave alone, shape (m,), in p_0*."""
+
+    @property
+    @abstractmethod
+    def phase(self) -> Array:
+        """Phases phi_n, shape (m,), in radians."""
+
+    @property
+    @abstractmethod
+    def waves_per_period(self) -> Sequence[int]:
+        """Waves k_n of each term in one period: exact integers, ascending, m of them."""
+
+    @property
+    @abstractmethod
+    def period(self) -> int:
+        """Length L after which the surface repeats, in lambda_0."""
+
+    @property
+    @abstractmethod
+    def total_amplitude(self) -> float:
+        """Height above the mean plane that the compliance counts from, in g_0: what it is at full contact."""
+
+    @property
+    @abstractmethod
+    def labels(self) -> dict[str, Any]:
+        """What tells this surface from others, by the names of coordinates."""
+
+    @abstractmethod
+    def describe(self) -> str:
+        """The surface in a few words."""
+
+    @property
+    def finest(self) -> float:
+        """Waves of the finest kind in one period; inf if they are more than a float holds."""
+        return float(self.waves_per_period[-1])
+
+    @property
+    def terms(self) -> int:
+        """The number of waves."""
+        return int(self.m)
+
+    def height(self, x: ArrayLike) -> Array:
+        """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
+        return self._sum(x, self.amplitude, np.cos)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """Slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
+        return self._sum(x, -self.amplitude * self._wavenumber, np.sin)
+
+    def curvature(self, x: ArrayLike) -> Array:
+        """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
+        return self._sum(x, -self.amplitude * self._wavenumber**2, np.cos)
+
+    def sampled_height(self, points: int, terms: int | None = None) -> Array:
+        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
+        terms = self.terms if terms is None else checked_count("terms", terms, 1, self.terms)
+        points = checked_count("points", points, 1, MAX_POINTS)
+        return sample(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
+
+    @cached_property
+    def crest(self) -> tuple[float, float]:
+        """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
+        return highest_crest(self.amplitude, self.waves_per_period, self.phase, self.period)
+
+    @cached_property
+    def full_contact_load(self) -> float:
+        """The mean pressure p from which on no gap is left, in p_0*: p + sum p_n* cos(...) is then 0 at one place."""
+        return highest_crest(-self.full_contact_pressure, self.waves_per_period, self.phase, self.period)[1]
+
+    @cached_property
+    def _wavenumber(self) -> Array:
+        return 2 * np.pi * self._waves_per_length
+
+    @cached_property
+    def _waves_per_length(self) -> Array:
+        """Waves of each term in lambda_0, shape (m,)."""
+        try:
+            return np.array([k / self.period for k in self.waves_per_period])
+        except OverflowError:
+            raise ValueError(
+                f"the finest wave of {self.describe()} is too short for a float: take fewer terms"
+            ) from None
+
+    def _sum(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
+        x = checked_numbers("x", x, f"lie in [-{MAX_X:g}, {MAX_X:g}]", lambda x: np.abs(x) <= MAX_X)
+        total = np.zeros_like(x)
+        for c, k, phi in zip(coefficient, self._waves_per_length, self.phase, strict=True):
+            cycles = x * k
+            total += c * wave(2 * np.pi * (cycles - np.rint(cycles)) + phi)
+        return total
+
+
+def checked_surface(profile: Waves) -> Waves:
+    """The surface, if it is one."""
+    if not isinstance(profile, Waves):
+        raise ValueError(f"profile must be a weier.Profile or a weier.Trace, got {shown(profile)}")
+    return profile
