@@ -20,7 +20,8 @@ from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_gri
 from weier.methods.bem.rate import solve_rate
 from weier.methods.bem.subgrid import correct
 from weier.methods.errors import ConvergenceError
-from weier.theory.profile import MAX_POINTS, Profile
+from weier.theory.profile import Profile
+from weier.theory.waves import MAX_POINTS
 
 MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
