@@ -1,6 +1,5 @@
 """config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
 
-import atexit
 import os
 import sys
 from pathlib import Path
@@ -16,9 +15,7 @@ CONFIG = Path("config" if Path("config/scenes").is_dir() else CHECKOUT / "config
 from snakemake.utils import validate
 
 from weier.data.files import bring_to_present, check_writable, remove_leftovers
-from weier.kernels.jit import cache_folder
-from weier.pipeline import server
-from weier.pipeline.dependencies import batch_digest, claims_digest, figure_digest
+from weier.pipeline.digests import PICTURES, TABLES, digest_of_program
 
 
 configfile: str(CONFIG / "config.yaml")
@@ -30,7 +27,8 @@ validate(config, "config/config.schema.json")
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
-    batch=r"[A-Za-z0-9_+-]+",
+    batch=r"[A-Za-z0-9_-]+",
+    method=r"[a-z]+",
 
 
 include: "rules/scenes.smk"
@@ -40,18 +38,20 @@ onstart:
     check_writable("results")
     remove_leftovers("results")
     bring_to_present("results", str(CONFIG))
-    atexit.register(server.start())  # whose end is waited for
 
 
-rule all:
-    input:
-        [path for name in scene_names() for path in products(name)],
+onsuccess:
+    for name in scene_names():
+        solutions(name).tidy()
 
 
 # Ctrl-C reaches all programs of a job, and `tee -i` stays to write what the others say of it.
-# A job runs again when what it depends on has changed, in the program or in the scene: digests tell. A batch
-# finds compiled kernels or compiles them itself: as an input, they would make all batches depend on all methods.
+# The name of a batch is a digest of all that its numbers depend on, so that it never changes; to compile again is no
+# reason to solve it again.
 rule solve:
+    input:
+        batch="results/{scene}/batches/{batch}.json",
+        kernels=lambda w: kernels(batch(w.scene, w.batch).methods),
     output:
         data="results/{scene}/batches/{batch}.nc",
         cost="results/{scene}/cost/{batch}.nc",
@@ -61,26 +61,54 @@ rule solve:
         "rules/environment.yaml"
     threads: 1
     params:
-        scene=lambda w: scene_file(w.scene),
-        digest=lambda w: scene(w.scene).digest(w.batch),
-        program=lambda w: batch_digest(scene(w.scene).methods_of(w.batch)),
+        title=lambda w: batch(w.scene, w.batch).title,
+    message:
+        "{wildcards.scene}: solve {params.title}"
     shell:
-        "python -m weier batch --threads {threads}"
-        " {params.scene} {wildcards.batch} {output} 2>&1 | tee -i {log}"
+        "python -m weier batch --threads {threads} {input.batch} {output} 2>&1 | tee -i {log}"
+
+
+# All figures of a scene in one job, since most of it is to start; one that is asked for by its name is drawn alone.
+for name in drawn_together():
+
+    rule:
+        name:
+            f"figures_{name}"
+        input:
+            data=lambda w, name=name: batches(name),
+        output:
+            figures=drawn(name),
+        log:
+            f"results/logs/{name}/figures.log",
+        conda:
+            "rules/environment.yaml"
+        params:
+            scene=scene_file(name),
+            folder=f"results/{name}",
+            figures=lambda w, name=name: repr(scene(name).figures),
+            cases=lambda w, name=name: scene(name).digest_of_cases(*scene(name).studies),
+            program=digest_of_program(*PICTURES),
+        message:
+            f"{name}: draw all figures"
+        shell:
+            "python -m weier figures {params.scene} {params.folder}/batches {params.folder}/figures 2>&1 | tee -i {log}"
+
+    workflow.ruleorder("figure", f"figures_{name}")
+
+
+rule all:
+    default_target: True
+    input:
+        [path for name in scene_names() for path in products(name)],
+    message:
+        f"everything of {', '.join(scene_names())}"
 
 
 rule figure:
     input:
-        data=batches(lambda w: scene(w.scene).figures[w.figure].studies),
+        data=lambda w: batches(w.scene, scene(w.scene).figures[w.figure].studies),
     output:
-        pdf="results/{scene}/figures/{figure}.pdf",
-        svg="results/{scene}/figures/{figure}.svg",
-        png=report(
-            "results/{scene}/figures/{figure}.png",
-            caption="rules/captions/figure.rst",
-            category="{scene}",
-            subcategory="figures",
-        ),
+        [f"results/{{scene}}/figures/{{figure}}.{suffix}" for suffix in SUFFIXES],
     log:
         "results/logs/{scene}/figure/{figure}.log",
     conda:
@@ -88,19 +116,20 @@ rule figure:
     params:
         scene=lambda w: scene_file(w.scene),
         figure=lambda w: repr(scene(w.scene).figures[w.figure]),
-        caption=lambda w: caption_as_rst(w.scene, w.figure),
         cases=lambda w: scene(w.scene).digest_of_cases(
             *scene(w.scene).figures[w.figure].studies
         ),
-        program=lambda w: figure_digest(scene(w.scene).figures[w.figure].draw),
+        program=digest_of_program(*PICTURES),
+    message:
+        "{wildcards.scene}: draw {wildcards.figure}"
     shell:
-        "python -m weier figure {params.scene}"
-        " {wildcards.figure} {output.png} results/{wildcards.scene}/batches 2>&1 | tee -i {log}"
+        "python -m weier figures {params.scene} results/{wildcards.scene}/batches"
+        " results/{wildcards.scene}/figures {wildcards.figure} 2>&1 | tee -i {log}"
 
 
 rule claims:
     input:
-        data=batches(lambda w: scene(w.scene).studies),
+        data=lambda w: batches(w.scene),
     output:
         data="results/{scene}/contact.nc",
         table=report(
@@ -116,24 +145,26 @@ rule claims:
     params:
         scene=lambda w: scene_file(w.scene),
         text=lambda w: scene(w.scene).text,
-        program=lambda w: claims_digest(),
+        program=digest_of_program(*TABLES),
+    message:
+        "{wildcards.scene}: gather all curves and check the claims"
     shell:
-        "python -m weier claims {params.scene} {output.data} {output.table}"
-        " results/{wildcards.scene}/batches 2>&1 | tee -i {log}"
+        "python -m weier claims {params.scene} results/{wildcards.scene}/batches {output} 2>&1 | tee -i {log}"
 
 
-# For the rules that measure seconds, so that none of them are spent on compiling.
+# A job for each method, so that they are compiled side by side, before any batch waits for them. What says that it is
+# done is named by a digest of their sources.
 rule compile:
     output:
-        touch("results/.kernels"),
+        touch("results/kernels/{sources}/{method}"),
     log:
-        "results/logs/compile.log",
+        "results/logs/compile/{sources}/{method}.log",
     conda:
         "rules/environment.yaml"
-    params:
-        kernels=lambda w: cache_folder().name,  # a digest of their sources
+    message:
+        "compile {wildcards.method}, once for all later runs"
     shell:
-        "python -m weier compile 2>&1 | tee -i {log}"
+        "python -m weier compile {wildcards.method} 2>&1 | tee -i {log}"
 
 
 include: "rules/accuracy.smk"

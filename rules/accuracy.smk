@@ -1,4 +1,5 @@
-from weier.pipeline.dependencies import figure_digest, program_digest
+from weier.methods.registry import names
+from weier.pipeline.digests import MEASURED, PICTURES, digest_of_program
 
 # What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
 for study, figure in {
@@ -17,9 +18,9 @@ for study, figure in {
             svg=f"results/{study}/{figure}.svg",
             png=report(
                 f"results/{study}/{figure}.png",
-                caption="captions/figure.rst",
                 category="methods",
                 subcategory=study,
+                labels={"figure": figure, "caption": kinds()[figure].caption},
             ),
         log:
             f"results/logs/{study}/draw.log",
@@ -27,8 +28,7 @@ for study, figure in {
             "environment.yaml"
         params:
             figure=figure,
-            caption=kinds()[figure].caption,
-            program=lambda w, figure=figure: figure_digest(figure),
+            program=digest_of_program(*PICTURES),
         shell:
             "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee -i {log}"
 
@@ -36,7 +36,7 @@ for study, figure in {
 # On its own, since other jobs beside it would disturb the seconds.
 rule measure_tradeoff:
     input:
-        kernels="results/.kernels",
+        kernels=kernels(names()),
         scene=in_checkout("config/accuracy/tradeoff.yaml"),
     output:
         data="results/tradeoff/tradeoff.nc",
@@ -47,14 +47,14 @@ rule measure_tradeoff:
         "environment.yaml"
     threads: 999  # all there are: snakemake takes no more than --cores, and workflow.cores is unknown to --unlock
     params:
-        program=lambda w: program_digest("weier.accuracy.tradeoff"),
+        program=digest_of_program(*MEASURED),
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee -i {log}"
 
 
 rule measure_convergence:
     input:
-        kernels="results/.kernels",
+        kernels=kernels(names()),
         scene=in_checkout("config/accuracy/infinite.yaml"),
     output:
         "results/convergence/convergence.nc",
@@ -63,14 +63,14 @@ rule measure_convergence:
     conda:
         "environment.yaml"
     params:
-        program=lambda w: program_digest("weier.accuracy.convergence"),
+        program=digest_of_program(*MEASURED),
     shell:
         "python -m weier convergence {input.scene} {output} 2>&1 | tee -i {log}"
 
 
 rule measure_extremes:
     input:
-        kernels="results/.kernels",
+        kernels=kernels(names()),
     output:
         data="results/extremes/extremes.nc",
         summary="results/extremes/extremes.md",
@@ -80,7 +80,7 @@ rule measure_extremes:
     conda:
         "environment.yaml"
     params:
-        program=lambda w: program_digest("weier.accuracy.extremes"),
+        program=digest_of_program(*MEASURED),
     shell:
         "python -m weier extremes {output} 2>&1 | tee -i {log}"
 

@@ -1,33 +1,32 @@
-from weier.pipeline.dependencies import docs_digest
-
+from weier.pipeline.digests import EVERYTHING, digest_of_program
 
 # The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
-rule docs:
-    input:
-        scene=scene_file("paper"),
-        pages=in_checkout(
-            *(
-                path
-                for kind in ("py", "rst", "md", "css")
-                for path in sorted(CHECKOUT.joinpath("docs").rglob(f"*.{kind}"))
-            )
-        ),
-        figures=lambda w: expand(
-            "results/paper/figures/{f}.png", f=scene("paper").figures
-        ),
-    output:
-        "results/docs/index.html",
-    log:
-        "results/logs/docs.log",
-    conda:
-        "environment.yaml"
-    params:
-        docs=in_checkout("docs"),
-        needed="sphinx, myst_parser, furo",
-        install="pip install --require-hashes -r requirements/dev.txt",
-        program=lambda w: docs_digest(),
-    shell:
-        "(python -c 'import {params.needed}' 2>{log}"
-        " || (echo 'weier: the documentation needs {params.needed}: {params.install}' | tee -a {log} >&2; exit 1))"
-        " && sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
-        " -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee -i {log}"
+if "paper" in drawn_together():
+
+    rule docs:
+        input:
+            scene=scene_file("paper"),
+            pages=in_checkout(
+                *(
+                    path
+                    for kind in ("py", "rst", "md", "css")
+                    for path in sorted(CHECKOUT.joinpath("docs").rglob(f"*.{kind}"))
+                )
+            ),
+            figures=rules.figures_paper.output,
+        output:
+            "results/docs/index.html",
+        log:
+            "results/logs/docs.log",
+        conda:
+            "environment.yaml"
+        params:
+            docs=in_checkout("docs"),
+            needed="sphinx, myst_parser, furo",
+            install="pip install --require-hashes -r requirements/dev.txt",
+            program=digest_of_program(*EVERYTHING),
+        shell:
+            "(python -c 'import {params.needed}' 2>{log}"
+            " || (echo 'weier: the documentation needs {params.needed}: {params.install}' | tee -a {log} >&2; exit 1))"
+            " && sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
+            " -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee -i {log}"

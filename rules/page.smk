@@ -1,4 +1,4 @@
-from weier.pipeline.dependencies import page_digest
+from weier.pipeline.digests import PICTURES, digest_of_program
 
 
 # One HTML page a scene, to look through: snakemake --cores 2 pages --config scenes=paper
@@ -7,25 +7,27 @@ rule pages:
         expand("results/{s}/page.html", s=scene_names()),
 
 
-rule page:
-    input:
-        contact="results/{scene}/contact.nc",
-        figures=lambda w: expand(
-            "results/{{scene}}/figures/{f}.png", f=scene(w.scene).figures
-        ),
-        costs=lambda w: expand(
-            "results/{{scene}}/cost/{b}.nc", b=scene(w.scene).batches
-        ),
-    output:
-        "results/{scene}/page.html",
-    log:
-        "results/logs/{scene}/page.log",
-    conda:
-        "environment.yaml"
-    params:
-        scene=lambda w: scene_file(w.scene),
-        figures=lambda w: repr(scene(w.scene).figures),
-        program=lambda w: page_digest(),
-    shell:
-        "python -m weier page {params.scene} {output}"
-        " {input.contact} {input.figures} {input.costs} 2>&1 | tee -i {log}"
+for name in scene_names():
+
+    rule:
+        name:
+            f"page_{name}"
+        input:
+            contact=f"results/{name}/contact.nc",
+            figures=getattr(rules, f"figures_{name}").output,
+        output:
+            f"results/{name}/page.html",
+        log:
+            f"results/logs/{name}/page.log",
+        conda:
+            "environment.yaml"
+        params:
+            scene=scene_file(name),
+            folder=f"results/{name}",
+            figures=lambda w, name=name: repr(scene(name).figures),
+            program=digest_of_program(*PICTURES),
+        message:
+            f"{name}: write the page"
+        shell:
+            "python -m weier page {params.scene} {params.folder}/batches {input.contact} {output} {params.folder}/figures"
+            " 2>&1 | tee -i {log}"

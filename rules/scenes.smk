@@ -1,5 +1,4 @@
 # Scenes by name, and what is made of them.
-import re
 import sys
 from functools import cache
 from pathlib import Path
@@ -7,7 +6,12 @@ from pathlib import Path
 from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
+from weier.kernels.jit import cache_folder
+from weier.methods.registry import find_method
+from weier.pipeline.batches import Solutions, read_batch
 from weier.scene import SceneError
+
+SUFFIXES = ("pdf", "svg", "png")
 
 
 @cache
@@ -23,11 +27,6 @@ def scene_file(name):
     return str(CONFIG / "scenes" / f"{name}.yaml")
 
 
-def caption_as_rst(name, figure):
-    """The caption of a figure for Snakemake's report, whose markup would read p_0* as a link."""
-    return re.sub(r"([*_`|\\])", r"\\\1", caption(scene(name), figure).text)
-
-
 def in_checkout(*paths):
     """Paths of the checkout as they are called from the folder where Snakemake runs."""
     return [os.path.relpath(CHECKOUT / path) for path in paths]
@@ -38,18 +37,72 @@ def scene_names():
     return [name.strip() for name in str(config["scenes"]).split(",")]
 
 
-def batches(studies):
-    """The files that hold the cases of some studies, of the scene that the wildcards name."""
-    return lambda w: [
-        f"results/{w.scene}/batches/{batch}.nc"
-        for batch in scene(w.scene).batches_of(*studies(w))
+@cache
+def solutions(name):
+    """What is solved of a scene, as the run begins."""
+    return Solutions(scene(name), f"results/{name}/batches")
+
+
+@cache
+def batches(name, studies=()):
+    """The files that hold the cases of some studies of a scene, or all: what is missing is cut for the cores there are."""
+    return [
+        str(path)
+        for path in solutions(name).files(
+            studies, getattr(workflow, "cores", None) or 1
+        )
     ]
 
 
+@cache
+def batch(name, stem):
+    """The description of a batch of a scene."""
+    return read_batch(f"results/{name}/batches/{stem}.json")
+
+
+def kernels(methods):
+    """What says that kernels are compiled, which is no reason to solve again.
+
+    Those of closed forms take seconds, and no job of their own.
+    """
+    slow = [method for method in methods if find_method(method).numerical]
+    return ancient(
+        [f"results/kernels/{cache_folder().name}/{method}" for method in slow]
+    )
+
+
+def drawn_together():
+    """The scenes whose figures one job draws: those of the configuration, and the one that the documentation shows."""
+    shown = ["paper"] if Path(scene_file("paper")).exists() else []
+    return list(dict.fromkeys([*scene_names(), *shown]))
+
+
+def drawn(name):
+    """The files of all figures of a scene; those of Snakemake's report come with their captions."""
+    return [
+        (
+            picture(name, figure)
+            if suffix == "png"
+            else f"results/{name}/figures/{figure}.{suffix}"
+        )
+        for figure in scene(name).figures
+        for suffix in SUFFIXES
+    ]
+
+
+def picture(name, figure):
+    return report(
+        f"results/{name}/figures/{figure}.png",
+        category=name,
+        subcategory="figures",
+        labels={"figure": figure, "caption": caption(scene(name), figure).text},
+    )
+
+
 def products(name):
-    kinds, path = ["pdf", "svg", "png"], f"results/{name}/figures/{{f}}.{{e}}"
-    drawn = expand(path, f=scene(name).figures, e=kinds)
-    return [whole(f"results/{name}/contact.nc"), f"results/{name}/claims.md", *drawn]
+    """All that is made of a scene: its figures by the rule that draws them together."""
+    results = [whole(f"results/{name}/contact.nc"), f"results/{name}/claims.md"]
+    return results + list(getattr(rules, f"figures_{name}").output)
 
 
 def whole(path):

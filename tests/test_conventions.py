@@ -15,12 +15,13 @@ import pytest
 import xarray as xr
 
 from tests.conventions import check, complaints
+from tests.scenes import solve_scene
 from tests.trade import small_trade
 from weier import scene
 from weier.accuracy.convergence import measure_convergence
 from weier.data import dataset, provenance, variables
 from weier.methods import demelio
-from weier.pipeline import batch, claims
+from weier.pipeline import claims
 
 SCENE = """
 title: Ünïcode waves
@@ -59,11 +60,8 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scene")
     (folder / "waves.yaml").write_text(SCENE, encoding="utf-8")
     loaded = scene.load(folder / "waves.yaml")
-    (name,) = loaded.batches
-    data, cost = batch.solve_batch(loaded, loaded.batches[name])
-    dataset.write(data, folder / f"{name}.nc", loaded.title, "solved", loaded.text)
-    dataset.write(cost, folder / "cost.nc", loaded.title, "solved", loaded.text)
-    claims.write(loaded, folder, folder / "contact.nc", folder / "claims.md")
+    solutions = solve_scene(loaded, folder / "batches")
+    claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
     infinite = measure_convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
     dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
@@ -73,7 +71,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def files(folder):
-    return sorted(folder.glob("*.nc"))
+    return sorted(folder.rglob("*.nc"))
 
 
 def test_cf_strict_finds_nothing(files, tmp_path):

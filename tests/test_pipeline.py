@@ -57,8 +57,8 @@ def planned(checkout, *arguments, scene="test"):
 
 
 def ran(said):
-    """How often each rule has run, from the line that each of its jobs says at its end."""
-    return Counter(re.findall(r"^(\w+) test(?: \S+)?: [\d.]+ s$", said, re.M))
+    """How often each command has run, from the line that each says at its end."""
+    return Counter(re.findall(r"^(solve|figures|claims) .*: [\d.]+ s$", said, re.M))
 
 
 def edit(path, old, new):
@@ -69,7 +69,7 @@ def edit(path, old, new):
 
 def test_one_figure_needs_only_its_cases(checkout):
     jobs = planned(checkout, "results/test/figures/one.png")
-    assert jobs == {"solve": 1, "figure": 1}
+    assert jobs == {"compile": 1, "solve": 1, "figure": 1}
 
 
 @pytest.fixture(scope="module")
@@ -93,45 +93,37 @@ def test_nothing_runs_twice(finished):
 
 def test_a_changed_figure_is_drawn_alone(finished):
     edit(finished / "weier/figures/compliance.py", "def draw(", "draw: object\n\n\ndef draw(")
-    assert ran(run(finished)) == {"figure": 1}
+    assert ran(run(finished)) == {"figures": 1}
 
 
-def test_a_comment_or_a_new_date_runs_nothing(finished):
-    edit(finished / "weier/methods/bem/fft.py", "MAX_STEPS = 1000", "# As before.\nMAX_STEPS = 1000")
+def test_a_new_date_runs_nothing(finished):
+    (finished / "weier/methods/bem/fft.py").touch()
     assert planned(finished) == {}
 
 
-def test_a_changed_kernel_runs_all_that_depends_on_it(finished):
+def test_a_changed_solver_runs_all(finished):
     edit(finished / "weier/methods/bem/fft.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
     before = (finished / "results/test/contact.nc").read_bytes()
-    assert ran(run(finished)) == {"solve": 2, "figure": 2, "claims": 1}
+    batches = finished / "results/test/batches"
+    old = {path.name for path in batches.iterdir()}
+    assert ran(run(finished)) == {"solve": 2, "figures": 1, "claims": 1}
     assert (finished / "results/test/contact.nc").read_bytes() == before
+    assert old.isdisjoint(path.name for path in batches.iterdir())  # what nobody needs any more is gone
 
 
-def test_a_changed_kernel_of_another_method_runs_nothing(finished):
-    edit(finished / "weier/methods/layer/wave.py", "NEWTON_STEPS = 60", "NEWTON_STEPS = 70")
-    assert planned(finished) == {}
-
-
-PLANS = """
-title: test
-loads: [0.1, 1.0]
-tolerance: 0.1
-studies:
-  one: {product: {D: 1.25, gamma: 5, m: 1}}
-"""
-
-
-def test_a_refitted_model_of_a_plan_runs_planned_scenes_alone(finished):
-    (finished / "config/scenes/plans.yaml").write_text(PLANS)
-    run(finished, scene="plans")
-    model = finished / "weier/methods/bem/error_model.py"
-    edit(model, "SECONDS_NODE = 1.3e-8", "SECONDS_NODE = 1.4e-8")
-    assert planned(finished) == {}
-    assert planned(finished, scene="plans")["solve"] == 1
-    edit(model, "COMPLIANCE = math.pi**2 / 2", "COMPLIANCE = math.pi**2")
-    assert planned(finished)["solve"] == 2  # bounds stand on what a mesh misses
-    edit(model, "COMPLIANCE = math.pi**2", "COMPLIANCE = math.pi**2 / 2")
+def test_a_run_that_is_planned_names_its_jobs(finished):
+    """One line each, with what it is to solve."""
+    path = finished / "config/scenes/test.yaml"
+    path.write_text(SCENE.replace("m: 2", "m: [2, 3]").replace("batch: 1", "batch: 9"))
+    said = run(finished, "--dry-run")
+    path.write_text(SCENE)
+    jobs = re.findall(r"^Job \d+: (.*)$", said, re.M)
+    assert sorted(jobs) == [
+        "everything of test",
+        "test: draw all figures",
+        "test: gather all curves and check the claims",
+        "test: solve 1 case of long",
+    ]
 
 
 def test_a_study_more_solves_only_its_own_cases(finished):
@@ -139,7 +131,11 @@ def test_a_study_more_solves_only_its_own_cases(finished):
     rough = "  rough: {product: {D: 1.5, gamma: 5, m: 3}, methods: [archard]}"  # longer, and by another method
     path.write_text(SCENE.replace("figures:", f"{rough}\nfigures:"))
     assert planned(finished)["solve"] == 1
+    run(finished)
+    assert planned(finished) == {}
     path.write_text(SCENE)
+    assert "solve" not in planned(finished)
+    run(finished)
 
 
 def test_the_report_of_snakemake_has_the_figures_with_captions(finished):
@@ -223,5 +219,5 @@ def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     command += ["-d", tmp_path, "--dry-run", "--cores", "1", "--config", "scenes=minimal"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     imported = set(re.findall(r"^import time:.*\| +([\w.]+)$", done.stderr, re.M))
-    assert {"weier.pipeline.digests", "weier.pipeline.claims"} <= imported
+    assert {"weier.pipeline.batches", "weier.pipeline.claims"} <= imported
     assert imported & {"xarray", "numba", "matplotlib", "bokeh"} == set()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import weier
+from tests.scenes import solve_scene
 from tests.toy_method import TOY
 from weier import figures, scene
 from weier.data import dataset
@@ -55,10 +56,9 @@ def test_a_profile_that_it_does_not_apply_to_is_refused():
 
 
 def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
-    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
+    data, _ = batch.solve_batch(loaded, loaded.distinct)
     assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
-    dataset.write(data, tmp_path / "batch.nc", loaded.title)
-    gather([tmp_path / "batch.nc"], list(loaded.cases), tmp_path / "contact.nc", loaded.title)
+    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
     gathered = dataset.read(tmp_path / "contact.nc")
     figures.draw("compliance", [gathered], "", tmp_path / "figure.png")
     drawn = style.line("toy")

@@ -2,34 +2,20 @@
 
 import os
 import sys
-from collections.abc import Sequence
 
-from weier.pipeline.server import INTERRUPTED, delegate, say_interrupted
+INTERRUPTED = 130  # exit code after Ctrl-C, as of shells
+STOPPED = "weier: stopped by Ctrl-C; files that were being written are as they were"
 
 
 def run() -> None:
-    """Run the command line, here or by a server."""
-    sys.exit(_run(sys.argv[1:]))
-
-
-def _run(arguments: Sequence[str]) -> int | str | None:
-    """What to exit with; Ctrl-C ends the process here, in the midst of what other threads compute."""
+    """Run the command line; Ctrl-C ends the process here, in the midst of what other threads compute."""
     try:
-        code = delegate(arguments)
-        if code is not None:
-            return code
-        from weier.cli import main  # not where a server runs the command
+        from weier.cli import main  # within the block: to import it takes some tenths of a second
 
         main()
     except KeyboardInterrupt:
-        say_interrupted()
-    except SystemExit as stopped:
-        if stopped.code != INTERRUPTED:
-            return stopped.code
-    else:
-        return 0
-    sys.stderr.flush()
-    os._exit(INTERRUPTED)
+        print(STOPPED, file=sys.stderr, flush=True)
+        os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from weier.data import dataset
+from weier import scene
+from weier.pipeline.batches import Solutions
 
 SCENE = """
 title: test
@@ -28,30 +29,44 @@ def scene_file(tmp_path):
     return path
 
 
-def test_a_batch_becomes_two_files(scene_file, tmp_path):
-    done = weier("batch", scene_file, "one-0", tmp_path / "data.nc", tmp_path / "cost.nc")
+@pytest.fixture
+def description(scene_file, tmp_path):
+    (path,) = Solutions(scene.load(scene_file), tmp_path / "batches").files()
+    return path.with_suffix(".json")
+
+
+@pytest.fixture
+def solved(run, description):
+    """The folder of the batches of a scene that is solved."""
+    cost = description.parents[1] / "cost.nc"
+    assert run("batch", description, description.with_suffix(".nc"), cost)[0] == 0
+    return description.parent
+
+
+def test_a_batch_becomes_two_files(description, tmp_path):
+    done = weier("batch", description, tmp_path / "data.nc", tmp_path / "cost.nc")
     assert done.returncode == 0
     said = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
     assert len(said) == 1
-    assert re.fullmatch(r"solve test one-0: \d+\.\d s", said[0])
-    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "data.nc", "cost.nc"}
+    assert re.fullmatch(r"solve 1 case of one: \d+\.\d s", said[0])
+    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "data.nc", "cost.nc"}
 
 
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("batch", scene_file, "one-0", tmp_path / "data.nc", tmp_path / "cost.nc")
+    done = weier("claims", scene_file, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
     assert done.returncode == 1
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]
 
 
-def test_a_truncated_file_is_one_sentence(scene_file, tmp_path):
-    whole, contact, table = tmp_path / "one-0.nc", tmp_path / "contact.nc", tmp_path / "claims.md"
-    weier("batch", scene_file, "one-0", whole, tmp_path / "cost.nc")
+def test_a_truncated_file_is_one_sentence(solved, scene_file, tmp_path):
+    (whole,) = solved.glob("*.nc")
     whole.write_bytes(whole.read_bytes()[:3000])
-    done = weier("claims", scene_file, contact, table, tmp_path)
+    contact, table = tmp_path / "contact.nc", tmp_path / "claims.md"
+    done = weier("claims", scene_file, solved, contact, table)
     assert done.returncode == 1
     assert "not a whole netCDF file: if weier made it, delete it" in done.stderr
     assert done.stderr.count("\n") == 1
@@ -59,57 +74,45 @@ def test_a_truncated_file_is_one_sentence(scene_file, tmp_path):
     assert not table.exists()
 
 
-def test_an_unknown_batch_is_refused(scene_file, tmp_path):
-    done = weier("batch", scene_file, "two-0", tmp_path / "data.nc", tmp_path / "cost.nc")
-    assert done.returncode == 1
-    assert "no batch 'two-0'" in done.stderr
-
-
 def test_an_unknown_figure_is_refused(scene_file):
-    done = weier("figure", scene_file, "two", "a.png", ".")
+    done = weier("figures", scene_file, ".", ".", "two")
     assert done.returncode == 1
     assert "has no figure 'two'" in done.stderr
-
-
-@pytest.fixture
-def solved(run, scene_file, tmp_path):
-    run("batch", scene_file, "one-0", tmp_path / "data.nc", tmp_path / "cost.nc")
-    return tmp_path
 
 
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["claims", "test.yaml", "x.nc", "x.md", "none"], 1, "there is no file none/one-0.nc: make it first"),
-        (["claims", "test.yaml", "x.nc", "x.md"], 2, "Missing argument 'BATCHES'"),
+        (
+            ["claims", "test.yaml", "none", "x.nc", "x.md"],
+            1,
+            "is not solved by all of demelio in none: run snakemake",
+        ),
+        (["batch", "test.yaml", "x.nc", "y.nc"], 1, "test.yaml does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
-        (["draw", "work_precision", "x.png", "data.nc"], 1, "drawn from one file, that of `weier tradeoff`"),
-        (["draw", "extremes", "x.png", "data.nc"], 1, "drawn from one file, that of `weier extremes`"),
-        (["draw", "../x", "x.png", "data.nc"], 1, "there is no figure '../x': choose from"),
-        (["page", "test.yaml", "x.html", "data.nc", "none.png"], 1, "has no figure 'none'"),
-        (["page", "test.yaml", "x.html", "data.nc", "data.nc"], 1, "data.nc has no seconds: take the file of costs"),
+        (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),
+        (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
+        (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
+        (["page", "test.yaml", "none", "cost.nc", "x.html", "."], 1, "is not solved by all of demelio in none"),
         (["convergence", "test.yaml", "x.nc", "--terms", "0"], 2, "0 is not in the range"),
-        (["batch", "test.yaml", "one-0", "x.nc", "y.nc", "--threads", "0"], 2, "0 is not in the range"),
+        (["batch", "test.yaml", "x.nc", "y.nc", "--threads", "0"], 2, "0 is not in the range"),
     ],
 )
-def test_a_file_of_another_kind_is_one_sentence(run, solved, monkeypatch, arguments, code, message):
-    monkeypatch.chdir(solved)
-    stopped, out, err = run(*arguments)
+def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):
+    monkeypatch.chdir(tmp_path)
+    (data,) = solved.glob("*.nc")
+    stopped, out, err = run(*(data if argument == "DATA" else argument for argument in arguments))
     assert (stopped, out) == (code, "")
     assert message in err.splitlines()[-1]
-    assert {path.name for path in solved.iterdir()} == {"test.yaml", "data.nc", "cost.nc"}
+    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "cost.nc"}
 
 
-def test_numbers_that_yaml_takes_for_words_are_numbers(run, scene_file, tmp_path):
-    text = SCENE.replace(
-        "[demelio]", "[bem, layer]\nsettings: {bem: {residual_tolerance: VALUE}, layer: {accuracy: VALUE}}"
-    )
-    found = []
+def test_numbers_that_yaml_takes_for_words_are_numbers(scene_file):
+    text = SCENE.replace("[demelio]", "[layer]\nsettings: {layer: {accuracy: VALUE}}")
+    found = set()
     for value in ("1e-9", "1.0e-9"):
         scene_file.write_text(text.replace("VALUE", value))
-        code, _, err = run("batch", scene_file, "one-0", tmp_path / "data.nc", tmp_path / "cost.nc")
-        assert code == 0, err
-        with dataset.reading(tmp_path / "data.nc") as data:
-            found.append((data["key"].values.tolist(), data["settings"].values.tolist()))
-    assert found[0] == found[1]
-    assert all("1e-09" in settings for settings in found[0][1][0])
+        (case,) = scene.load(scene_file).distinct
+        found.add(str(case.curves))
+    assert len(found) == 1
+    assert case.settings["layer"] == {"accuracy": 1e-9}

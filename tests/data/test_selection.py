@@ -8,9 +8,12 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 
 import weier
+from weier import scene
 from weier.data import dataset
+from weier.pipeline.batches import Solutions, read_batch
 
 METHODS = ["demelio", "bem"]
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -130,18 +133,21 @@ def test_a_file_whose_attributes_are_damaged_is_refused_in_a_sentence(path, tmp_
 
 
 PART = 500
+METHODS_OF_MANY = ["archard", "demelio", "layer", "bem"]
 MEMORY = 70  # MB, for 166 or 1660 MB of curves: a part of it, block by block, and the caches of the files
-MEMORY_KEYS = 3e-4  # MB a case: where each key belongs
+MEMORY_CASES = 4e-3  # MB a case: its parameters, and where its curves are
 
 GATHER = """
 import resource, sys
 from pathlib import Path
+from weier import scene
+from weier.pipeline.batches import Solutions
 from weier.pipeline.gather import gather
-folder, count = Path(sys.argv[1]), int(sys.argv[2])
-files = sorted(folder.glob("part*.nc"))
-gather(files, [f"{key:06}" for key in range(100)], folder / "few.nc", "few")
+folder = Path(sys.argv[1])
+few, many = (Solutions(scene.load(folder / f"{name}.yaml"), folder / "batches") for name in ("few", "many"))
+gather(few, folder / "few.nc")
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-gather(files, [f"{key:06}" for key in range(count)], folder / "many.nc", "many")
+gather(many, folder / "many.nc")
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
 
@@ -176,28 +182,39 @@ def dimensions(start, count):
 @pytest.fixture(scope="module")
 def many(count, tmp_path_factory):
     folder = tmp_path_factory.mktemp("many")
-    data = dataset.blank(PART, ["archard", "demelio", "layer", "bem"], LOADS, 3)
+    data = dataset.blank(PART, METHODS_OF_MANY, LOADS, 3)
     random = np.random.default_rng(1)
     for values in data.data_vars.values():
         if values.dtype.kind == "f":
             values.values[:] = random.random(values.shape).round(2)
     data["gamma"].values[:], data["m"].values[:], data["points"].values[:] = 5, 3, 1600
-    for start in range(0, count, PART):
-        data["key"].values[:] = [f"{key:06}" for key in range(start, start + PART)]
-        data["D"].values[:] = dimensions(start, PART)
-        dataset.write(data, folder / f"part{start:06}.nc", "part")
+    for name, cases in (("few", 100), ("many", count)):
+        product = {"D": dimensions(0, cases).tolist(), "gamma": 5, "m": 3}
+        fields = {
+            "title": name,
+            "loads": LOADS.tolist(),
+            "methods": METHODS_OF_MANY,
+            "max_cases": cases,
+            "batch": PART,
+        }
+        (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields | {"studies": {"one": {"product": product}}}))
+    for path in Solutions(scene.load(folder / "many.yaml"), folder / "batches").files():
+        first, *others = read_batch(path.with_suffix(".json")).cases
+        part = data.isel(case=slice(1 + len(others)))
+        part["D"].values[:] = [case.profile.D for case in (first, *others)]
+        dataset.write(part, path, "part")
     return folder
 
 
 def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
-    assert peak(GATHER, many, count) < MEMORY + MEMORY_KEYS * count
-    assert peak(LOOK, many / "many.nc", many / "part000000.nc") < MEMORY + MEMORY_KEYS * count
-    last = many / f"part{count - PART:06}.nc"
+    assert peak(GATHER, many) < MEMORY + MEMORY_CASES * count
+    assert peak(LOOK, many / "many.nc", many / "few.nc") < MEMORY + MEMORY_CASES * count
+    last = max((many / "batches").glob("*.nc"), key=lambda path: dataset.read(path)["D"].values[-1])
     with xr.open_dataset(many / "many.nc") as data, xr.open_dataset(last) as part:
         assert data.sizes["case"] == count
         assert data["D"].values.tolist() == dimensions(0, count).tolist()
         for name in ("compliance", "status", "settings"):
-            assert data[name][-PART:].equals(part[name].drop_vars(())), name
+            assert data[name][-part.sizes["case"] :].variable.equals(part[name].variable), name
         raw = sum(
             data[name].nbytes for name in data.data_vars if data[name].ndim == 3 and data[name].dtype.kind == "f"
         )

@@ -81,7 +81,7 @@ def assert_the_next_run_is_undisturbed(checkout, undisturbed):
 
 
 def leftovers(checkout):
-    return [path for path in checkout.rglob("results/**/.*") if path.name != ".kernels"]
+    return [path for path in checkout.rglob("results/**/.*") if not path.name.startswith(".snakemake")]
 
 
 def forget(checkout, *names):
@@ -136,12 +136,38 @@ def test_kill_of_a_worker(checkout, undisturbed, tmp_path):
 @pytest.mark.slow
 def test_kill_of_a_job(checkout, undisturbed, tmp_path):
     """The shell dies, its worker does not know and finishes."""
-    forget(checkout, *PRODUCTS, "batches/one-0.nc")
-    with paused(checkout, "batches/one-0.nc", tmp_path) as (snakemake, worker):
+    (batch,) = (checkout / "results/test/batches").glob("*.nc")
+    forget(checkout, *PRODUCTS, f"batches/{batch.name}")
+    with paused(checkout, f"batches/{batch.name}", tmp_path) as (snakemake, worker):
         os.kill(parent(worker), signal.SIGKILL)
         assert snakemake.wait(PATIENCE) != 0
     wait(lambda: gone(worker))
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_path):
+    """But the job that it had begun: it ends, and no other begins."""
+    (batch,) = (checkout / "results/test/batches").glob("*.nc")
+    forget(checkout, *PRODUCTS, f"batches/{batch.name}")
+    with paused(checkout, f"batches/{batch.name}", tmp_path) as (snakemake, worker):
+        snakemake.kill()
+        snakemake.wait(PATIENCE)
+        assert not gone(worker)
+    wait(lambda: not processes_of(snakemake.pid))
+    assert batch.exists()
+    assert not any((checkout / "results/test" / name).exists() for name in PRODUCTS)
+    assert run(checkout, "--unlock")[0] == 0
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def processes_of(session):
+    """The numbers of all processes of a session that have not ended."""
+    states = [path.read_text().rpartition(")")[2].split() for path in all_states()]
+    return [state for state in states if int(state[3]) == session and state[0] != "Z"]
+
+
+def all_states():
+    return [path for path in Path("/proc").glob("[0-9]*/stat") if path.exists()]
 
 
 @pytest.mark.slow
@@ -229,12 +255,13 @@ def test_a_flipped_bit_is_seen_by_whoever_reads(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", [cut, flip, replace_by_another])
 def test_a_damaged_batch(checkout, undisturbed, damage):
-    damage(checkout / "results/test/batches/one-0.nc")
+    (batch,) = (checkout / "results/test/batches").glob("*.nc")
+    damage(batch)
     code, said = run(checkout)
     assert code != 0
-    assert "results/test/batches/one-0.nc is" in said
+    assert f"results/test/batches/{batch.name} is" in said
     assert "again" in said
-    forget(checkout, "batches/one-0.nc")
+    forget(checkout, f"batches/{batch.name}")
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 

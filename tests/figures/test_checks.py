@@ -90,10 +90,10 @@ def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_pa
     assert sorted(places) == ["claims.archard_abov", "figures.f.draw", "figures.f.title", "studies.one.product.D"]
 
 
-@pytest.mark.parametrize("command", [["-m", "weier", "plan"], ["-m", "weier", "batch"]])
+@pytest.mark.parametrize("command", [["-m", "weier", "plan"], ["-m", "weier", "claims"]])
 def test_a_command_tells_them_without_a_traceback(command, tmp_path):
     path = write(tmp_path, {"D": 2.5}, draw="complience")
-    more = ["one-0", tmp_path / "a.nc", tmp_path / "b.nc"] if command[-1] == "batch" else []
+    more = [tmp_path, tmp_path / "a.nc", tmp_path / "b.md"] if command[-1] == "claims" else []
     done = subprocess.run([sys.executable, *command, path, *more], capture_output=True, text=True)
     assert done.returncode == 1
     assert "Traceback" not in done.stderr

@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
+from tests.scenes import solve_scene
 from weier import figures, scene
 from weier.data import dataset
 from weier.data.dataset import Status
@@ -22,8 +23,8 @@ from weier.figures import checks, style, truncated_compliance, truncation
 from weier.figures.captions import caption
 from weier.methods import registry
 from weier.methods.method import Style
-from weier.pipeline import batch, curves
-from weier.pipeline.gather import batch_file, read_study
+from weier.pipeline import curves
+from weier.pipeline.gather import read_study
 
 SCENE = """
 title: Small
@@ -46,9 +47,8 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     folder = tmp_path_factory.mktemp("scene")
     (folder / "small.yaml").write_text(SCENE)
     loaded = scene.load(folder / "small.yaml")
-    for name, cases in loaded.batches.items():
-        dataset.write(batch.solve_batch(loaded, cases)[0], batch_file(folder, name), "small")
-    return {name: read_study(loaded, name, folder) for name in loaded.studies}
+    solutions = solve_scene(loaded, folder / "batches")
+    return {name: read_study(solutions, name) for name in loaded.studies}
 
 
 def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.Dataset:

@@ -22,6 +22,7 @@ from weier.pipeline import claims
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
+NO_COST = dataset.blank_cost(1, METHODS)
 CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
 PNG = bytes.fromhex("89504e470d0a1a0a")
 SCENE = """
@@ -66,7 +67,9 @@ def load(folder, text):
 
 def write(folder, name):
     loaded = load(folder, SCENE)
-    page.write(loaded, folder / "contact.nc", [folder / "figure_1.png"], [folder / "cost.nc"], folder / name)
+    page.write(
+        loaded, folder / "contact.nc", [folder / "figure_1.png"], dataset.read(folder / "cost.nc"), folder / name
+    )
     return (folder / name).read_text(encoding="utf-8")
 
 
@@ -101,9 +104,9 @@ def test_costs_and_states_are_counted(folder):
 
 
 def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
-    data, cost = dataset.blank(1, METHODS, LOADS, 3), dataset.blank_cost(1, METHODS[::-1])
-    cost["seconds"].values[:] = 1234.5, 2.5e-5  # bem, demelio
-    assert page._costs(data, [cost]).rows == [
+    cost = dataset.blank_cost(1, METHODS)
+    cost["seconds"].values[:] = 2.5e-5, 1234.5
+    assert page._costs(cost).rows == [
         ["demelio", 1, "2.5e-05", "2.5e-05", "2.5e-05"],
         ["bem", 1, "1200", "1200", "1230"],
     ]
@@ -211,7 +214,9 @@ def test_a_claim_says_first_why_it_does_not_hold_and_then_a_number_a_line(folder
     dataset.write(
         data.merge(claims._columns({"archard_above": measured})), tmp_path / "contact.nc", "Claim", "solved"
     )
-    page.write(load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], [], tmp_path / "page.html")
+    page.write(
+        load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], NO_COST, tmp_path / "page.html"
+    )
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     card = re.sub(r"\s*\n\s*", "", re.search(r'<article class="claim no".*?</article>', text, re.DOTALL).group())
     assert card.endswith(
@@ -264,7 +269,7 @@ def planned():
 
 def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
     data, cost = planned
-    assert plans.rows(data, [cost]) == [
+    assert plans.rows(data, cost) == [
         ["westergaard", 1, "0.25", "0.5", "2", "1.0e-04", "2.0e-05", "3.0e-05"],
         ["bem and full contact", 1, "2", "1.5", "0.75", "1.0e-04", "6.0e-05", "7.0e-05"],
         ["out of reach", 1, "0", "0", "", "1.0e-04", "unknown", "unknown"],
@@ -274,7 +279,7 @@ def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
 
 def test_an_error_is_unknown_where_nothing_measured_it(planned):
     data, cost = planned
-    assert {row[7] for row in plans.rows(data.sel(solution_method=["planned"]), [cost])} == {"unknown"}
+    assert {row[7] for row in plans.rows(data.sel(solution_method=["planned"]), cost)} == {"unknown"}
 
 
 def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):
@@ -282,12 +287,12 @@ def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):
     data["settings"].values[:, 1] = '{"quantity": "resistance", "tolerance": 0.0001}'
     data["resistance"].values[0] = [[4.0] * LOADS.size, [4.004] * LOADS.size]
     data["resistance"].values[1] = [[0.5] * LOADS.size, [0.502] * LOADS.size]
-    assert [row[7] for row in plans.rows(data, [cost])[:2]] == ["1.0e-03", "2.0e-03"]
+    assert [row[7] for row in plans.rows(data, cost)[:2]] == ["1.0e-03", "2.0e-03"]
 
 
 def test_a_scene_without_a_tolerance_has_no_plans():
     data = dataset.blank(1, METHODS, LOADS, 3)
-    assert plans.rows(data, [dataset.blank_cost(1, METHODS)]) == []
+    assert plans.rows(data, dataset.blank_cost(1, METHODS)) == []
 
 
 # The page is driven as a user drives it: a drop-down list is set and tells the page so. The lists stand in the shadow
@@ -392,7 +397,9 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     measured = claims.Measured("a number with words " * 30, "It does not hold. " * 9, outcome=Check.no)
     data = data.merge(claims._columns({"archard_above": measured}))
     dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
-    page.write(load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], [], tmp_path / "page.html")
+    page.write(
+        load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], NO_COST, tmp_path / "page.html"
+    )
     head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
     (tmp_path / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
     (tmp_path / "frame.html").write_text(FRAME)

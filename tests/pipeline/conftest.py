@@ -2,8 +2,8 @@
 
 import pytest
 
+from tests.scenes import solve_scene
 from weier import scene
-from weier.data import dataset
 from weier.pipeline import batch
 
 SCENE = """
@@ -25,13 +25,11 @@ def loaded(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def solved(loaded):
-    return {name: batch.solve_batch(loaded, cases) for name, cases in loaded.batches.items()}
+    """Curves and seconds of all its cases, as one batch."""
+    return batch.solve_batch(loaded, loaded.distinct)
 
 
 @pytest.fixture(scope="session")
-def batches(solved, tmp_path_factory):
-    """The folder of batches."""
-    folder = tmp_path_factory.mktemp("batches")
-    for name, (data, _) in solved.items():
-        dataset.write(data, folder / f"{name}.nc", "test", "solved", SCENE)
-    return folder
+def solutions(loaded, tmp_path_factory):
+    """The same from files, several of them."""
+    return solve_scene(loaded, tmp_path_factory.mktemp("scene") / "batches", cores=2)

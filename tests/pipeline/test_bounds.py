@@ -21,8 +21,8 @@ studies:
 """
 
 
-def test_bounds_stand_around_the_exact_methods_only(loaded, batches):
-    waves = read_study(loaded, "waves", batches)
+def test_bounds_stand_around_the_exact_methods_only(solutions):
+    waves = read_study(solutions, "waves")
     solved = waves.sel(solution_method="bem").isel(case=[0, 1])
     # At most: 64 nodes a wave miss 5 g_n (waves_n/points)^2 of each, and the residual is 1e-10.
     mesh = bem.error_model.COMPLIANCE * solved.total_amplitude / 64**2 + 1e-9

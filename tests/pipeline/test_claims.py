@@ -16,9 +16,10 @@ from weier.data import dataset
 from weier.data.check import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
+from weier.pipeline.batches import Place, Solutions
 from weier.pipeline.claims import claim, readings
 from weier.pipeline.claims import ensemble as judging
-from weier.scene import Scene
+from weier.scene import Layout, Scene
 
 LOADS = np.geomspace(1e-3, 4, 40)
 TOTAL = 1.4
@@ -356,10 +357,10 @@ def test_a_case_of_two_studies_counts_once() -> None:
 def test_unknown_claim(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"no claim 'everything'.*twelve_elements, phase_spread"):
         claims.evaluate("everything", [])
-    (mistake,) = claims.check_names(scene_of(tmp_path, {}, archard_above=("a",), archard_abov=("a",)))
+    (mistake,) = claims.check_names(scene_of({"archard_above": ("a",), "archard_abov": ("a",)}))
     assert mistake.keys == ("claims", "archard_abov")
     assert mistake.text.endswith("did you mean 'archard_above'?")
-    assert not list(claims.check_names(scene_of(tmp_path, {}, **dict.fromkeys(claims.CLAIMS, ("a",)))))
+    assert not list(claims.check_names(scene_of(dict.fromkeys(claims.CLAIMS, ("a",)))))
 
 
 def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -374,9 +375,9 @@ def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: p
         exact = judging.Condition("that is exact", "error of the layer, in g_0", error, judging.at_most(1e-6))
         return judging.judge([exact], judging.ensembles(cases))
 
-    scene = scene_of(tmp_path, {"smooth": estimate(0.1)}, layer_exact=("smooth",))
-    assert not list(claims.check_names(scene))
-    claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
+    solutions = solutions_of(tmp_path, {"smooth": estimate(0.1)}, layer_exact=("smooth",))
+    assert not list(claims.check_names(solutions.scene))
+    claims.write(solutions, tmp_path / "contact.nc", tmp_path / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["claim_statement"][:].tolist() == ["The layer is exact."]
         assert data["claim_measured"][0] == "Error of the layer, in g_0: +0.1 for D = 1.25, gamma = 5, m = 3."
@@ -390,27 +391,35 @@ def test_a_new_claim_is_a_function_with_its_words(tmp_path: Path, monkeypatch: p
     assert outcome("layer_exact", ensemble(0.0)) == YES
 
 
-def scene_of(folder: Path, studies: dict[str, xr.Dataset], **names: tuple[str, ...]) -> Scene:
+def scene_of(names: dict[str, tuple[str, ...]], **more: Any) -> Scene:
+    """A scene with these claims."""
+    fields = {"name": "test", "title": "A scene", "text": "title: A scene", "claims": names}
+    return cast(Scene, SimpleNamespace(**fields, **more))
+
+
+def solutions_of(folder: Path, studies: dict[str, xr.Dataset], **names: tuple[str, ...]) -> Solutions:
     """A scene with these claims, whose studies are in the folder, each in a batch of its own name."""
+    cases = {}
     for name, data in studies.items():
         dataset.write(data, folder / f"{name}.nc", name)
-    keys = {name: data["key"].values.tolist() for name, data in studies.items()}
-    return cast(
-        Scene,
-        SimpleNamespace(
-            layout=SimpleNamespace(methods=()), studies_of_cases=[()] * sum(map(len, keys.values())),
-            name="test", title="A scene", text="title: A scene", claims=names, batches=studies,
-            distinct=[SimpleNamespace(key=key) for each in keys.values() for key in each],
-            study=lambda name: [SimpleNamespace(key=key) for key in keys[name]], batches_of=lambda name: [name],
-        ),
+        methods = tuple(data["solution_method"].values.tolist())
+        batch = [SimpleNamespace(key=key, methods=methods) for key in data["key"].values.tolist()]
+        cases |= {case.key: (case, Place(folder / f"{name}.json", row)) for row, case in enumerate(batch)}
+    terms = max(data.sizes["term"] for data in studies.values())
+    of = {name: [cases[key][0] for key in data["key"].values.tolist()] for name, data in studies.items()}
+    scene = scene_of(
+        names, loads=LOADS, products=(),
+        layout=Layout(methods, terms, 0), layout_of=lambda cases: Layout(methods, terms, 0),
+        studies_of_cases=[()] * len(cases), distinct=[case for case, _ in cases.values()], study=of.get,
     )  # fmt: skip
+    places = {key: dict.fromkeys(case.methods, place) for key, (case, place) in cases.items()}
+    return cast(Solutions, SimpleNamespace(scene=scene, folder=folder, places=lambda case: places[case.key]))
 
 
 def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
     studies = {"smooth": estimate(0.1), "rough": estimate(-0.1, D=1.5), "again": ensemble(0.02, -0.02, D=1.6)}
     names = {"archard_above": ("smooth", "rough"), "layer_close": ("again",), "phase_spread": ("again",)}
-    scene = scene_of(tmp_path, studies, **names)
-    claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
+    claims.write(solutions_of(tmp_path, studies, **names), tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert data["D"][:].tolist() == [1.25, 1.5, *[1.6] * 6]
         assert list(data["claim"][:]) == list(names)
@@ -429,15 +438,14 @@ def test_written_dataset_is_whole_and_plain(tmp_path: Path) -> None:
 
 
 def test_scene_without_claims(tmp_path: Path) -> None:
-    scene = scene_of(tmp_path, {"smooth": estimate(0.1)})
-    claims.write(scene, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
+    claims.write(solutions_of(tmp_path, {"smooth": estimate(0.1)}), tmp_path / "contact.nc", tmp_path / "claims.md")
     assert "claim" not in dataset.read(tmp_path / "contact.nc").sizes
     assert "no claims" in (tmp_path / "claims.md").read_text()
 
 
 def test_unknown_claim_writes_nothing(tmp_path: Path) -> None:
     made = tmp_path / "made"
-    scene = scene_of(made, {"a": estimate(0)}, everything=("a",))
+    solutions = solutions_of(made, {"a": estimate(0)}, everything=("a",))
     with pytest.raises(ValueError, match="no claim 'everything'"):
-        claims.write(scene, made, tmp_path / "contact.nc", tmp_path / "claims.md")
+        claims.write(solutions, tmp_path / "contact.nc", tmp_path / "claims.md")
     assert [path.name for path in tmp_path.iterdir()] == ["made"]

@@ -1,17 +1,14 @@
-"""One run compiles every kernel there is, and a batch those that it runs, none of them in two jobs side by side."""
+"""One run compiles every kernel there is."""
 
 import ast
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from tests.marks import compiled
 from weier.kernels.sources import PACKAGE
-from weier.pipeline import compile
 from weier.pipeline.compile import compile_kernels
-from weier.scene import Case
 
 # Notes what Python calls, in a process that has solved nothing before, and so remembers no result.
 PROGRAM = """
@@ -102,75 +99,3 @@ def test_nothing_is_run_where_nothing_is_compiled(monkeypatch):
     monkeypatch.setattr("weier.kernels.jit.disabled", lambda: True)
     monkeypatch.setattr("weier.pipeline.compile.solve", lambda *_: pytest.fail("solved"))
     compile_kernels()
-
-
-CASES = [Case({"D": 1.25, "gamma": 5, "m": m}, ("archard", "bem"), {"bem": {"points": 512}}) for m in (1, 2)]
-
-
-@pytest.fixture
-def solved(tmp_path, monkeypatch):
-    """What is solved to compile, into an empty cache."""
-    calls = []
-    monkeypatch.setattr("weier.kernels.jit.disabled", lambda: False)
-    monkeypatch.setattr("weier.kernels.jit.folder", lambda: tmp_path / "cache")
-    monkeypatch.setattr(compile, "solve", lambda profile, loads, method, **settings: calls.append((method, settings)))
-    return calls
-
-
-def test_a_batch_compiles_what_it_runs_and_its_jobs_share_that(solved):
-    with ThreadPoolExecutor(4) as pool:
-        for _ in pool.map(lambda _: compile.compile_for(CASES), range(4)):
-            pass
-    assert sorted(solved) == [("archard", {}), ("bem", {})]
-    compile.compile_for(CASES)
-    assert len(solved) == 2
-
-
-def test_what_is_compiled_is_loaded_once(solved, monkeypatch):
-    """And the rest is left to the jobs, which share it."""
-    monkeypatch.setattr(compile, "LOADED", set())
-    compile.load_for(CASES)
-    assert solved == []
-    compile.compile_for([Case(CASES[0].parameters, ("archard",), {})])
-    for _ in range(2):
-        compile.load_for(CASES)
-    assert solved == [("archard", {}), ("archard", {})]
-
-
-def test_settings_with_kernels_of_their_own_are_compiled_for_cases_that_have_them(solved):
-    settings = {"bem": {"solver": "direct", "points": 96}}
-    compile.compile_for([Case({"D": 1.25, "gamma": 5, "m": 1}, ("bem",), settings)])
-    assert solved == [("bem", {"solver": "direct"})]
-
-
-def test_a_job_takes_another_task_while_one_is_compiled_elsewhere(solved, monkeypatch):
-    first, second = compile._tasks_of(CASES)
-    order = []
-    with compile._locked(first, wait=False) as free:
-        assert free
-
-        def run(task):
-            order.append(task.method)
-            if task == second:
-                raise InterruptedError  # before it waits for the other for ever
-
-        monkeypatch.setattr(compile.Task, "run", run)
-        with pytest.raises(InterruptedError):
-            compile.compile_for(CASES)
-    assert order == [second.method]
-
-
-def test_a_user_without_a_home_has_no_cache(solved, monkeypatch):
-    def no_home():
-        raise OSError("there is no home folder")
-
-    monkeypatch.setattr("weier.kernels.jit.folder", no_home)
-    compile.compile_for(CASES)
-    assert len(solved) == 2
-
-
-def test_a_cache_that_cannot_be_written_stops_nothing(solved, tmp_path, monkeypatch):
-    (tmp_path / "file").touch()
-    monkeypatch.setattr("weier.kernels.jit.folder", lambda: tmp_path / "file" / "cache")
-    compile.compile_for(CASES)
-    assert len(solved) == 2

@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 import weier
+from tests.scenes import solve_scene
 from weier import scene
 from weier.data import dataset
 from weier.figures.page import explorer
 from weier.pipeline import claims
-from weier.pipeline.batch import solve_batch
 from weier.pipeline.labels import case_labels
 
 SCENE = """
@@ -30,10 +30,7 @@ def path(tmp_path_factory):
     folder = tmp_path_factory.mktemp("grids")
     (folder / "grids.yaml").write_text(SCENE)
     loaded = scene.load(folder / "grids.yaml")
-    for name in loaded.batches:
-        data, _ = solve_batch(loaded, loaded.batch(name))
-        dataset.write(data, folder / f"{name}.nc", loaded.title, "solved", loaded.text)
-    claims.write(loaded, folder, folder / "contact.nc", folder / "claims.md")
+    claims.write(solve_scene(loaded, folder / "batches"), folder / "contact.nc", folder / "claims.md")
     return folder / "contact.nc"
 
 

@@ -36,7 +36,7 @@ def write(folder, **changes):
 def test_every_scene_that_comes_with_weier_is_sound(path):
     loaded = scene.load(path)
     assert loaded.name == path.stem
-    solved = [case.key for cases in loaded.batches.values() for case in cases]
+    solved = [case.key for case in loaded.distinct]
     assert len(solved) == len(set(solved))
     assert set(solved) == {case.key for cases in loaded.studies.values() for case in cases}
 
@@ -57,7 +57,7 @@ def test_figures_and_claims_may_have_any_name(tmp_path):
 
 def test_the_sweep_has_some_hundreds_of_cases():
     loaded = scene.load("config/scenes/sweep.yaml")
-    assert 200 <= sum(map(len, loaded.batches.values())) <= 1000
+    assert 200 <= len(loaded.distinct) <= 1000
 
 
 def test_the_loads_of_the_paper_are_dense_where_contacts_are_born_and_merge():
@@ -100,21 +100,13 @@ def test_loads_in_equal_ratios(tmp_path):
     assert loads == pytest.approx([0.01, 0.1, 1])
 
 
-def test_a_case_of_two_studies_is_solved_once_and_a_study_needs_only_its_batches(tmp_path):
+def test_a_case_of_two_studies_is_solved_once(tmp_path):
     shared = {"D": 1.25, "gamma": 5, "m": 2}
-    studies = {
-        "one": {"product": shared},
-        "two": {"product": shared | {"m": [1, 2]}},
-        "three": {"product": shared | {"m": 3}},
-    }
-    loaded = scene.load(write(tmp_path, studies=studies))
-    assert sum(map(len, loaded.batches.values())) == 3
-    assert sorted(case.profile.m for case in loaded.cases.values()) == [1, 2, 3]
-    assert set(loaded.cases) == {case.key for cases in loaded.studies.values() for case in cases}
-    assert len(loaded.batches_of("one")) == 1
-    assert len(loaded.batches_of("two")) == 2
-    assert loaded.batches_of("three") == ["three-0"]
-    assert loaded.batches_of("two", "one", "two") == loaded.batches_of("two")
+    loaded = scene.load(
+        write(tmp_path, studies={"one": {"product": shared}, "two": {"product": shared | {"m": [1, 2]}}})
+    )
+    assert [case.profile.m for case in loaded.distinct] == [2, 1]
+    assert loaded.studies_of_cases == [("one", "two"), ("two",)]
 
 
 def test_the_digest_of_cases_follows_which_there_are_and_their_order(tmp_path):
@@ -124,24 +116,6 @@ def test_the_digest_of_cases_follows_which_there_are_and_their_order(tmp_path):
 
     assert digest(1, 2) == digest(1, 2)
     assert len({digest(1, 2), digest(2, 1), digest(1, 3)}) == 3
-
-
-def test_batches_are_no_larger_than_asked(tmp_path):
-    study = {"product": {"D": 1.25, "gamma": 5, "m": 2, "seed": list(range(7))}}
-    loaded = scene.load(write(tmp_path, studies={"one": study}, batch=3))
-    assert [len(cases) for cases in loaded.batches.values()] == [3, 3, 1]
-
-
-def test_the_digest_of_a_batch_follows_what_its_numbers_depend_on(tmp_path):
-    def digest(**changes):
-        return scene.load(write(tmp_path, **changes)).digest("one-0")
-
-    assert digest() == digest(title="another", figures={"f": {"draw": "compliance", "studies": ["one"]}})
-    assert digest() != digest(loads=[0.1, 2.0])
-    assert digest() != digest(methods=["archard"])
-    assert digest() != digest(contact_edges=True)
-    longer = {"product": {"D": 1.5, "gamma": 5, "m": 9}, "methods": ["archard", "layer"]}
-    assert digest() == digest(studies={"two": longer} | MINIMAL["studies"])
 
 
 @pytest.mark.parametrize(

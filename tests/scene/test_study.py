@@ -8,7 +8,6 @@ import yaml
 
 from weier import scene
 from weier.scene import study
-from weier.scene.case import Case
 from weier.scene.study import CaseProduct, Study, case_numbers
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
@@ -22,8 +21,7 @@ OVERLAPPING = {
     "phases": {"product": {"D": 1.25, "gamma": 2, "m": 2, "phases": [0.0, 1.0, [0.0, 1.0], 0.0]}},
     "none": {"product": {"D": 1.25, "gamma": 2, "m": 2}},
 }
-SIZE = 5  # of a batch
-FIELDS = {"title": "test", "loads": [0.1, 1.0], "methods": ["layer"], "batch": SIZE}
+FIELDS = {"title": "test", "loads": [0.1, 1.0], "methods": ["layer"]}
 
 
 def load(folder, **changes):
@@ -70,40 +68,14 @@ def test_numbers_that_would_be_too_large_are_made_smaller(overlapping, monkeypat
     check_numbers(overlapping)
 
 
-def test_batches_hold_every_case_once_with_those_of_the_same_studies(overlapping):
+def test_every_case_is_there_once_with_its_studies(overlapping):
     """As one finds them by making every case of every study."""
     members = {name: [case.key for case in cases] for name, cases in overlapping.studies.items()}
     homes = {}
     for name, key in ((name, key) for name, keys in members.items() for key in keys):
         homes.setdefault(key, dict.fromkeys([name]))[name] = None
-    groups = {}
-    for key, home in homes.items():
-        groups.setdefault("+".join(home), []).append(key)
-    expected = {
-        f"{home}-{start // SIZE}": keys[start : start + SIZE]
-        for home, keys in groups.items()
-        for start in range(0, len(keys), SIZE)
-    }
-    assert {name: [case.key for case in cases] for name, cases in overlapping.batches.items()} == expected
-    assert list(overlapping.batches) == list(expected)
     assert [case.key for case in overlapping.distinct] == list(overlapping.cases) == list(homes)
     assert overlapping.studies_of_cases == [tuple(home) for home in homes.values()]
-    for name, keys in members.items():
-        assert overlapping.batches_of(name) == [batch for batch, own in expected.items() if own[0] in keys]
-
-
-def test_a_batch_makes_no_cases_but_its_own(tmp_path, monkeypatch):
-    """And a few to be checked: those with each D, and with each gamma and m."""
-    made = []
-    initialise = Case.__init__
-    monkeypatch.setattr(Case, "__init__", lambda case, *given: made.append(1) or initialise(case, *given))
-    seeds = {"from": 0, "to": 99999, "count": 100000}
-    product = {"D": [1.25, 1.5], "gamma": [2, 3], "m": [2, 3], "seed": seeds}
-    loaded = load(tmp_path, studies={"one": {"product": product}}, max_cases=800000, batch=1000)
-    assert len(loaded.batches) == 800
-    batch = list(loaded.batch("one-799"))
-    assert batch[-1].parameters == {"D": 1.5, "gamma": 3, "m": 3, "seed": 99999}
-    assert 1000 < len(made) < 1020
 
 
 def test_every_value_of_a_parameter_is_checked(tmp_path):

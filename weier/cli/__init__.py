@@ -17,14 +17,13 @@ import click
 from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
-from weier.pipeline.server import INTERRUPTED, say_interrupted
 
 # The commands of each module, in the order of the help, and those that only the pipeline calls.
 COMMANDS = {
     "profile": ("solve", "plot"),
     "plan": ("plan",),
     "table": ("table",),
-    "scene": ("compile", "batch", "figure", "claims", "page", "serve"),
+    "scene": ("compile", "batch", "figures", "claims", "page"),
     "measure": ("tradeoff", "convergence", "extremes", "draw"),
 }
 HIDDEN = {*COMMANDS["scene"], *COMMANDS["measure"]} - {"compile"}
@@ -34,22 +33,10 @@ EXIT = (
 )
 
 
-class Commands(click.Group):
-    """The group of all commands, which ends in one sentence when it is stopped."""
-
-    def invoke(self, context: click.Context) -> Any:
-        """Run the command."""
-        try:
-            return super().invoke(context)
-        except KeyboardInterrupt:
-            say_interrupted()
-            sys.exit(INTERRUPTED)
-
-
 HELP = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
-@click.group(cls=Commands, context_settings=HELP, epilog=EXIT)
+@click.group(context_settings=HELP, epilog=EXIT)
 @click.version_option(VERSION)
 def cli() -> None:
     """Contact stiffness and contact resistance of the Weierstrass profile.

@@ -1,17 +1,16 @@
-"""What the pipeline does with a scene, a command a rule: `weier compile`, `batch`, `figure`, `claims` and `page`."""
+"""What the pipeline does with a scene, a command a rule: `weier compile`, `batch`, `figures`, `claims` and `page`."""
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from weier.cli.job import job
-from weier.cli.options import FILE, FILES, SCENE, output
-from weier.kernels import jit
+from weier.cli.options import FILE, SCENE, output
 
 if TYPE_CHECKING:
     from weier.scene import Scene
@@ -21,104 +20,95 @@ BATCHES = click.argument("batches", type=FILE)
 
 
 @click.command()
-def compile() -> None:
-    """Compile all kernels, once for all later runs."""
+@click.argument("methods", nargs=-1)
+def compile(methods: Sequence[str]) -> None:
+    """Compile the kernels of METHODS, or all, once for all later runs."""
     from weier.pipeline.compile import compile_kernels  # only this command needs it
 
-    with job("compile"):
-        compile_kernels()
+    with job("compile", *methods):
+        compile_kernels(methods)
 
 
 @click.command()
-@SCENE
-@click.argument("name")
+@click.argument("description", type=FILE)
 @output("data")
 @output("cost")
 @click.option("--threads", type=click.IntRange(1), default=1, show_default=True, help="Cases at a time.")
-def batch(scene_file: Path, name: str, data: Path, cost: Path, threads: int) -> None:
-    """Solve the batch NAME of a scene.
+def batch(description: Path, data: Path, cost: Path, threads: int) -> None:
+    """Solve the batch that the Snakefile has described in the file DESCRIPTION.
 
     The curves go to DATA, and the seconds that they took to COST.
     """
     from weier.data import dataset
     from weier.pipeline.batch import solve_batch
-    from weier.pipeline.compile import compile_for
+    from weier.pipeline.batches import read_batch
 
-    with job("solve", scene_file.stem, name):
-        loaded = _load(scene_file)
-        cases = list(loaded.batch(name))
-        compile_for(cases)
-        curves, seconds = solve_batch(loaded, cases, threads)
-        dataset.write(seconds, cost, f"{loaded.title}: seconds", "solved", loaded.text)
-        dataset.write(curves, data, loaded.title, "solved", loaded.text)
+    wanted = read_batch(description)
+    with job("solve", wanted.title):
+        curves, seconds = solve_batch(wanted.scene, wanted.cases, threads)
+        dataset.write(seconds, cost, f"{wanted.title}: seconds", "solved")
+        dataset.write(curves, data, wanted.title, "solved")
 
 
 @click.command()
 @SCENE
-@click.argument("name")
-@output("path")
 @BATCHES
-def figure(scene_file: Path, name: str, path: Path, batches: Path) -> None:
-    """Draw one figure of a scene from the folder BATCHES.
+@click.argument("folder", type=FILE)
+@click.argument("names", nargs=-1)
+def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
+    """Draw the figures NAMES of a scene, or all that it has.
 
-    It is written as PDF, SVG and PNG beside PATH.
+    The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG.
     """
     from weier.figures import draw
-    from weier.pipeline import gather
+    from weier.pipeline.batches import Solutions
+    from weier.pipeline.gather import read_study
 
-    with job("figure", scene_file.stem, name):
+    with job("figures", scene_file.stem, *names):
         loaded = _load(scene_file)
-        wanted = loaded.figure(name)
-        studies = [gather.read_study(loaded, study, batches) for study in wanted.studies]
-        draw(wanted.draw, studies, wanted.title, path, wanted.grouping, wanted.x, wanted.y, wanted.size)
+        study = cache(partial(read_study, Solutions(loaded, batches)))
+        for name in names or loaded.figures:
+            one = loaded.figure(name)
+            studies = [study(each) for each in one.studies]
+            draw(one.draw, studies, one.title, folder / f"{name}.png", one.grouping, one.x, one.y, one.size)
 
 
 @click.command()
 @SCENE
+@BATCHES
 @output("path")
 @output("table")
-@BATCHES
-def claims(scene_file: Path, path: Path, table: Path, batches: Path) -> None:
+def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
     """Check the claims of a scene, and write its whole dataset.
 
     The curves come from the folder BATCHES. The dataset goes to PATH, and the claims to TABLE.
     """
     from weier.pipeline import claims as claim
+    from weier.pipeline.batches import Solutions
 
     with job("claims", scene_file.stem):
-        claim.write(_load(scene_file), batches, path, table)
+        claim.write(Solutions(_load(scene_file), batches), path, table)
 
 
 @click.command()
 @SCENE
-@output("path")
+@BATCHES
 @click.argument("contact", type=FILE)
-@FILES
-def page(scene_file: Path, path: Path, contact: Path, files: Sequence[Path]) -> None:
-    """Write the page of a scene.
+@output("path")
+@click.argument("drawn", metavar="FIGURES", type=FILE)
+def page(scene_file: Path, batches: Path, contact: Path, path: Path, drawn: Path) -> None:
+    """Write the page of a scene to PATH.
 
-    The page is made from the scene's dataset CONTACT, its figures (.png) and its costs (.nc).
+    It is made from the scene's dataset CONTACT, the folder FIGURES, and the seconds beside the folder BATCHES.
     """
     from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
+    from weier.pipeline.batches import Solutions
+    from weier.pipeline.gather import read_cost
 
-    figures = [file for file in files if file.suffix == ".png"]
-    costs = [file for file in files if file.suffix == ".nc"]
     with job("page", scene_file.stem):
-        pages.write(_load(scene_file), contact, figures, costs, path)
-
-
-@click.command()
-@click.argument("descriptor", type=int)
-def serve(descriptor: int) -> None:
-    """Do the work of the jobs of a run, until standard input ends.
-
-    DESCRIPTOR is the number of an open socket. The Snakefile starts this.
-    """
-    from weier.cli import main
-    from weier.pipeline import server
-
-    jit.LISTENERS.clear()  # each job has its own
-    server.serve(socket.socket(fileno=descriptor), main)
+        loaded = _load(scene_file)
+        pictures = [drawn / f"{name}.png" for name in loaded.figures]
+        pages.write(loaded, contact, pictures, read_cost(Solutions(loaded, batches)), path)
 
 
 def _load(scene_file: Path) -> Scene:

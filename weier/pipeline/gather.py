@@ -1,140 +1,135 @@
-"""Cases from the batches that they were solved in: together into one file, or a study of them into memory.
+"""Curves from the batches that they were solved in: of all cases into one file, or of some into memory.
 
 A file is written block by block of cases, so that it may be larger than memory.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import groupby
+from collections.abc import Collection, Sequence
 from pathlib import Path
+from typing import Any
 
 import netCDF4
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
-from weier.scene.cases import Scene
+from weier.methods.registry import returned_by
+from weier.pipeline.batches import Solutions
+from weier.pipeline.labels import case_labels
+from weier.scene.case import Case
+from weier.scene.cases import Layout
 
 BLOCK_BYTES = 2**25  # of cases in memory: more at a time are no faster
 
 
-def gather(
-    files: Sequence[str | Path],
-    keys: Sequence[str],
-    path: str | Path,
-    title: str,
-    *,
-    step: str = "gathered",
-    scene: str = "",
-    labels: xr.Dataset | None = None,
-    more: xr.Dataset | None = None,
-) -> None:
-    """Write the cases with these keys, in this order, from files that hold them among others.
+def read_study(solutions: Solutions, study: str) -> xr.Dataset:
+    """The cases of a study, in memory; a ValueError if one is not solved."""
+    cases = list(solutions.scene.study(study))
+    return _read(solutions, cases, solutions.scene.layout_of(cases))
+
+
+def read_cost(solutions: Solutions) -> xr.Dataset:
+    """The seconds that each method took for each case of a scene."""
+    cases, (methods, terms, _) = list(solutions.scene.distinct), solutions.scene.layout
+    folder = solutions.folder.parent / "cost"
+    return _filled(dataset.blank_cost(len(cases), methods, terms), solutions, cases, folder)
+
+
+def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more: xr.Dataset | None = None) -> None:
+    """Write all cases of a scene, in its order, with what tells them apart, and variables of no case.
 
     Parameters
     ----------
-    files : sequence of path
-        netCDF files of weier, of the same loads; what one lacks of the methods, terms and edges of contact of the
-        others stays blank.
-    keys : sequence of str
-        Which cases, each once.
+    solutions : Solutions
+        The scene, and where its curves are.
     path : path
         The file to write, whole or not at all.
-    title, step, scene : str
-        As in `dataset.write`; the history goes on from that of the files.
-    labels : Dataset, optional
-        Further coordinates of the cases, in the order of the keys.
+    step : str
+        As in `dataset.write`; the history goes on from that of the batches.
     more : Dataset, optional
         Variables of no case, to write as well.
     """
-    position = {key: row for row, key in enumerate(keys)}
-    like, histories = _layout(files, position)
-    labels = xr.Dataset() if labels is None else labels
-    whole = like.assign_coords(labels.isel(case=slice(1)).coords) if labels.coords else like
+    scene, cases = solutions.scene, solutions.scene.distinct
+    labels, first = case_labels(scene), _read(solutions, cases[:1], scene.layout)
+    whole = first.assign_coords(labels.isel(case=slice(1)).coords)
     whole = whole.merge(more) if more is not None else whole
-    whole = whole.assign_attrs(provenance.attributes(title, step, scene, histories))
+    whole = whole.assign_attrs(provenance.attributes(scene.title, step, scene.text, _histories(solutions, cases)))
+    size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, whole, {"case": len(keys)}, netcdf.text_widths(whole) | netcdf.text_widths(labels))
+        netcdf.create(file, whole, {"case": len(cases)}, netcdf.text_widths(whole) | netcdf.text_widths(labels))
         netcdf.fill(file, whole.drop_dims("case"))
-        netcdf.fill(file, labels, slice(0, len(keys)))
-        for block in _blocks(files, position):
-            _write_rows(file, dataset.widen(block, *_common_layout(like, block)), position)
+        netcdf.fill(file, labels, slice(0, len(cases)))
+        for start in range(0, len(cases), size):
+            block = list(cases[start : start + size])
+            netcdf.fill(file, _read(solutions, block, scene.layout), slice(start, start + len(block)))
 
 
-def read_study(scene: Scene, study: str, batches: Path) -> xr.Dataset:
-    """The cases of a study, in memory, from the folder of its batches; a ValueError if one is missing."""
-    keys = [case.key for case in scene.study(study)]
-    return read([batch_file(batches, batch) for batch in scene.batches_of(study)], keys)
-
-
-def batch_file(batches: Path, batch: str) -> Path:
-    """The file of a batch in a folder of them."""
-    return batches / f"{batch}.nc"
-
-
-def read(files: Sequence[str | Path], keys: Sequence[str]) -> xr.Dataset:
-    """The cases with these keys, in this order, in memory; files and errors as of `gather`."""
-    position = {key: row for row, key in enumerate(keys)}
-    like, _ = _layout(files, position)
-    blocks = [dataset.widen(block, *_common_layout(like, block)) for block in _blocks(files, position)]
-    data = xr.concat(
-        blocks, "case", data_vars="minimal", coords="minimal", compat="override", join="override",
-        combine_attrs="override",
-    )  # fmt: skip
-    rows = {key: row for row, key in enumerate(data["key"].values.tolist())}
-    return data.isel(case=[rows[key] for key in keys])
-
-
-def _layout(files: Sequence[str | Path], keys: Collection[str]) -> tuple[xr.Dataset, list[str]]:
-    """The first case, as wide as the whole will be, and the histories of the files."""
-    if not files:
-        raise ValueError("there must be files to gather from, got none")
-    like, histories, missing, foreign = xr.Dataset(), dict[str, None](), set(keys), list[str]()
-    for path in files:
+def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
+    """Those of all files of these cases, each once."""
+    files = {place.batch.with_suffix(".nc") for case in cases for place in solutions.places(case).values()}
+    found = dict[str, None]()
+    for path in sorted(files):
         with dataset.reading(path) as data:
-            like = like if like.sizes else data.isel(case=slice(1)).load()
-            if not like["mean_pressure"].equals(data["mean_pressure"]):
-                raise ValueError(f"{path} and {files[0]} differ in loads: delete the older one, and make it again")
-            like = dataset.widen(like, *_common_layout(like, data))
-            histories[data.attrs.get("history", "")] = None
-            own = set(data["key"].values.tolist())
-            missing -= own
-            foreign += [str(path)] if own.isdisjoint(keys) else []
-    if missing:
-        raise ValueError(
-            f"{len(missing)} cases are in none of the files, the first with the key {min(missing)}: "
-            f"delete {', '.join(foreign) or 'the older files'} and make it again"
-        )
-    return like, list(histories)
+            found[data.attrs.get("history", "")] = None
+    return list(found)
 
 
-def _common_layout(one: xr.Dataset, other: xr.Dataset) -> tuple[list[str], int, int, set[str]]:
-    """Methods, terms and edges of contact that hold both, and the names of the variables of both."""
-    methods = dict.fromkeys([*one["solution_method"].values.tolist(), *other["solution_method"].values.tolist()])
-    terms, edges = (max(data.sizes.get(dim, 0) for data in (one, other)) for dim in ("term", "edge"))
-    return list(methods), terms, edges, {str(name) for data in (one, other) for name in data.variables}
+def _read(solutions: Solutions, cases: Sequence[Case], layout: Layout) -> xr.Dataset:
+    """Some cases in memory, as wide as the layout says."""
+    methods, terms, edges = layout
+    blank = dataset.blank(len(cases), methods, solutions.scene.loads, terms, edges, returned_by(methods))
+    return _filled(blank, solutions, cases, solutions.folder)
 
 
-def _blocks(files: Sequence[str | Path], keys: Collection[str]) -> Iterator[xr.Dataset]:
-    """All cases with these keys, some at a time; a case of several files comes from the first."""
-    done: set[str] = set()
-    for path in files:
-        with dataset.reading(path) as data:
-            own = data["key"].values.tolist()
-            wanted = [row for row, key in enumerate(own) if key in keys and key not in done]
-            done.update(own)
-            size = max(1, BLOCK_BYTES * len(own) // data.nbytes)
-            for start in range(0, len(wanted), size):
-                rows = wanted[start : start + size]
-                contiguous = rows[-1] - rows[0] == len(rows) - 1  # a slice is read in half the time of a list
-                yield data.isel(case=slice(rows[0], rows[-1] + 1) if contiguous else rows).load()
+def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case], folder: Path) -> xr.Dataset:
+    """These cases with the curves that the batches in a folder hold of them."""
+    wanted: dict[Path, dict[str, list[tuple[int, int]]]] = {}  # rows there and here, by file and method
+    for number, case in enumerate(cases):
+        for method, place in solutions.places(case).items():
+            file = folder / f"{place.batch.stem}.nc"
+            wanted.setdefault(file, {}).setdefault(method, []).append((place.row, number))
+    parts = {file: _Rows(file, {row for rows in own.values() for row, _ in rows}) for file, own in wanted.items()}
+    for method in blank[
+        "solution_method"
+    ].values.tolist():  # the edges of contact, of which a case has one set, are those of its last method
+        for file, own in wanted.items():
+            if method in own:
+                _copy(blank, parts[file], method, *zip(*own[method], strict=True))
+    blank["key"].values[:] = [case.key for case in cases]
+    return blank
 
 
-def _write_rows(file: netCDF4.Dataset, block: xr.Dataset, position: Mapping[str, int]) -> None:
-    """Write cases to their positions: neighbours together, since each write touches every variable."""
-    rows = [position[key] for key in block["key"].values.tolist()]
-    for _, neighbours in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
-        run = list(neighbours)
-        (first, start), (last, _) = run[0], run[-1]
-        netcdf.fill(file, block.isel(case=slice(first, last + 1)), slice(start, start + len(run)))
+class _Rows:
+    """Some rows of a file in memory, by their numbers in the file."""
+
+    def __init__(self, file: Path, rows: Collection[int]) -> None:
+        first, last = min(rows), max(rows)
+        contiguous = last - first == len(rows) - 1  # a slice is read in half the time of a list
+        with dataset.reading(file) as data:
+            self.data = data.isel(case=slice(first, last + 1) if contiguous else sorted(rows)).load()
+        self._number = {row: number for number, row in enumerate(sorted(rows))}
+
+    def values(self, name: str, rows: Sequence[int], method: str) -> NDArray[Any]:
+        """A variable of some rows, by one method where it has methods."""
+        variable, numbers = self.data.variables[name], [self._number[row] for row in rows]
+        if "solution_method" not in variable.dims:
+            return variable.values[numbers]
+        return variable.values[numbers, self.data["solution_method"].values.tolist().index(method)]
+
+
+def _copy(blank: xr.Dataset, part: _Rows, method: str, there: Sequence[int], here: Sequence[int]) -> None:
+    """Copy the curves of a method, and what describes their cases, from rows there to rows here."""
+    column = blank["solution_method"].values.tolist().index(method)
+    for name in blank.variables.keys() & part.data.variables.keys() - blank.sizes.keys():
+        target, values, rows = blank.variables[name], part.values(str(name), there, method), np.array(here)
+        if "edge" in target.dims:
+            known = np.isfinite(values).any(axis=(1, 2))
+            values, rows = values[known], rows[known]
+            target.values[rows] = np.nan  # the method before may have found more
+        run = (rows, column) if "solution_method" in target.dims else (rows,)
+        rest = zip(values.shape[1:], target.shape[len(run) :], strict=True)  # as wide as other cases are
+        within = tuple(slice(min(sizes)) for sizes in rest)
+        target.values[(*run, *within)] = values[(slice(None), *within)]

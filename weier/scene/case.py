@@ -54,6 +54,17 @@ class Case:
         return hashlib.sha256(self.definition.encode()).hexdigest()[:12]
 
     @cached_property
+    def curves(self) -> dict[str, str]:
+        """By method, all that its curve depends on but the loads, as text."""
+        profile = json.dumps(self.parameters, sort_keys=True)
+        own = {method: json.dumps(self.settings.get(method, {}), sort_keys=True) for method in self.methods}
+        return {method: f"{method} {settings} {profile}" for method, settings in own.items()}
+
+    def by(self, methods: tuple[str, ...]) -> Case:
+        """The case with some of its methods alone."""
+        return Case(self.parameters, methods, {name: own for name, own in self.settings.items() if name in methods})
+
+    @cached_property
     def profile(self) -> Profile:
         """The profile of this case."""
         p = self.parameters

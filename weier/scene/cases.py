@@ -1,4 +1,4 @@
-"""A scene and its cases, and how they are cut into batches."""
+"""A scene and its cases."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Selection, Study, case_numbers
 
 Item = TypeVar("Item")
+MAX_BATCH_CASES = 1000  # that are solved and written together: a process then takes 0.3 GB
 
 
 class Layout(NamedTuple):
@@ -52,7 +53,7 @@ class Scene:
     title: str
     loads: Array
     studies: Mapping[str, Study]
-    batch_size: int
+    batch_size: int = MAX_BATCH_CASES
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     contact_edges: bool = False
@@ -126,51 +127,12 @@ class Scene:
         """What a figure draws; a SceneError if there is no such figure."""
         return self._item("figure", self.figures, name)
 
-    @cached_property
-    def _batches(self) -> dict[str, tuple[tuple[str, ...], Selection]]:
-        """By batch the studies that all of its cases belong to, and the cases."""
-        positions, names, home = self._distinct
-        groups = {number: positions[home == number] for number in dict.fromkeys(home.tolist())}
-        return {
-            f"{'+'.join(names[number])}-{start // self.batch_size}": (
-                names[number], Selection(self._all, members[start : start + self.batch_size])
-            )
-            for number, members in groups.items()
-            for start in range(0, members.size, self.batch_size)
-        }  # fmt: skip
-
-    @cached_property
-    def batches(self) -> dict[str, Selection]:
-        """Every case once, by batch: cases of the same studies together, so that a study is a set of batches."""
-        return {name: cases for name, (_, cases) in self._batches.items()}
-
-    def batch(self, name: str) -> Selection:
-        """The cases of a batch; a SceneError if there is no such batch."""
-        return self._item("batch", self.batches, name)
-
     def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
         if name not in table:
             raise SceneError(f"scene {self.name} has no {kind} {name!r}, only {', '.join(table) or 'none':.300}")
         return table[name]
 
-    def batches_of(self, *studies: str) -> list[str]:
-        """Names of the batches that hold the cases of some studies, each once."""
-        wanted = {study for study in studies if self.study(study)}
-        return [name for name, (home, _) in self._batches.items() if not wanted.isdisjoint(home)]
-
-    def methods_of(self, batch: str) -> tuple[str, ...]:
-        """The methods that a batch runs."""
-        return tuple(dict.fromkeys(method for case in self.batch(batch) for method in case.methods))
-
-    def digest(self, batch: str) -> str:
-        """A digest of all that the scene says of the numbers of a batch: its own cases, the loads, what is kept."""
-        cases = [case.definition for case in self.batch(batch)]
-        return _digest([self.loads.tolist(), self.contact_edges, cases])
-
     def digest_of_cases(self, *studies: str) -> str:
         """A digest of which cases some studies have, and in which order."""
-        return _digest([[product.definition for product in self.study(study).products] for study in studies])
-
-
-def _digest(values: Any) -> str:
-    return hashlib.sha256(json.dumps(values).encode()).hexdigest()
+        cases = [[product.definition for product in self.study(study).products] for study in studies]
+        return hashlib.sha256(json.dumps(cases).encode()).hexdigest()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from weier.data.yaml import number, read_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import PLANNED, find_method, returned_by
 from weier.methods.settings import checked_settings
-from weier.scene.cases import Scene
+from weier.scene.cases import MAX_BATCH_CASES, Scene
 from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.products import MAX_CASES, axis, check_count, distinct_values, products
@@ -25,7 +26,6 @@ from weier.theory.arguments import shown, suggestion
 from weier.theory.loads import check_range, checked_loads
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-BATCH_SIZE = 25  # cases: a batch takes 0.3 s to start, and 3 s on a cluster
 MAX_BATCH_BYTES = 4 * 2**30  # of one batch
 
 Raw = Mapping[str, Any]  # of the file, as the schema has it
@@ -93,15 +93,15 @@ def _scene(raw: Raw, text: str, name: str, mistakes: Mistakes) -> Scene:
         title=sound("title", ""),
         loads=mistakes.attempt(("loads",), partial(_loads, raw), np.empty(0)),
         studies={study: cases for study, cases in read.items() if cases is not None},
-        batch_size=int(sound("batch", BATCH_SIZE)),
         figures={figure: _figure(figure, raw, mistakes) for figure in _mapping(raw, "figures")},
         claims={claim: tuple(of) for claim, of in _mapping(raw, "claims").items() if isinstance(of, list)},
         contact_edges=sound("contact_edges", False),
         text=text,
     )
-    if not mistakes:
-        mistakes.attempt(("batch",), partial(_check_memory, scene), None)
-    return scene
+    asked = sound("batch", None)
+    if mistakes:
+        return scene
+    return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, asked), 1))
 
 
 def _mapping(raw: Raw, key: str) -> Raw:
@@ -223,14 +223,15 @@ def _check_references(raw: Raw, studies: Raw, mistakes: Mistakes) -> None:
                 mistakes.add([Mistake((*keys, position), f"{what}{suggestion(study, studies)}")])
 
 
-def _check_memory(scene: Scene) -> None:
-    """Refuse batches that do not fit into memory."""
+def _batch_size(scene: Scene, asked: int | None) -> int:
+    """The most cases in a batch, which must fit into memory."""
     methods, _, edges = scene.layout
-    cases = max(map(len, scene.batches.values()))
     variables = len(of_curves(returned_by(methods), edges=False))
-    needed = 8 * cases * scene.loads.size * (len(methods) * variables + edges)
+    case = 8 * scene.loads.size * (len(methods) * variables + edges)
+    needed = case * int(asked or 1)
     if needed > MAX_BATCH_BYTES:
         raise ValueError(
             f"a batch must fit into {MAX_BATCH_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, "
             "fewer loads, or contact_edges: false"
         )
+    return int(asked) if asked else min(MAX_BATCH_CASES, MAX_BATCH_BYTES // case)

@@ -81,7 +81,7 @@ class Section(NamedTuple):
     scene: str = ""
 
 
-def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[Path], path: Path) -> None:
+def write(scene: Scene, contact: Path, figures: Sequence[Path], cost: xr.Dataset, path: Path) -> None:
     """Write the page of a scene, whole or not at all.
 
     Parameters
@@ -92,24 +92,17 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], costs: Sequence[
         The dataset of the scene.
     figures : sequence of path
         PNG files, named as the figures of the scene.
-    costs : sequence of path
-        Files of seconds, one for each batch.
+    cost : Dataset
+        The seconds of each case and method.
     path : path
         The HTML file to write.
     """
     with dataset.reading(contact) as data:
-        text = _page(scene, as_cases(data), figures, [_cost(path) for path in costs])
+        text = _page(scene, as_cases(data), figures, cost)
     write_text(path, text)
 
 
-def _cost(path: Path) -> xr.Dataset:
-    cost = dataset.read(path)
-    if "seconds" not in cost:
-        raise ValueError(f"{path} has no seconds: take the file of costs that `weier batch` wrote")
-    return cost
-
-
-def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequence[xr.Dataset]) -> str:
+def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Dataset) -> str:
     count = data.sizes["case"]
     cases = f"the first {MAX_CASES} of {count} cases" if count > MAX_CASES else f"all {count} cases"
     # Only what the explorer needs: the other parts of the library would double the file.
@@ -131,8 +124,8 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], costs: Sequen
             Section("figures", "Figures", *_figures(scene, figures)),
             _claims(data),
             Section("errors", "Errors", table=_errors(data)),
-            Section("cost", "Cost", table=_costs(data, costs)),
-            *_plans(data, costs),
+            Section("cost", "Cost", table=_costs(cost)),
+            *_plans(data, cost),
             _provenance(data),
         ],
     )
@@ -177,23 +170,26 @@ def _errors(data: xr.Dataset) -> Table:
     return Table(["method", *names, *columns.values()], rows, "numbers")
 
 
-def _costs(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Table:
-    seconds: dict[str, list[float]] = {method: [] for method in data["solution_method"].values.tolist()}
-    for cost in costs:
-        for row, method in enumerate(cost["solution_method"].values.tolist()):
-            known = cost["seconds"].values[:, row]
-            seconds[method].extend(known[np.isfinite(known)].tolist())
+def _costs(cost: xr.Dataset) -> Table:
+    methods, seconds = cost["solution_method"].values.tolist(), cost["seconds"].values.T
+    known = {method: own[np.isfinite(own)] for method, own in zip(methods, seconds, strict=True)}
     rows = [
-        [method, len(times), significant(np.median(times), 2), significant(max(times), 2), significant(sum(times), 3)]
-        for method, times in seconds.items()
-        if times
+        [
+            method,
+            len(times),
+            significant(np.median(times), 2),
+            significant(times.max(), 2),
+            significant(times.sum(), 3),
+        ]
+        for method, times in known.items()
+        if times.size
     ]
     return Table(["method", "curves", "median, s", "longest, s", "all, s"], rows, "numbers")
 
 
-def _plans(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[Section]:
+def _plans(data: xr.Dataset, cost: xr.Dataset) -> list[Section]:
     """The section that compares plans with what came of them, where something was planned."""
-    rows = plans.rows(data, costs)
+    rows = plans.rows(data, cost)
     table = Table(plans.HEADER, rows, "numbers")
     return [Section("plans", "Plan and cost", [plans.NOTE], table=table)] if rows else []
 

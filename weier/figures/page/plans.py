@@ -39,21 +39,21 @@ class PlannedCase(NamedTuple):
     measured: float
 
 
-def rows(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> list[list[object]]:
+def rows(data: xr.Dataset, cost: xr.Dataset) -> list[list[object]]:
     """A row of the table for each combination of methods that was planned, and one for all cases.
 
     There are none where nothing was planned.
     """
-    outcomes = list(_outcomes(data, costs))
+    outcomes = list(_outcomes(data, cost))
     combinations = list(dict.fromkeys(each.methods for each in outcomes))
     table = [_row(methods, [each for each in outcomes if each.methods == methods]) for methods in combinations]
     return [*table, _row("all", outcomes)] if len(combinations) > 1 else table
 
 
-def _outcomes(data: xr.Dataset, costs: Sequence[xr.Dataset]) -> Iterator[PlannedCase]:
+def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[PlannedCase]:
     if PLANNED not in data["solution_method"].values:
         return
-    seconds = {key: took for cost in costs for key, took in _seconds(cost)}
+    seconds = dict(_seconds(cost))
     planned = data.sel(solution_method=PLANNED)
     for number in np.flatnonzero(planned["status"].values != Status.not_requested):
         case = planned.isel(case=number)

@@ -14,6 +14,7 @@ from weier.data.check import Check
 from weier.data.files import write_text
 from weier.data.variables import flags
 from weier.pipeline import curves
+from weier.pipeline.batches import Solutions
 from weier.pipeline.claims.claim import CLAIMS, Claim, Measured
 from weier.pipeline.claims.paper import CRITERIA
 from weier.pipeline.claims.readings import MissingError
@@ -37,15 +38,13 @@ def _unknown(name: str) -> str:
     return f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
 
 
-def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> None:
+def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     """Evaluate the claims of a scene; write its whole dataset with them, and a Markdown table of them.
 
     Parameters
     ----------
-    scene : Scene
-        Names the claims, and the studies each looks at.
-    batches : path
-        The folder of all its batches.
+    solutions : Solutions
+        Of the scene, which names the claims and the studies each looks at.
     path, table : path
         The netCDF file and the Markdown file to write.
 
@@ -55,18 +54,15 @@ def write(scene: Scene, batches: Path, path: str | Path, table: str | Path) -> N
         If the scene names a claim that is not in CLAIMS.
 
     """
-    from weier.pipeline.gather import batch_file, gather, read_study  # xarray, which the names of claims do without
-    from weier.pipeline.labels import case_labels
+    from weier.pipeline.gather import gather, read_study  # xarray, which the names of claims do without
 
     # Only the studies that claims look at are ever in memory, each read once.
-    study = cache(partial(read_study, scene, batches=batches))
-    measured = {name: evaluate(name, [study(each) for each in names]) for name, names in scene.claims.items()}
-    files = [batch_file(batches, batch) for batch in scene.batches]
-    step = "checked against the paper" if measured else "gathered"
-    labels, columns = case_labels(scene), _columns(measured)
-    keys = [case.key for case in scene.distinct]
-    gather(files, keys, path, scene.title, step=step, scene=scene.text, labels=labels, more=columns)
-    write_text(table, _markdown(scene.title, measured))
+    study = cache(partial(read_study, solutions))
+    measured = {
+        name: evaluate(name, [study(each) for each in names]) for name, names in solutions.scene.claims.items()
+    }
+    gather(solutions, path, "checked against the paper" if measured else "gathered", _columns(measured))
+    write_text(table, _markdown(solutions.scene.title, measured))
 
 
 def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Measured:

@@ -1,0 +1,195 @@
+"""Which curves of a scene are solved, in which files, and how those that are missing are cut into batches.
+
+A batch is described by a file of JSON, which holds all that its numbers depend on: the cases, their loads, and a
+digest of the program. A digest of this is its name. So what is solved never changes under its name, and is found
+again curve by curve, whatever a scene has asked for since.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from weier.data.files import write_text
+from weier.kernels.arrays import Array
+from weier.methods.registry import find_method, names
+from weier.pipeline.digests import NUMBERS, digest, digest_of_program
+from weier.scene.case import Case
+from weier.scene.cases import Scene
+
+MIN_SECONDS = 10.0  # of a batch: to start one takes one or two
+MAX_SECONDS = 120.0  # of a batch, which is lost when it is killed
+START_SECONDS = 1.0  # what a batch must be worth where there are fewer than one for each core
+BATCHES_PER_CORE = 2  # so that the last ones to end leave no core idle for long
+CASE_SECONDS = 1e-3  # of the closed forms of a case, and of what is written for it
+
+
+class Place(NamedTuple):
+    """Where a curve is kept: the description of its batch, and the number of its case there."""
+
+    batch: Path
+    row: int
+
+
+class Missing(NamedTuple):
+    """A case with those of its methods that have not solved it, and the studies that it stands in."""
+
+    case: Case
+    studies: tuple[str, ...]
+
+
+class Solutions:
+    """The curves of a scene in a folder of batches.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose curves these are.
+    folder : path
+        For each batch its description, NAME.json, and its curves once it is solved, NAME.nc.
+    """
+
+    def __init__(self, scene: Scene, folder: str | Path) -> None:
+        self.scene, self.folder = scene, Path(folder)
+        self.common = {
+            "program": digest_of_program(*NUMBERS),
+            "loads": scene.loads.tolist(),
+            "contact_edges": scene.contact_edges,
+        }
+
+    @cached_property
+    def _solved(self) -> dict[str, Place]:
+        """Where each curve is that this program has solved under the loads of the scene, by `Case.curves`."""
+        found: dict[str, Place] = {}
+        for path in sorted(self.folder.glob("*.json")):
+            if path.with_suffix(".nc").exists() and (batch := read_batch(path)).common == self.common:
+                for row, case in enumerate(batch.cases):
+                    for curve in case.curves.values():
+                        found.setdefault(curve, Place(path, row))
+        return found
+
+    def places(self, case: Case) -> dict[str, Place]:
+        """Where the curve of each method of a case is; a ValueError if one is not solved."""
+        try:
+            return {method: self._solved[curve] for method, curve in case.curves.items()}
+        except KeyError:
+            raise ValueError(
+                f"{case.profile.describe()} is not solved by all of {', '.join(case.methods)} in {self.folder}: "
+                "run snakemake again"
+            ) from None
+
+    def files(self, studies: Collection[str] = (), cores: int = 1) -> list[Path]:
+        """The batches that hold some studies, or all of them: those that are there, and those to be made.
+
+        What is to be made for so many cores is described here. It holds nothing but cases of these studies. Where
+        some are named, cases of the same studies come together, so that two figures ask for the same batches.
+        """
+        here, missing = set[Path](), dict[tuple[str, ...], list[Missing]]()
+        for case, home in zip(self.scene.distinct, self.scene.studies_of_cases, strict=True):
+            if not studies or not set(home).isdisjoint(studies):
+                here |= {self._solved[curve].batch for curve in case.curves.values() if curve in self._solved}
+                group = missing.setdefault(home if studies else (), [])
+                group += [Missing(case.by(lacking), home)] if (lacking := self._lacking(case)) else []
+        cut = (part for group in missing.values() for part in cut_into_batches(group, self.scene, cores))
+        return [path.with_suffix(".nc") for path in (*sorted(here), *map(self._describe, cut))]
+
+    def _lacking(self, case: Case) -> tuple[str, ...]:
+        """The methods of a case that have not solved it."""
+        return tuple(method for method, curve in case.curves.items() if curve not in self._solved)
+
+    def _describe(self, members: Sequence[Missing]) -> Path:
+        """The description of a batch of these cases, which is written unless it is there."""
+        of = list(dict.fromkeys(study for _, home in members for study in home))
+        content = self.common | {"cases": [[case.parameters, case.methods, case.settings] for case, _ in members]}
+        path = self.folder / f"{of[0]}-{digest(content)[:12]}.json"
+        if not path.exists():
+            seconds = sum(expected_seconds(case, self.scene.loads) for case, _ in members)
+            write_text(path, json.dumps(content | {"studies": of, "seconds": seconds}))
+        return path
+
+    def tidy(self) -> None:
+        """Remove batches of another state of the program, and descriptions of what was never solved."""
+        for path in self.folder.glob("*.json"):
+            if not path.with_suffix(".nc").exists() or read_batch(path).common["program"] != self.common["program"]:
+                path.unlink()
+                path.with_suffix(".nc").unlink(missing_ok=True)
+                (self.folder.parent / "cost" / f"{path.stem}.nc").unlink(missing_ok=True)
+
+
+class Batch(NamedTuple):
+    """What the description of a batch says.
+
+    common : what it shares with all batches of its scene: program, loads and contact_edges
+    cases : with the methods to solve them by
+    studies : which the cases stand in, for people
+    seconds : that it takes on one core, as far as the methods know
+    """
+
+    common: Mapping[str, Any]
+    cases: list[Case]
+    studies: list[str]
+    seconds: float
+
+    @property
+    def scene(self) -> Scene:
+        """A scene of its loads, for which it is solved."""
+        loads, edges = np.array(self.common["loads"]), self.common["contact_edges"]
+        return Scene("batch", self.title, loads, {}, contact_edges=edges)
+
+    @property
+    def methods(self) -> list[str]:
+        """The methods that it runs, or that a plan may choose to run."""
+        used = [find_method(method) for case in self.cases for method in case.methods]
+        return (
+            names() if any(method.runs_others for method in used) else list(dict.fromkeys(each.name for each in used))
+        )
+
+    @property
+    def title(self) -> str:
+        """What it holds, in a few words."""
+        first, last = self.studies[0], self.studies[-1]
+        count = f"{len(self.cases)} case{'s' * (len(self.cases) > 1)}"
+        return f"{count} of {first}" if first == last else f"{count} from {first} to {last}"
+
+
+def read_batch(path: str | Path) -> Batch:
+    """The description of a batch; a ValueError if it is none."""
+    try:
+        raw = json.loads(Path(path).read_text(encoding="utf-8"))
+        cases = [Case(parameters, tuple(methods), settings) for parameters, methods, settings in raw.pop("cases")]
+        return Batch(studies=raw.pop("studies"), seconds=raw.pop("seconds"), cases=cases, common=raw)
+    except (OSError, TypeError, KeyError, ValueError) as error:
+        raise ValueError(f"{path} does not describe a batch: delete it and run snakemake again ({error})") from None
+
+
+def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> list[Sequence[Missing]]:
+    """Neighbours together, in batches of about the same seconds: two for each core, unless these are too short.
+
+    No batch takes longer than `MAX_SECONDS`, as far as that is known, unless a case alone does, and none has more
+    cases than the scene allows.
+    """
+    if not members:
+        return []
+    seconds = np.array([expected_seconds(case, scene.loads) for case, _ in members])
+    total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
+    few, many = min(cores, math.ceil(total / START_SECONDS)), min(BATCHES_PER_CORE * cores, int(total / MIN_SECONDS))
+    number = np.floor(max(few, many, math.ceil(total / MAX_SECONDS)) * middle / total)
+    ends = [*(np.flatnonzero(np.diff(number)) + 1).tolist(), len(members)]
+    parts = []
+    for start, end in zip([0, *ends], ends, strict=False):
+        size = math.ceil((end - start) / math.ceil((end - start) / scene.batch_size))
+        parts += [members[first : min(first + size, end)] for first in range(start, end, size)]
+    return parts
+
+
+def expected_seconds(case: Case, loads: Array) -> float:
+    """The seconds that all methods of a case take at their default settings, at most."""
+    methods = [find_method(name) for name in case.methods]
+    known = [method.seconds(case.profile, loads) for method in methods if method.takes(case.profile)]
+    return CASE_SECONDS + sum(known)
