@@ -210,7 +210,8 @@ def test_a_bad_scene_stops_before_anything_runs(finished):
     done = subprocess.run(command, cwd=finished, capture_output=True, text=True)
     path.write_text(SCENE)
     assert done.returncode != 0
-    assert "config/scenes/test.yaml: the top level" in done.stdout + done.stderr
+    assert "config/scenes/test.yaml" in done.stdout + done.stderr
+    assert "lods" in done.stdout + done.stderr
 
 
 def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
