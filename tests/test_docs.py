@@ -21,7 +21,8 @@ from weier.data.check import Check
 from weier.figures import kinds
 from weier.methods import registry
 from weier.pipeline import batch, claims, curves
-from weier.pipeline.claims import claim, paper
+from weier.pipeline.claims import paper
+from weier.pipeline.claims.ensemble import judge
 from weier.scene.schema import schema
 
 
@@ -127,20 +128,14 @@ def test_the_figure_of_contributing_is_drawn(two_profiles):
     assert {"Demelio", "contact patches"} <= {text.get_text() for each in figure.legends for text in each.get_texts()}
 
 
-def test_the_claim_of_contributing_is_measured(two_profiles, monkeypatch):
-    (code,) = (code for code in examples("python") if "@claim" in code)
-    monkeypatch.setattr("weier.pipeline.claims.claim.CLAIMS", {})
-    names = dict(vars(paper))
-    exec(compile(code, "CONTRIBUTING.md", "exec"), names)
-    ((name, entered),) = claim.CLAIMS.items()
-    assert entered.measure is names[name]
+def test_the_claim_of_contributing_is_measured(two_profiles):
+    (row,) = (code for code in examples("python") if "Claim(" in code)
+    ((_, entered),) = eval(f"{{{row}}}", dict(vars(paper))).items()
     largest = two_profiles["resistance"].sel(solution_method="patches").diff("mean_pressure").max("mean_pressure")
-    measured = entered.measure(curves.cases([two_profiles]))
-    assert measured.value == pytest.approx(largest.max().item())
-    assert measured.text.startswith(
-        "Largest change of the numerical resistance from one load to the next, in g_0/p_0*"
-    )
-    assert measured.outcome == Check.not_decided  # too few profiles
+    judged = judge(entered, curves.cases([two_profiles]))
+    assert judged.decisive.value == pytest.approx(largest.max().item())
+    assert judged.decisive.quantity == "largest change of the numerical resistance from one load to the next"
+    assert judged.outcome == Check.not_decided  # too few profiles
 
 
 def test_rows_of_tables_in_contributing_are_those_of_the_project():

@@ -16,9 +16,12 @@ from weier.data.check import Check
 from weier.data.dataset import Status
 from weier.figures import kinds, page, style
 from weier.figures.page import explorer, plans
+from weier.figures.page.claims import list_claims
 from weier.figures.page.formulae import typeset
 from weier.methods import registry
 from weier.pipeline import claims
+from weier.pipeline.claims.claim import Finding
+from weier.pipeline.claims.report import to_dataset
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
@@ -100,7 +103,7 @@ def test_same_data_same_page(folder):
 def test_costs_and_states_are_counted(folder):
     text = (folder / "page.html").read_text(encoding="utf-8")
     assert "<td>bem</td><td>4</td><td>0.5</td><td>0.5</td><td>2</td>" in text
-    assert "<td>bem</td><td>4</td><td>0</td><td>0</td><td>0</td>" in text
+    assert "<td>bem</td><td>4</td><td>0</td><td>0</td>" in text
 
 
 def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
@@ -114,13 +117,14 @@ def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
 
 def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
     data = dataset.blank(2, METHODS, LOADS, 3)
+    data["status"].values[:] = Status.solved
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
     data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
     table = page._errors(data)
     assert table.rows == [
-        ["demelio", 0, 2, 0, 0, "", "", ""],
-        ["bem", 0, 2, 0, 0, "7.0e-05", "inf", "3.0e-11"],
+        ["demelio", 2, 0, 0, "", "", ""],
+        ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"],
     ]
     assert sum("expected" in heading for heading in table.header) == 2
     without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
@@ -187,42 +191,70 @@ def test_the_page_says_what_its_date_is(folder):
     assert f"<td>{typeset(comment)}</td>" in (folder / "page.html").read_text(encoding="utf-8")
 
 
-OUTCOMES = {"archard_above": Check.yes, "demelio_below": Check.no, "layer_close": Check.not_decided}
+def judged(outcome, votes=(Check.yes, Check.no)):
+    """A claim with two conditions, on which two profiles say the same or not."""
+    words = "All <b>is well</b>", "error", "g_0", "D = 1.25", "at most 0.1 g_0", 0.1, 0.125, 1
+    findings = (
+        Finding(*words, 0.3, [0.05, 0.3], list(votes), outcome),
+        Finding(*words, 0, [0, 0], [1, 1], Check.yes),
+    )
+    return claims.Judgement("The error is small.", outcome, findings)
 
 
-def test_a_claim_is_a_card_that_says_why(folder):
-    measured = {
-        name: claims.Measured(
-            f"Error of {name}: 1.5e-04 g_0.\nIts mean: 2.", f"It is {outcome.text}.\nWhy.", outcome=outcome
-        )
-        for name, outcome in OUTCOMES.items()
-    }
-    section = page._claims(dataset.blank(1, METHODS, LOADS, 3).merge(claims._columns(measured)))
-    assert [(claim.name, claim.outcome) for claim in section.claims] == list(OUTCOMES.items())
-    assert [claim.reasons for claim in section.claims] == [
-        [f"It is {word}.", "Why."] for word in ("yes", "no", "not decided")
-    ]
-    assert section.claims[0].measured == ["Error of archard_above: 1.5e-04 g_0.", "Its mean: 2."]
-
-
-def test_a_claim_says_first_why_it_does_not_hold_and_then_a_number_a_line(folder, tmp_path):
+def test_a_claim_is_a_line_with_the_number_that_decides_and_everything_else_folded(folder, tmp_path):
     """A paragraph of twenty lines of numbers was ahead of the one sentence that explains a no."""
-    data = dataset.blank(1, METHODS, LOADS, 3)
-    measured = claims.Measured(
-        "Error: 2 for D = 1.25.\nIts mean: 1.", "It does not hold.\nFour contradict.", outcome=Check.no
-    )
-    dataset.write(
-        data.merge(claims._columns({"archard_above": measured})), tmp_path / "contact.nc", "Claim", "solved"
-    )
+    data = dataset.blank(1, METHODS, LOADS, 3).merge(to_dataset({"one": judged(Check.no)}))
+    dataset.write(data, tmp_path / "contact.nc", "Claim", "solved")
     page.write(
         load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], NO_COST, tmp_path / "page.html"
     )
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    card = re.sub(r"\s*\n\s*", "", re.search(r'<article class="claim no".*?</article>', text, re.DOTALL).group())
-    assert card.endswith(
-        "<p><b>It does not hold.</b></p><ul><li>Four contradict.</li></ul><p><b>Measured here:</b></p>"
-        "<ul><li>Error: 2 for <i>D</i>&nbsp;=&nbsp;1.25.</li><li>Its mean: 1.</li></ul></article>"
+    (card,) = re.findall(r'<details class="claim no" id="one">.*?</details>', text, re.DOTALL)
+    line, below = re.sub(r"\s*\n\s*", "", card).split("</summary>")
+    assert line.endswith(
+        "<strong>no</strong> <q>The error is small.</q><span>Error: 0.3 <i>g<sub>0</sub></i>; limit: at most 0.1 "
+        "<i>g<sub>0</sub></i>; 1 of 2 say yes, 1 say no</span>"
     )
+    assert below.count("<tr>") == 3
+    assert "&lt;b&gt;" in below
+
+
+def test_profiles_that_disagree_have_a_picture():
+    def pictures(*votes):
+        data = dataset.blank(1, METHODS, LOADS, 3).merge(to_dataset({"one": judged(Check.no, votes)}))
+        (shown,) = list_claims(data)
+        return shown.pictures
+
+    assert pictures(Check.no, Check.no) == []
+    (picture,) = pictures(Check.yes, Check.no)
+    dots = re.findall(r'circle class="(\w+)" cx="([\d.]+)"', picture.drawing)
+    assert [name for name, _ in dots] == ["yes", "no"]
+    (limit,) = re.findall(r'rect x="([\d.]+)"', picture.drawing)
+    assert float(dots[0][1]) < float(limit) < float(dots[1][1])
+
+
+def test_errors_of_different_settings_stand_in_different_rows():
+    """The errors of a dozen elements were told as those of the method."""
+    data = dataset.blank(3, METHODS, LOADS, 3)
+    data["status"].values[:, 1] = Status.solved
+    data["compliance_error"].values[:, 1] = np.array([1e-6, 3e-2, 2e-6])[:, None]
+    labelled = data.assign_coords(
+        bem_points=("case", [np.nan, 12, np.nan]), bem_edges=("case", ["between", "nodes", "between"])
+    )
+    table = page._errors(labelled)
+    assert [row[0] for row in table.rows] == ["bem, edges between", "bem, points 12, edges nodes"]
+    assert [row[4] for row in table.rows] == ["2.0e-06", "3.0e-02"]
+
+
+def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
+    data = dataset.blank(4, METHODS, LOADS, 3)
+    data["compliance"].values[:] = data["resistance"].values[:] = 1.0
+    data["D"].values[:], data["gamma"].values[:] = 1.5, 5
+    data["m"].values[:], data["phases"].values[:, :2] = [3, 1, 10, 3], [[0, 1]] * 4
+    data = data.assign_coords(seed=("case", [7.0, np.nan, 8.0, 9.0]))
+    made = explorer.curve_explorer(data)
+    assert made.select_one({"name": "m"}).options == ["1", "3", "10"]
+    assert explorer._labels(data, "phase") == ["seed 7: 0, 1", "1", "seed 8: 0, 1", "seed 9: 0, 1"]
 
 
 def test_the_contents_lead_to_every_section(folder):
@@ -373,7 +405,7 @@ const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
   (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
 const measure = () => {
   if (find(document, "canvas").length < 2) return setTimeout(measure, 200)
-  const parts = find(document, "select, canvas, input, img, article, nav")
+  const parts = find(document, "select, canvas, input, img, details, nav")
   const ends = parts.map((each) => each.getBoundingClientRect().right)
   const { clientWidth, scrollWidth } = document.documentElement
   parent.postMessage({ window: clientWidth, page: scrollWidth, ends }, "*")
@@ -394,8 +426,7 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
-    measured = claims.Measured("a number with words " * 30, "It does not hold. " * 9, outcome=Check.no)
-    data = data.merge(claims._columns({"archard_above": measured}))
+    data = data.merge(to_dataset({"archard_above": judged(Check.no)}))
     dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
     page.write(
         load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], NO_COST, tmp_path / "page.html"

@@ -21,21 +21,24 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from weier.data import dataset, provenance
-from weier.data.check import Check
 from weier.data.dataset import Status
 from weier.data.files import write_text
 from weier.data.selection import as_cases
 from weier.data.variables import VARIABLES
 from weier.figures.captions import caption
 from weier.figures.page import plans
-from weier.figures.page.cells import largest
+from weier.figures.page.cells import coordinate_text, largest
+from weier.figures.page.claims import ShownClaim, list_claims
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.figures.page.formulae import typeset
-from weier.pipeline.claims.paper import CRITERIA
+from weier.pipeline.claims.paper import MEANINGS, RULE
 from weier.scene import Scene
 from weier.theory.tables import significant
 
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
+PICTURES = (
+    "In the pictures, a dot is a profile, and the grey part of the line is too close to the limit to be called."
+)
 EXPLORER_ID = ID("curves-explorer")
 VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
 PROVENANCE = ("source", "git_commit", *VERSIONS, "date_created", "comment", "history", "references", "license")
@@ -57,16 +60,6 @@ class ShownFigure(NamedTuple):
     text: str
     alternative: str
     picture: str
-
-
-class ShownClaim(NamedTuple):
-    """A claim, with the sentences that say why it does not hold or is not decided, and those with the numbers."""
-
-    name: str
-    statement: str
-    reasons: Sequence[str]
-    measured: Sequence[str]
-    outcome: Check
 
 
 class Section(NamedTuple):
@@ -147,27 +140,34 @@ def _figure(scene: Scene, path: Path) -> ShownFigure:
 
 
 def _claims(data: xr.Dataset) -> Section:
-    if "claim" not in data.variables:
+    shown = list_claims(data)
+    if not shown:
         return Section("claims", "Claims", ["This scene checks no claims."])
-    names = ("claim", "claim_statement", "claim_measured", "claim_reason", "claim_holds")
-    rows = zip(*(data[name].values.tolist() for name in names), strict=True)
-    shown = [
-        ShownClaim(name, says, reason.splitlines(), measured.splitlines(), Check(holds))
-        for name, says, measured, reason, holds in rows
-    ]
-    return Section("claims", "Claims", CRITERIA.split("\n\n"), claims=shown)
+    return Section("claims", "Claims", [RULE, PICTURES, MEANINGS], claims=shown)
 
 
 def _errors(data: xr.Dataset) -> Table:
-    """How many cases each method solved or did not, and the largest residual and expected errors."""
+    """How many cases each variant of a method solved or did not, and the largest residual and expected errors."""
     columns = {name: heading for name, heading in ERRORS.items() if name in data and data[name].notnull().any()}
+    states = [each for each in Status if each != Status.not_requested]
     rows = []
     for row, method in enumerate(data["solution_method"].values.tolist()):
-        status = data["status"][:, row].values
-        counts = [int((status == each).sum()) for each in Status]
-        rows.append([method, *counts, *(largest(data[name][:, row].values) for name in columns)])
-    names = [each.name.replace("_", " ") for each in Status]
-    return Table(["method", *names, *columns.values()], rows, "numbers")
+        for variant, cases in _variants(data, row, method).items():
+            status = data["status"].values[cases, row]
+            counts = [int((status == each).sum()) for each in states]
+            rows.append([variant, *counts, *(largest(data[name].values[cases, row]) for name in columns)])
+    return Table(["method", *(each.name.replace("_", " ") for each in states), *columns.values()], rows, "numbers")
+
+
+def _variants(data: xr.Dataset, row: int, method: str) -> dict[str, list[int]]:
+    """The cases that a method was asked for, by the method with those of its settings that differ between cases."""
+    names = [str(name) for name in data.coords if str(name).startswith(f"{method}_") and data[name].dims == ("case",)]
+    settings = {name.removeprefix(f"{method}_").replace("_", " "): data[name].values.tolist() for name in names}
+    found: dict[str, list[int]] = {}
+    for case in np.flatnonzero(data["status"].values[:, row] != Status.not_requested).tolist():
+        own = [f"{name} {text}" for name, values in settings.items() if (text := coordinate_text(values[case]))]
+        found.setdefault(", ".join([method, *own]), []).append(case)
+    return found
 
 
 def _costs(cost: xr.Dataset) -> Table:

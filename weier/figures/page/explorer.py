@@ -15,6 +15,7 @@ from bokeh.plotting import figure
 
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
+from weier.figures.page.cells import coordinate_text
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
 LABELS = ("D", "gamma", "m", "phase", "case")  # the last tells apart what is left: studies, seeds and settings
@@ -43,6 +44,7 @@ def curve_explorer(data: xr.Dataset) -> Column:
         In memory, over case, solution_method and mean_pressure.
 
     """
+    data = data.isel(case=np.lexsort([data[name].values for name in ("m", "gamma", "D")]))
     labels = {name: _labels(data, name) for name in LABELS}
     methods = data["solution_method"].values.tolist()
     table = {f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()
@@ -89,13 +91,17 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
         return _case_labels(data)
     if name != "phase":
         return [f"{value:.6g}" for value in data[name].values.tolist()]
-    return [_phase_label(phase[np.isfinite(phase)]) for phase in data["phases"].values]
+    seeds = data["seed"].values if "seed" in data.variables else np.full(data.sizes["case"], np.nan)
+    return [
+        _phase_label(phase[np.isfinite(phase)], seed)
+        for phase, seed in zip(data["phases"].values, seeds, strict=True)
+    ]
 
 
 def _case_labels(data: xr.Dataset) -> list[str]:
     """Study, seed and settings of each case, unless they are the same for all; numbered where nothing differs."""
-    names = [name for name in data.coords if data[name].dims == ("case",) and name not in ("key", *LABELS)]
-    columns = {str(name): [_text(value) for value in data[name].values.tolist()] for name in names}
+    names = [name for name in data.coords if data[name].dims == ("case",) and name not in ("key", "seed", *LABELS)]
+    columns = {str(name): [coordinate_text(value) for value in data[name].values.tolist()] for name in names}
     differing = {name.replace("_", " "): texts for name, texts in columns.items() if len(set(texts)) > 1}
     found = [", ".join(f"{name} {texts[case]}" for name, texts in differing.items() if texts[case])
              for case in range(data.sizes["case"])]  # fmt: skip
@@ -109,13 +115,10 @@ def _case_labels(data: xr.Dataset) -> list[str]:
     return labels
 
 
-def _text(value: Any) -> str:
-    """A label as text: none where it is missing."""
-    return value if isinstance(value, str) else f"{value:.6g}" if np.isfinite(value) else ""
-
-
-def _phase_label(phase: Any) -> str:
-    """The phase of all terms but the first, or all phases where these differ."""
+def _phase_label(phase: Any, seed: float) -> str:
+    """The phase of all terms but the first, or all phases where these differ, with the seed of random ones."""
+    if np.isfinite(seed):
+        return f"seed {seed:g}: {', '.join(f'{value:.3g}' for value in phase)}".rstrip(": ")
     if phase.size < 2:
         return "any" if phase.size == 0 or phase[0] == 0 else f"{phase[0]:.4g}"
     equal = phase[0] == 0 and np.ptp(phase[1:]) == 0

@@ -1,57 +1,163 @@
-"""What a claim is: a statement of the paper, and a function that judges it on the cases of a scene."""
+"""What a claim is: a statement of the paper, and the conditions that it says of profiles of any phases."""
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-import numpy as np
-
 from weier.data.check import Check
+from weier.theory.tables import significant
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Cases: TypeAlias = "Sequence[xr.Dataset]"
+OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and this times it, nothing is decided
 
 
-class Measured(NamedTuple):
-    """What was measured for a claim.
+class Kind(enum.Enum):
+    """What a statement is about."""
 
-    text : the numbers, in words, a line a condition
-    reason : why the statement does not hold or is not decided, a sentence a line; empty where it holds
-    value, spread : the quantity of the claim, as the mean over an ensemble, and its standard deviation
-    members : how many profiles of different phases these are of
-    outcome : whether the statement holds
+    every = "every member: one that contradicts is enough for a no"
+    most = "most members: a tendency"
+
+
+class Limits(NamedTuple):
+    """The value up to which a condition is met, and the one from which it is missed.
+
+    sign : 1 where larger values are worse, -1 where smaller ones are
+    word, nominal : the limit in words: "at most", 0.05
+    """
+
+    met: float
+    missed: float
+    sign: int
+    word: str
+    nominal: float
+
+    def check(self, value: float, uncertainty: float) -> Check:
+        """Whether a value meets the condition, or lies between, or too close to tell."""
+        if self.sign * (self.met - value) >= uncertainty:
+            return Check.yes
+        return Check.no if self.sign * (value - self.missed) >= uncertainty else Check.not_decided
+
+
+def at_most(limit: float, factor: float = OPEN_FACTOR) -> Limits:
+    """For values that must not exceed a limit; up to `factor` times it nothing is decided."""
+    return Limits(limit, factor * limit, 1, "at most", limit)
+
+
+def at_least(limit: float, factor: float = OPEN_FACTOR) -> Limits:
+    """For values that must reach a limit, and decide nothing below `factor` times it."""
+    return Limits(factor * limit, limit, -1, "at least", limit)
+
+
+def negative(error: float) -> Limits:
+    """For values below 0 whose sign is unknown within an error."""
+    return Limits(-error, error, 1, "below", 0.0)
+
+
+def positive(error: float) -> Limits:
+    """For values above 0 whose sign is unknown within an error."""
+    return Limits(error, -error, -1, "above", 0.0)
+
+
+class Condition(NamedTuple):
+    """One part of what a statement says.
+
+    text : the part, as a clause
+    quantity, unit : what is measured for it; "%" for parts of a whole, empty for a number
+    measure : from the cases of one member to the value
+    limits : of the value
+    kind : whether it is about every member or about most
+    ensembles : which of the ensembles it is about
     """
 
     text: str
-    reason: str = ""
-    value: float = np.nan
-    spread: float = np.nan
-    members: int = 0
-    outcome: Check = Check.not_measured
+    quantity: str
+    unit: str
+    measure: Callable[..., float]
+    limits: Limits
+    kind: Kind = Kind.every
+    ensembles: slice = slice(None)
 
 
-class Claim(NamedTuple):
-    """A statement of the paper, the quantity measured for it, the paper's value of that (NaN for none), and how."""
+class Ensemble(NamedTuple):
+    """Profiles that differ in their phases alone; the cases of a member have its phases.
+
+    complete : whether its members are all there are, so that their number does not matter
+    """
+
+    name: str
+    members: tuple[Cases, ...]
+    complete: bool = False
+
+
+class Claim:
+    """A statement of the paper, how the cases of a scene make ensembles to judge it on, and its conditions."""
+
+    def __init__(self, statement: str, ensembles: Callable[[Cases], list[Ensemble]], *conditions: Condition) -> None:
+        self.statement, self.ensembles, self.conditions = statement, ensembles, conditions
+
+
+class Finding(NamedTuple):
+    """A condition on one ensemble, as a file holds it.
+
+    statement, quantity, unit, ensemble : in words
+    limit, met, missed, sign : the limit in words, and as in `Limits`
+    value : what decides: the worst member of all, or the middle one where most count
+    values, checks : of each member
+    outcome : of all
+    """
 
     statement: str
     quantity: str
-    paper_value: float
-    measure: Callable[[Cases], Measured]
+    unit: str
+    ensemble: str
+    limit: str
+    met: float
+    missed: float
+    sign: int
+    value: float
+    values: Sequence[float]
+    checks: Sequence[int]
+    outcome: int
+
+    @property
+    def votes(self) -> str:
+        """How many members say what."""
+        total = len(self.checks)
+        counts = [(self.checks.count(check), words) for check, words in VOTES.items() if check in self.checks]
+        if total == 1:
+            return "too close to call" if Check.not_decided in self.checks else ""
+        if len(counts) == 1:
+            return f"all {total} {'are ' * (Check.not_decided in self.checks)}{counts[0][1]}"
+        (first, words), *others = counts
+        return ", ".join([f"{first} of {total} {words}", *(f"{count} {words}" for count, words in others)])
 
 
-CLAIMS: dict[str, Claim] = {}  # by the names of their functions
+VOTES = {Check.yes: "say yes", Check.no: "say no", Check.not_decided: "too close to call"}
 
 
-def claim(
-    statement: str, quantity: str, paper_value: float = np.nan
-) -> Callable[[Callable[[Cases], Measured]], Callable[[Cases], Measured]]:
-    """Enter the function below into CLAIMS, with its words: the decorator that makes a claim of a function."""
+class Judgement(NamedTuple):
+    """What came of a claim; what the studies lack for it where it could not be measured."""
 
-    def enter(measure: Callable[[Cases], Measured]) -> Callable[[Cases], Measured]:
-        CLAIMS[measure.__name__] = Claim(statement, quantity, paper_value, measure)
-        return measure
+    statement: str
+    outcome: Check
+    findings: tuple[Finding, ...] = ()
+    missing: str = ""
 
-    return enter
+    @property
+    def decisive(self) -> Finding:
+        """The finding that the outcome rests on: of the first condition with it, where the value is worst."""
+        same = [each for each in self.findings if each.outcome == self.outcome]
+        first = [each for each in same if each.statement == same[0].statement]
+        return max(first, key=lambda each: each.sign * each.value)
+
+
+def written(value: float, unit: str) -> str:
+    """A value in its unit, with two digits."""
+    if value == 0:
+        return "0"
+    return f"{significant(100 * value, 2)} %" if unit == "%" else f"{significant(value, 2)} {unit}".rstrip()

@@ -1,0 +1,232 @@
+"""What the claims measure on the cases of a profile, in numbers.
+
+"The numerical curve" of a case is that of the most accurate method that solved it. An excess or error is of an
+estimate over the numerical curve. Averages are over the load, which is the axis of the paper's figures, and ranges of
+loads end at interpolated compliances, so that no number depends on how the loads are spaced.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags
+from weier.methods.registry import find_method
+from weier.pipeline import curves
+from weier.theory.bounds import compliance_bounds, resistance_bounds
+from weier.theory.series import tail_amplitude
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ESTIMATES = ("archard", "demelio", "layer")  # the three approximations of Section 4
+LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, high loads above
+# Resistances are compared in this range of compliance over that at full contact. Below it one contact carries
+# everything, and above it the resistance vanishes, so that no ratio has a meaning.
+INTERMEDIATE = (0.1, 0.9)
+MAX_ALIGNED_ANGLE = np.pi / 6  # "close to zero and pi": no farther from them than this
+ROUNDING = 1e-9  # a difference that rounding may make, of numbers close to 1
+
+
+class MissingError(ValueError):
+    """The studies lack what a claim is about."""
+
+
+def need(available: object, what: str) -> None:
+    """Raise MissingError if something that a claim needs is not available."""
+    if not available:
+        raise MissingError(f"there are no {what}")
+
+
+def curve(case: xr.Dataset, method: str, quantity: str = "compliance") -> Array:
+    """The values of a quantity over the loads by one method; raises MissingError if the method has none."""
+    values = curves.curve(case, quantity, method)
+    if values is None:
+        raise MissingError(f"{describe(case)} has no {quantity} by {find_method(method).label}")
+    return values
+
+
+def numerical(case: xr.Dataset, quantity: str = "compliance") -> Array:
+    """The values by the most accurate method that solved the case; raises MissingError if none did."""
+    values = curves.numerical(case, quantity)
+    if values is None:
+        raise MissingError(f"{describe(case)} has no numerical solution")
+    return values
+
+
+def describe(case: xr.Dataset) -> str:
+    """The profile of a case in words."""
+    return curves.profile(case).describe()
+
+
+def _total(case: xr.Dataset) -> float:
+    """The compliance at full contact, sum g_n, in g_0."""
+    return float(case["total_amplitude"])
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max())
+
+
+def _partial_contact(case: xr.Dataset) -> Flags:
+    """At which loads the contact is partial; raises MissingError if at none."""
+    partial: Flags = numerical(case, "contact_fraction") < 1 - ROUNDING
+    need(partial.any(), "loads of partial contact")
+    return partial
+
+
+def _between(case: xr.Dataset, values: Array, low: float, high: float) -> tuple[Array, Array]:
+    """Loads, and values there, where the numerical compliance lies in a range, in parts of that at full contact.
+
+    The ends of the range are interpolated, so that they do not depend on the spacing of the loads. A range up to
+    full contact ends at the last load of partial contact, since all methods agree above. MissingError is raised if
+    the loads do not reach across half of the range.
+    """
+    loads, relative, partial = case["mean_pressure"].values, numerical(case) / _total(case), _partial_contact(case)
+    loads, relative, values = loads[partial], relative[partial], values[partial]
+    middle = (low + high) / 2
+    need(relative[0] < middle < relative[-1], f"loads across {middle:.0%} of the compliance at full contact")
+    ends = np.interp([low, high], relative, loads)
+    inside = (loads > ends[0]) & (loads < ends[1])
+    within = np.concatenate([ends[:1], loads[inside], ends[1:]])
+    return within, np.interp(within, loads, values)
+
+
+def _mean(loads: Array, values: Array) -> float:
+    """The mean of the values over the load, by the trapezoidal rule."""
+    return float(np.trapezoid(values, loads) / (loads[-1] - loads[0]))
+
+
+def errors_of_elements(case: xr.Dataset) -> tuple[float, float]:
+    """The largest relative errors of elements on one wave, with one of them in contact and with more."""
+    h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
+    points = float(case["points"].values[case["solution_method"].values.tolist().index("bem")])
+    single = points * fraction < 1.5
+    need(single.any() and not single.all(), "loads with one element in contact and loads with more")
+    return _largest((h / exact - 1)[single]), _largest((h / exact - 1)[~single])
+
+
+def _relative_curves(phases: tuple[xr.Dataset, ...]) -> Array:
+    """The curves of some phases, shape (phases, loads), relative to the compliance at full contact."""
+    return np.array([numerical(case) / _total(case) for case in phases])
+
+
+def distances_from_average(*phases: xr.Dataset) -> tuple[float, float]:
+    """The largest distance of a curve from the average of all, among phases close to zero and pi and among others."""
+    h, angle = _relative_curves(phases), np.array([curves.phase_angle(case) for case in phases])
+    close = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
+    need(close.any() and not close.all(), "phases close to zero or pi and phases between")
+    distance = h - h.mean(axis=0)
+    return _largest(distance[close]), _largest(distance[~close])
+
+
+def spread_of_phases(*phases: xr.Dataset) -> float:
+    """The largest distance between the curves of two phases."""
+    return float(np.ptp(_relative_curves(phases), axis=0).max())
+
+
+def excess(case: xr.Dataset, method: str) -> Array:
+    """The compliance by an estimate less the numerical one, in g_0, shape (loads,)."""
+    return curve(case, method) - numerical(case)
+
+
+def least_excess(case: xr.Dataset, method: str) -> float:
+    """The least of it in partial contact."""
+    return float(excess(case, method)[_partial_contact(case)].min())
+
+
+def excess_at_low_loads(case: xr.Dataset, method: str) -> Array:
+    """All of it at low loads."""
+    return _between(case, excess(case, method), 0, LOW_COMPLIANCE)[1]
+
+
+def mean_excess_at_high_loads(case: xr.Dataset, method: str) -> float:
+    """The mean of it at high loads."""
+    return _mean(*_between(case, excess(case, method), LOW_COMPLIANCE, 1))
+
+
+def error_at_low_loads(case: xr.Dataset, method: str) -> float:
+    """The largest size of it at low loads, of full contact."""
+    return _largest(excess_at_low_loads(case, method)) / _total(case)
+
+
+def growth_of_error(method: str, *cases: xr.Dataset) -> float:
+    """How the largest error of an estimate, of full contact, grows from the first case to the last."""
+    first, last = (_largest(excess(case, method)) / _total(case) for case in (cases[0], cases[-1]))
+    return last - first
+
+
+def resistance_errors(case: xr.Dataset, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
+    """Loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
+    exact = numerical(case, "resistance")
+    with np.errstate(divide="ignore", invalid="ignore"):  # in full contact, which is no intermediate compliance
+        error = curve(case, method, "resistance") / exact - 1
+    return _between(case, error, lowest, INTERMEDIATE[1])
+
+
+def resistance_range(case: xr.Dataset, method: str) -> tuple[float, float]:
+    """The least and the largest of these errors."""
+    error = resistance_errors(case, method)[1]
+    return float(error.min()), float(error.max())
+
+
+def mean_resistance_error_at_high_loads(case: xr.Dataset, method: str) -> float:
+    """The mean of these errors at high loads."""
+    return _mean(*resistance_errors(case, method, LOW_COMPLIANCE))
+
+
+def layer_behind_others(case: xr.Dataset) -> float:
+    """The root mean square of these errors of the layer less that of the better of the other estimates."""
+    squares = {method: resistance_errors(case, method) for method in ESTIMATES}
+    size = {method: np.sqrt(_mean(loads, error**2)) for method, (loads, error) in squares.items()}
+    return float(size["layer"] - min(size["archard"], size["demelio"]))
+
+
+def discretisation_ratio(case: xr.Dataset) -> float:
+    """The largest relative error of boundary elements in resistance over that in compliance, of full contact."""
+    partial = _partial_contact(case)
+    resistance, exact = (curve(case, method, "resistance")[partial] for method in ("bem", "patches"))
+    return _largest(resistance / exact - 1) / (_largest(curve(case, "bem") - curve(case, "patches")) / _total(case))
+
+
+def _change(shorter: xr.Dataset, longer: xr.Dataset) -> float:
+    """The largest change of the mean gap between two series, in g_0."""
+    gaps = [_total(case) - numerical(case) for case in (shorter, longer)]
+    return _largest(gaps[1] - gaps[0])
+
+
+def last_change(*lengths: xr.Dataset) -> float:
+    """The largest change of the mean gap with the last term, of full contact."""
+    return _change(*lengths[-2:]) / _total(lengths[-1])
+
+
+def last_change_over_others(*lengths: xr.Dataset) -> float:
+    """The same change over the least with the terms before."""
+    return _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf)
+
+
+def _wave_and_tail(case: xr.Dataset, wave: xr.Dataset) -> tuple[Array, float]:
+    """The compliance of one wave, by the closed form if there is one, and the amplitude G_1 of all finer ones."""
+    exact = curves.curve(wave, "compliance", "westergaard")
+    tail = float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
+    return numerical(wave) if exact is None else exact, tail
+
+
+def distance_from_one_wave(case: xr.Dataset, wave: xr.Dataset) -> float:
+    """The largest distance of an estimate of the compliance from the one-wave solution, of G_1.
+
+    Counted from the mean plane, the infinite series lies within G_1 of that solution, and a series of m terms, such
+    as the estimates are of, within g_1 + ... + g_(m-1) < G_1.
+    """
+    h, tail = _wave_and_tail(case, wave)
+    lower, upper = compliance_bounds(h - 1, tail)
+    estimates = (curve(case, method) - _total(case) for method in ESTIMATES)
+    return max(_largest(2 * each - lower - upper) for each in estimates) / (2 * tail)
+
+
+def resistance_beyond_bounds(case: xr.Dataset, wave: xr.Dataset) -> float:
+    """The largest distance of an estimate of the resistance beyond its bounds from the one-wave solution."""
+    low, high = resistance_bounds(case["mean_pressure"].values, *_wave_and_tail(case, wave), 0.0)
+    estimates = [curve(case, method, "resistance") for method in ESTIMATES]
+    return float(max(max((low - each).max(), (each - high).max()) for each in estimates))

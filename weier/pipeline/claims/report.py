@@ -1,0 +1,103 @@
+"""The claims of a scene in its dataset, and as a text to read: a line a claim, and all else below."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weier.data import markdown
+from weier.data.check import Check
+from weier.data.variables import flags
+from weier.pipeline.claims.claim import Finding, Judgement, written
+from weier.pipeline.claims.paper import MEANINGS, RULE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
+DETAILS = ("condition", "profiles", "measured", "between", "limit", "what they say", "holds")
+
+
+def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
+    """The claims as variables over the dimension claim; an empty dataset if there are none."""
+    import xarray as xr
+
+    if not judged:
+        return xr.Dataset()
+    each = judged.values()
+    columns = {
+        "claim": (list(judged), "claim of the paper"),
+        "claim_statement": ([one.statement for one in each], "what the paper says"),
+        "claim_measured": ([decisive_line(one) for one in each], "what decides whether it holds, and its limit"),
+        "claim_missing": ([one.missing for one in each], "what the studies lack to measure it"),
+        "claim_conditions": (
+            [json.dumps([finding._asdict() for finding in one.findings]) for one in each],
+            "parts of the statement, each with its limit and its values on all profiles, as JSON",
+        ),
+        "claim_holds": (np.array([one.outcome for one in each], "i1"), "whether it fits what is measured here"),
+    }
+    variables = {
+        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
+        for name, (values, long_name) in columns.items()
+    }
+    variables["claim_holds"].attrs |= flags(Check)
+    return xr.Dataset(variables).set_coords("claim")
+
+
+def from_dataset(data: xr.Dataset) -> dict[str, Judgement]:
+    """The claims that a dataset holds, by their names."""
+    if "claim" not in data.variables:
+        return {}
+    names = ("claim", "claim_statement", "claim_holds", "claim_conditions", "claim_missing")
+    rows = zip(*(data[name].values.tolist() for name in names), strict=True)
+    return {
+        name: Judgement(says, Check(holds), tuple(Finding(**each) for each in json.loads(conditions)), missing)
+        for name, says, holds, conditions, missing in rows
+    }
+
+
+def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
+    """The number that decides, its limit, and what the profiles say."""
+    if judged.missing:
+        return f"Not measured: {judged.missing}.", "", ""
+    finding = judged.decisive
+    text = f"{finding.quantity[:1].upper()}{finding.quantity[1:]}: {written(finding.value, finding.unit)}"
+    return text, finding.limit, finding.votes
+
+
+def decisive_line(judged: Judgement) -> str:
+    """The same in one line."""
+    number, limit, votes = decisive_cells(judged)
+    return "; ".join(filter(None, [number, limit and f"limit: {limit}", votes]))
+
+
+def details(finding: Finding) -> list[str]:
+    """A row of DETAILS."""
+    low, high = (written(end(finding.values), finding.unit) for end in (min, max))
+    return [
+        f"{finding.statement}: {finding.quantity}", finding.ensemble, written(finding.value, finding.unit),
+        f"{low} and {high}" if len(finding.values) > 1 else "", finding.limit, finding.votes,
+        Check(finding.outcome).text,
+    ]  # fmt: skip
+
+
+def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
+    """A table with a line a claim, the rule, and a section for each claim."""
+    if not judged:
+        return f"# {title}\n\nThis scene checks no claims.\n"
+    rows = [
+        [f"[{markdown.plain(name)}](#{name})",
+         *map(markdown.plain, (each.statement, each.outcome.text, *decisive_cells(each)))]
+        for name, each in judged.items()
+    ]  # fmt: skip
+    head = ["claim", "the paper says", "holds", "what decides", "limit", "profiles"]
+    parts = [f"# {title}", markdown.table(head, rows), "## How claims are judged", markdown.plain(RULE),
+             markdown.plain(MEANINGS)]  # fmt: skip
+    for name, each in judged.items():
+        parts += [f"## {name}", markdown.plain(each.statement)]
+        table = [[markdown.plain(cell) for cell in details(finding)] for finding in each.findings]
+        parts.append(markdown.table(DETAILS, table) if table else decisive_line(each))
+    return "\n\n".join(parts) + "\n"
