@@ -1,4 +1,4 @@
-"""Do boundary elements keep what they state? On families of hard series, against contact patches.
+"""Do boundary elements, and plans, keep what they state? On families of hard series, against contact patches.
 
 `python -m benchmarks.stated_errors` draws fresh series, prints a row a family, and the worst errors beyond it.
 With a file, exact curves are solved once.
@@ -7,9 +7,9 @@ With a file, exact curves are solved once.
 from __future__ import annotations
 
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import click
 import numpy as np
@@ -18,16 +18,20 @@ from benchmarks.families import FAMILIES, Draw, draws
 from weier import ConvergenceError
 from weier.kernels.arrays import Array
 from weier.methods import bem
+from weier.methods.errors import OutOfReachError
+from weier.methods.registry import PLANNED, find_method
+from weier.methods.segment import QUANTITIES
 
 FINER = 10  # a difference is judged where the reference is finer than what is stated, or than it, by this
 MIN_RESISTANCE = 1e-3  # g_0/p_0*: errors of R are relative to it from here on
 OF_QUANTITY = "error of {}: median / 90 % / largest", "judged", "exceeded", "largest ratio", "median width"
 HEADER = ["family", "loads", *(column.format(symbol) for symbol in "hR" for column in OF_QUANTITY), "no patches"]
 HEADER += ["refused"]
+REFUSALS = ConvergenceError, OutOfReachError
 
 
 class Judged(NamedTuple):
-    """How far boundary elements are off on a draw, and what they state; each of shape (2, loads): h and R.
+    """How far a method is off on a draw, and what it states; each of shape (2, loads): h and R.
 
     ratio : error over stated error, less what the reference may be off; NaN where the reference is too coarse
     scale : of errors in the table
@@ -40,12 +44,27 @@ class Judged(NamedTuple):
     uncertainty: Array
 
 
-def judge(each: Draw) -> Judged:
-    """What boundary elements find, load by load where the curve is refused; NaN where the load is."""
+def by_elements(each: Draw, loads: Array) -> Any:
+    """Boundary elements with the settings of a draw."""
+    return bem.curve(each.profile, loads, **each.settings)
+
+
+def by_plan(each: Draw, loads: Array) -> Any:
+    """A plan for either quantity within 1e-8 to 0.1, which the draw decides."""
+    random = np.random.default_rng(each.loads.view(np.uint64))
+    tolerance, quantity = 10 ** random.uniform(-8, -1), str(random.choice(QUANTITIES))
+    return find_method(PLANNED).solve(each.profile, loads, tolerance, quantity)
+
+
+METHODS: dict[str, Callable[[Draw, Array], Any]] = {"bem": by_elements, PLANNED: by_plan}
+
+
+def judge(each: Draw, solve: Callable[[Draw, Array], Any] = by_elements) -> Judged:
+    """What a method finds, load by load where the curve is refused; NaN where the load is."""
     try:
-        found = _solve(each, each.loads)
-    except ConvergenceError:
-        found = np.concatenate([_solve_or_refuse(each, load) for load in each.loads], axis=1)
+        found = _numbers(solve(each, each.loads))
+    except REFUSALS:
+        found = np.concatenate([_solve_or_refuse(each, load, solve) for load in each.loads], axis=1)
     error, stated = np.abs(found[:2] - each.exact), found[2:]
     fine = FINER * each.uncertainty <= np.maximum(stated, error)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -55,17 +74,16 @@ def judge(each: Draw) -> Judged:
     return Judged(error, stated, ratio, scale, each.uncertainty)
 
 
-def _solve(each: Draw, loads: Array) -> Array:
+def _numbers(found: Any) -> Array:
     """Compliance, resistance and their stated errors, shape (4, loads)."""
-    found = bem.curve(each.profile, loads, **each.settings)
     return np.array([found.compliance, found.resistance, found.compliance_error, found.resistance_error])
 
 
-def _solve_or_refuse(each: Draw, load: float) -> Array:
+def _solve_or_refuse(each: Draw, load: float, solve: Callable[[Draw, Array], Any]) -> Array:
     try:
-        return _solve(each, np.array([load]))
-    except ConvergenceError as error:
-        click.echo(f"boundary elements of {each.profile!r} at {load}, {each.settings}: {error}", err=True)
+        return _numbers(solve(each, np.array([load])))
+    except REFUSALS as error:
+        click.echo(f"{each.profile!r} at {load}, {each.settings}: {error}", err=True)
         return np.full((4, 1), np.nan)
 
 
@@ -119,6 +137,7 @@ def report(found: list[tuple[Draw, Judged]], worst: int) -> None:
 
 
 @click.command(context_settings={"show_default": True})
+@click.option("--method", type=click.Choice([*METHODS]), default="bem", help="Which is compared.")
 @click.option("--count", default=6000, help="Loads that are compared.")
 @click.option("--seed", type=int, help="Of the draws; another one each time unless told.")
 @click.option("--families", default=",".join(FAMILIES), help="Which of them, with commas.")
@@ -126,8 +145,8 @@ def report(found: list[tuple[Draw, Judged]], worst: int) -> None:
     "--file", type=click.Path(dir_okay=False, path_type=Path), help="Where draws and exact curves are kept."
 )
 @click.option("--worst", default=20, help="Exceeded statements to print.")
-def main(count: int, seed: int | None, families: str, file: Path | None, worst: int) -> None:
-    """Compare boundary elements with contact patches on families of hard series; Ctrl-C prints what there is."""
+def main(method: str, count: int, seed: int | None, families: str, file: Path | None, worst: int) -> None:
+    """Compare a method with tight contact patches on families of hard series; Ctrl-C prints what there is."""
     names = [name.strip() for name in families.split(",")]
     if unknown := set(names) - set(FAMILIES):
         raise click.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(FAMILIES)}")
@@ -136,7 +155,7 @@ def main(count: int, seed: int | None, families: str, file: Path | None, worst: 
     found = []
     try:
         for each in draws(file, names, np.random.default_rng(seed), count):
-            found.append((each, judge(each)))
+            found.append((each, judge(each, METHODS[method])))
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)
     report(found, worst)

@@ -11,6 +11,7 @@ import pytest
 import weier
 from tests.profiles import THREE_WAVES
 from weier import Profile, plan, random_phases
+from weier.methods import patches
 from weier.methods.errors import NotApplicableError, OutOfReachError
 from weier.methods.planned.plan import cheapest
 
@@ -119,11 +120,12 @@ def test_what_is_out_of_reach_is_refused_with_what_is_missing():
 
 @pytest.mark.parametrize("tolerance", [1e-30, 1e-310])
 @pytest.mark.parametrize("quantity", ["compliance", "resistance"])
-def test_what_no_method_can_do_is_refused_with_what_is_within_reach(quantity, tolerance):
+def test_what_no_method_can_do_is_refused_with_what_is_within_reach(quantity, tolerance, monkeypatch):
     with pytest.raises(OutOfReachError, match="is within reach") as refusal:
         plan(THREE_WAVES, LOADS, tolerance, quantity)
     within = float(re.search(r"(\S+) is within reach", str(refusal.value))[1])
     assert plan(THREE_WAVES, LOADS, within, quantity).error <= within
+    monkeypatch.setattr(patches.error_model, "MAX_CONTACTS", 10_000)
     with pytest.raises(OutOfReachError, match="no method can hold the contacts"):
         plan(Profile(1.1, 10, 6, 1.0), LOADS, 1e-9)
 
