@@ -171,6 +171,8 @@ ONE_MISTAKE = [
     ),
     ({"methods": ["bem"], "settings": {"bem": {"points": 79}}}, "studies.one.product: points must be at least 80"),
     ({"tolerance": -1}, "tolerance: this must be more than 0, got -1"),
+    ({"tolerance": 1e-20}, r"tolerance: tolerance of planned must lie in \[1e-15, 1\), got 1e-20"),
+    ({"figures": {"f": "compliance"}}, "figures.f: this must be a mapping, got 'compliance'"),
     ({"tolerance": "small"}, "tolerance: tolerance must be a number, got 'small'"),
     ({"quantity": "compliance"}, "quantity needs tolerance"),
     (product(D=2.5), r"studies.one.product.D: D must lie in \(1, 2\), got 2.5"),

@@ -94,10 +94,11 @@ def _size(node: yaml.Node, known: dict[int, int]) -> int:
 
 def _children(node: yaml.Node) -> list[yaml.Node]:
     if isinstance(node, yaml.MappingNode):
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        twice = [key for key in keys if keys.count(key) > 1] if len(keys) > len(set(keys)) else []
-        if twice:
-            raise ValueError(f"the key {twice[0]!r} stands twice in one place")
+        seen = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode) and key.value in seen:
+                raise ValueError(f"line {key.start_mark.line + 1}: the key {key.value!r} stands twice in one place")
+            seen.add(key.value if isinstance(key, yaml.ScalarNode) else None)
         odd = [key.start_mark.line + 1 for key, _ in node.value if key.tag not in KEY_TAGS]
         if odd:
             raise ValueError(f"a key must be a word, got another kind of value in line {odd[0]}")

@@ -30,9 +30,10 @@ def check_figures(loaded: Scene) -> Iterator[Mistake]:
     known = kinds()
     choice = [name for name, kind in known.items() if not kind.command]
     for name, figure in loaded.figures.items():
+        wrong: Iterator[tuple[str, str]] = iter(())
         if figure.draw in choice:
             wrong = _wrong_keys(figure, known[figure.draw], loaded)
-        else:
+        elif figure.draw:  # else that is a mistake of its own
             what = f"there is no figure {figure.draw!r} of studies, only {', '.join(choice)}"
             wrong = iter([("draw", f"{what}{suggestion(figure.draw, choice)}")])
         yield from (Mistake(("figures", name, *([key] if key else [])), text) for key, text in wrong)

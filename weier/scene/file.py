@@ -123,7 +123,7 @@ def _plan(raw: Raw) -> dict[str, Any]:
     if "tolerance" not in raw:
         return {}
     quantity = {"quantity": raw["quantity"]} if "quantity" in raw else {}
-    return quantity | {"tolerance": number("tolerance", raw["tolerance"])}
+    return checked_settings(find_method(PLANNED), quantity | {"tolerance": number("tolerance", raw["tolerance"])})
 
 
 def _check_settings(keys: Keys, settings: Any, mistakes: Mistakes) -> None:

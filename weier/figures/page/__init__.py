@@ -39,6 +39,7 @@ ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() 
 PICTURES = (
     "In the pictures, a dot is a profile, and the grey part of the line is too close to the limit to be called."
 )
+MAX_COLUMN = 1500  # pixels: a figure of one column has some 1050
 EXPLORER_ID = ID("curves-explorer")
 VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
 PROVENANCE = ("source", "git_commit", *VERSIONS, "date_created", "comment", "history", "references", "license")
@@ -53,13 +54,14 @@ class Table(NamedTuple):
 
 
 class ShownFigure(NamedTuple):
-    """A figure with its caption, as the page holds it: the picture is a part of the page."""
+    """A figure with its caption, as the page holds it: the picture is a part of the page, across it if it is wide."""
 
     anchor: str
     name: str
     text: str
     alternative: str
     picture: str
+    wide: bool
 
 
 class Section(NamedTuple):
@@ -135,8 +137,11 @@ def _figures(scene: Scene, paths: Sequence[Path]) -> tuple[list[str], list[Shown
 
 def _figure(scene: Scene, path: Path) -> ShownFigure:
     name, text, alternative = caption(scene, path.stem)
-    picture = f"data:image/png;base64,{b64encode(path.read_bytes()).decode()}"
-    return ShownFigure(path.stem, name, text, alternative, picture)
+    png = path.read_bytes()
+    width = int.from_bytes(png[16:20], "big")  # in the first part of every PNG file
+    return ShownFigure(
+        path.stem, name, text, alternative, f"data:image/png;base64,{b64encode(png).decode()}", width > MAX_COLUMN
+    )
 
 
 def _claims(data: xr.Dataset) -> Section:
