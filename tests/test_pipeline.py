@@ -38,13 +38,17 @@ def checkout(tmp_path_factory):
     return folder
 
 
-def run(checkout, *arguments, scene="test"):
+def call(checkout, *arguments, scene="test"):
     # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute.
     # One date makes the bytes of two runs the same. Bytecode is kept in the copy, or each run would make it anew.
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "SOURCE_DATE_EPOCH": "1000000000"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     command = ["snakemake", "--cores", "2", *arguments, "--config", f"scenes={scene}"]
-    done = subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
+    return subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
+
+
+def run(checkout, *arguments, scene="test"):
+    done = call(checkout, *arguments, scene=scene)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
@@ -65,6 +69,17 @@ def edit(path, old, new):
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new))
+
+
+def test_a_faulty_scene_is_told_by_its_mistakes_alone(checkout):
+    """By the jobs of its scene, and by those of one file."""
+    (checkout / "config/scenes/faulty.yaml").write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))
+    for target in ((), ("results/faulty/contact.nc",)):
+        done = call(checkout, *target, scene="test" if target else "faulty")
+        told = done.stderr.partition("weier: ")[2].splitlines()
+        assert done.returncode == 1
+        assert told[0].endswith("faulty.yaml has 3 mistakes:")
+        assert len(told) == 4
 
 
 def test_one_figure_needs_only_its_cases(checkout):
