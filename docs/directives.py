@@ -20,6 +20,7 @@ from weier.methods.settings import described
 from weier.scene.schema import kind_of, schema
 
 ROOT = Path(__file__).resolve().parents[1]
+MAX_WORD = 24  # letters of a word that a cell of a table holds in one line
 COLON = "\ue000"  # of a private range: no text has it
 
 
@@ -145,9 +146,11 @@ def skip_fields(app, what, name, obj, skip, options):
     return True if (obj.__doc__ or "").startswith("Alias for field number") else None
 
 
-def mark_numbers(app, doctree):
-    """Numbers in tables have a class, for the style sheet."""
+def mark_cells(app, doctree):
+    """Numbers and long words in tables have a class, for the style sheet."""
     for entry in doctree.findall(nodes.entry):
+        if any(len(word) > MAX_WORD for word in entry.astext().split()):
+            entry["classes"].append("long")
         if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?|inf|nan", entry.astext()):
             entry["classes"].append("number")
 
@@ -174,7 +177,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("figure-kinds", FigureKinds)
     app.add_directive("settings-of-methods", SettingsOfMethods)
     app.connect("autodoc-skip-member", skip_fields)
-    app.connect("doctree-read", mark_numbers)
+    app.connect("doctree-read", mark_cells)
     app.connect("autodoc-process-docstring", before_napoleon, priority=100)
     app.connect("autodoc-process-docstring", after_napoleon, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
