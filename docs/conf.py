@@ -22,6 +22,7 @@ extensions = [
     "directives",  # beside this file
 ]
 myst_heading_anchors = 2
+myst_enable_extensions = ["dollarmath"]
 default_role = "py:obj"  # `single backticks` in docstrings link to what they name
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings say types, shapes and units

@@ -126,6 +126,6 @@ def _total(profile: Profile) -> mp.mpf:
 
 
 def _shift(profile: Profile) -> Profile:
-    """The same profile shifted along x: it has the same curves, but other numbers."""
+    """A profile shifted along x: it has the curves of the one given, but other numbers."""
     cycles = SHIFT * np.array(profile.waves_per_period, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

@@ -94,7 +94,7 @@ def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset
 def widen(
     data: xr.Dataset, methods: Sequence[str], terms: int, edges: int, returned: Collection[str] = ()
 ) -> xr.Dataset:
-    """The same cases over more methods, terms and edges of contact: blank where they were not asked for."""
+    """Cases over more methods, terms and edges of contact than they have: blank where they were not asked for."""
     own = data["solution_method"].values.tolist()
     if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
         return data

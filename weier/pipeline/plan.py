@@ -48,7 +48,7 @@ class ScenePlan:
         return "\n".join([*blocks, self._sum_up, *(["not the others:", *others] if others else [])])
 
     def _repr_html_(self) -> str:
-        """The same, for notebooks."""
+        """Tables for notebooks."""
         others = "".join(f"<li>{escape(str(each))}</li>" for each in self._others)
         below = f"<p>not the others:</p><ul>{others}</ul>" if others else ""
         return f"{''.join(each._repr_html_() for each in self.plans)}<p>{self._sum_up}</p>{below}"

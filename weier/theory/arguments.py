@@ -116,7 +116,7 @@ def shown(value: Any) -> str:
 
 
 def _what_came(value: Any) -> str:
-    """The same where a number was wanted: a text may look like one."""
+    """What came where a number was wanted, told from a text that looks like one."""
     return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
 
 

@@ -182,7 +182,7 @@ class Profile(Waves):
         return f"D = {self.D:g}, gamma = {gamma}, m = {self.m}"
 
     def describe_with_phases(self) -> str:
-        """The same and the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
+        """The parameters with the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
         if isinstance(self.phases, RandomPhases):
             return f"{self.describe()}, seed {self.phases.seed}"
         if isinstance(self.phases, float):

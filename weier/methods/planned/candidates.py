@@ -73,7 +73,7 @@ def _full_contact_solution(kept: Profile, loads: Array) -> SegmentSolution:
 
 
 def _with_chords(offer: Segment, other_loads: Array) -> Segment:
-    """The same with the other loads solved beside each load; its own error is within that of the chords."""
+    """A candidate with other loads solved beside each load; its own error is within that of the chords."""
     return offer._replace(
         discretisation=np.where(np.isfinite(offer.discretisation), 0.0, np.inf),
         other_loads=other_loads,

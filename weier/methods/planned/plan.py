@@ -60,7 +60,7 @@ class Plan:
         return "\n".join([self._head, text_table(HEADER, list(map(_row, self.segments))), f"  {self._total}"])
 
     def _repr_html_(self) -> str:
-        """The same table, for notebooks."""
+        """The table, for notebooks."""
         return html_table(self._head, HEADER, list(map(_row, self.segments)), self._total)
 
     @property
