@@ -99,7 +99,7 @@ class Segment(NamedTuple):
         return (self.method, self.terms, self.settings) == (other.method, other.terms, other.settings)
 
     def at(self, loads: slice) -> Segment:
-        """This segment at some of its loads."""
+        """What is left of the segment at some of its loads."""
         names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load")
         others = None if self.other_loads is None else self.other_loads[loads]
         return self._replace(other_loads=others, **{name: getattr(self, name)[loads] for name in names})
