@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 MIN_POINTS_PER_WAVE = 8  # of the finest wave on a grid; fewer miss its crests
 MIN_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
+MIN_SCALE_RATIO = 1.2  # of a wave to the one before: closer ones, of a measured surface, are no scales of their own
 COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten times its own error (docs/numerics.md)
 
 
@@ -182,9 +183,12 @@ def _westergaard(sine_squared: float, xi: float) -> float:
 def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> None:
     """Let the pressure p so far be the local mean of one more wave, and each of its crests carry that mean.
 
-    `finer` is a working array. Where no pressure stands on a crest, in a contact narrower than the wave, all stays.
+    `finer` is a working array. Where no pressure stands on a crest, in a contact narrower than the wave, all stays,
+    and so it does for a wave that is hardly finer than the one before.
     """
     count, cycle = harmonics.waves_per_period[wave], harmonics.cycle[wave]
+    if wave > 0 and count < MIN_SCALE_RATIO * harmonics.waves_per_period[wave - 1]:
+        return
     narrowest = np.sin(np.pi * count / p.size) ** 2  # narrower than two nodes, a contact might fall between them
     highest = 0.0
     for i in range(p.size):

@@ -28,6 +28,7 @@ MAX_LONE_CONTACTS = 64  # of those whose forces are found from Hertz's theory
 MAX_FORCE_STEPS = 60  # of finding these forces; 4 to 10 are usual
 FORCE_TOLERANCE = 1e-10
 POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
+MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
@@ -191,7 +192,7 @@ class Starts:
 
 def _grid_tolerance(profile: Profile) -> float:
     """The residual, in g_0, that Newton's method can start from."""
-    return min(GRID_TOLERANCE, WAVE_SHARE * abs(float(profile.amplitude[-1])))
+    return max(MIN_GRID_TOLERANCE, min(GRID_TOLERANCE, WAVE_SHARE * abs(float(profile.amplitude[-1]))))
 
 
 def lone_contacts(series: CosineSeries, load: float) -> InitialGuess | None:
