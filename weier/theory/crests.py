@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array
+from weier.theory.highest_crest import MAX_TERMS, find_highest
 
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
+MAX_SAMPLED_WAVES = 10**6  # of the finest in a period, whose crests are looked for among samples: 128 MB
 MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
 
 
@@ -53,9 +56,16 @@ def highest_crest(
 ) -> tuple[float, float]:
     """Position and height of the highest point of a series.
 
-    A crest between samples is higher than they are by an eighth of the largest curvature at most: only samples that
-    are not lower by more than that are looked at.
+    Of more crests than can be looked at beforehand, it is found wave by wave. Between samples, a crest is higher than
+    they are by an eighth of the largest curvature at most: only samples that are not lower by more than that are
+    looked at.
     """
+    if len(amplitude) <= MAX_TERMS and not countable(waves_per_period[-1]):
+        return find_highest(amplitude, waves_per_period, phase, period)
+    if waves_per_period[-1] > MAX_SAMPLED_WAVES:
+        raise ValueError(
+            f"the highest of so many crests is looked for in at most {MAX_TERMS} terms, got {len(amplitude)}"
+        )
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
     z = sample(amplitude, waves_per_period, phase, points)
     angle = 2 * np.pi * np.array(waves_per_period, float) / points
@@ -87,6 +97,29 @@ def _refine(
         x += step
         theta += step[:, None] * wavenumber
     return x, theta
+
+
+def crest_heights(
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float, position: Array
+) -> list[Any]:
+    """Heights of crests in 40 digits, of those floats that the series is given as, near these positions.
+
+    Twin crests may differ by so little that the heights of both, as floats, tell nothing of it.
+    """
+    import mpmath as mp  # which takes a tenth of a second, and few profiles need
+
+    with mp.workdps(40):
+        k, phi = (
+            [2 * mp.pi * mp.mpf(int(n)) / mp.mpf(period) for n in waves_per_period],
+            [mp.mpf(float(p)) for p in phase],
+        )
+        a, heights = [mp.mpf(float(each)) for each in amplitude], []
+        for x in position:
+            theta = [k_n * mp.mpf(float(x)) + phi_n for k_n, phi_n in zip(k, phi, strict=True)]
+            slope = -mp.fsum(a_n * k_n * mp.sin(t) for a_n, k_n, t in zip(a, k, theta, strict=True))
+            curvature = -mp.fsum(a_n * k_n**2 * mp.cos(t) for a_n, k_n, t in zip(a, k, theta, strict=True))
+            heights.append(mp.fdot(a, map(mp.cos, theta)) - slope**2 / (2 * curvature))
+        return heights
 
 
 def _angle(waves_per_period: int, sample: NDArray[np.int64], points: int) -> Array:

@@ -85,6 +85,55 @@ def test_bands_of_loads_and_mergers_are_solved(profile, load):
     assert_complementary(profile, load)
 
 
+@pytest.mark.parametrize(
+    ("profile", "loads"),
+    [
+        # All waves flatten at nearly one load, and some contacts are a hundred radians of the finest wave wide.
+        (Profile(1.02, 8, 4, (2.0, 5.0, 4.4, 0.44)), [1.265125, 1.31]),
+        (Profile(1.000000001, 8, 4, (0.8433120740705806, 5.581511989972917, 4.431233567742661, 0.4435588386107058)),
+         [1.25, 1.3]),
+        # A merger of two contacts, where the gap between them would open by less than rounding.
+        (Profile(1.6529435792338483, 3, 4, (np.pi - 1e-9, np.pi - 1e-9, np.pi - 1e-9, np.pi + 1e-9)),
+         [4.005064139767961]),
+    ],
+)  # fmt: skip
+def test_loads_at_which_contacts_nearly_merge(profile, loads):
+    curve = patches.curve(profile, loads)
+    assert curve.residual.max() < 1e-10
+    assert curve.work.max() < 30
+
+
+def test_a_looser_tolerance_takes_no_more_steps():
+    profile, loads = Profile(1.25, 5, 4, 1.0), np.geomspace(0.7, 4.0, 3)
+    tight = patches.curve(profile, loads)
+    loose = patches.curve(profile, loads, tolerance=1e-6)
+    assert np.all(loose.work <= tight.work)
+    np.testing.assert_allclose(loose.compliance, tight.compliance, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(loose.resistance, tight.resistance, rtol=1e-5)
+
+
+@pytest.mark.parametrize("load", [1e-300, 1e-25, 1e-20, 1e-16])
+def test_light_loads_beside_the_end_of_the_period(load):
+    """The crest lies 5e-8 before 0, where a position that is a period more had lost the width of a contact."""
+    profile = Profile(1.0230056209055016, "7/2", 2, (8.0e-7, 6.7e-7))
+    curve = patches.curve(profile, load)
+    half_width = 2 * np.sqrt(load * profile.period / -profile.curvature(profile.crest[0]))  # Hertz
+    assert curve.contact_fraction[0] * profile.period == pytest.approx(2 * half_width, rel=1e-6)
+    # F (1 - 2 ln(pi a/L)), as the gap of a lone contact has it
+    lone = load * profile.period * (1 - 2 * np.log(np.pi * half_width / profile.period))
+    assert curve.indentation[0] == pytest.approx(lone, rel=1e-6)
+
+
+@pytest.mark.parametrize("m", [2, 3, 4])
+def test_twin_crests_that_differ_by_rounding_are_mirrored(m):
+    """Their heights differ by 1e-13, as the loads do: floats know no more than two digits of that."""
+    phase = np.pi + 1e-13 * np.random.default_rng(0).uniform(-1, 1, m)
+    loads = [2e-15, 6e-15]
+    here, there = (patches.curve(Profile(1.5, 2, m, sign * phase), loads) for sign in (1, -1))
+    np.testing.assert_allclose(here.resistance, there.resistance, rtol=1e-9)
+    np.testing.assert_allclose(here.indentation, there.indentation, rtol=1e-9)
+
+
 @pytest.mark.parametrize("load", [0.03, 0.7, 2.5])
 def test_pressure_and_displacement_are_fourier_pairs(load):
     solution = patches.solve_load(THREE_WAVES, load)

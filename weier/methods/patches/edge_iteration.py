@@ -49,7 +49,9 @@ MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
 MIN_GROWTH = -0.85  # of a half-width in one step: with less of it left, the contact vanishes
 SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their error
 MAX_UNSETTLED = 0.3  # of the contacts, while their set is corrected: those beside a missing one may never settle
-NODES_PER_RADIAN = 0.8  # of the finest wave on a half-width
+# Of the finest wave on a half-width: coefficients decay from one a radian on, and with fewer, the pressure of wide
+# contacts is so far off that sound ones are cut.
+NODES_PER_RADIAN = 1.2
 MIN_DISTANCE, MAX_DISTANCE = 1e-4, 1e6  # of a neighbour over the half-width, for the estimate of the nodes
 NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
 

@@ -57,6 +57,10 @@ class NegativeIntervals(NamedTuple):
     start: Array
     end: Array
 
+    def select(self, which: Flags) -> NegativeIntervals:
+        """Some of the intervals."""
+        return NegativeIntervals(self.segment[which], self.start[which], self.end[which])
+
 
 @kernel
 def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> float:
@@ -188,6 +192,27 @@ def find_negative_intervals(state: ContactState, tolerance: Array) -> NegativeIn
                 i = k
             i += 1
     return NegativeIntervals(segment[:count], start[:count], end[:count])
+
+
+@kernel
+def negative_heights(state: ContactState, negative: NegativeIntervals) -> Array:
+    """How far the gap opens in each interval of tension or, dual, how large each overlap is, in g_0.
+
+    A crack of half-width b under the tension p opens by 2 pi b p.
+    """
+    height = np.empty(negative.segment.size)
+    for i in range(height.size):
+        j, t = negative.segment[i], 0.5 * (negative.start[i] + negative.end[i])
+        r, a = (
+            state.segments.half_width[j],
+            state.coefficient[state.segments.first_node[j] : state.segments.first_node[j + 1]],
+        )
+        if state.dual:
+            height[i] = abs(r * partial_integral(a, t))
+        else:
+            b = 0.5 * r * (negative.end[i] - negative.start[i])
+            height[i] = 2 * np.pi * b * abs(np.sqrt((1 - t) * (1 + t)) * evaluate_expansion(a, t))
+    return height
 
 
 @kernel

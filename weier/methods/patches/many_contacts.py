@@ -35,6 +35,7 @@ from weier.methods.patches.inequalities import (
     certify,
     find_missing,
     find_negative_intervals,
+    negative_heights,
 )
 from weier.methods.patches.initial_guess import InitialGuess
 from weier.methods.patches.punches import (
@@ -52,8 +53,9 @@ from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
 
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
-MIN_TOLERANCE = 1e-10  # in g_0, of the residual: what comes out is mostly a hundredth, where rounding begins
+MIN_TOLERANCE = 1e-10  # of the residual: what comes out is mostly a hundredth, where rounding begins
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
+ROUGH_TARGET = 1e-3  # of the height that the load needs, before the set of contacts is right
 ROUNDING = 1e-13  # of the displacement under the whole load, as a height
 REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
 ROUGH_TOLERANCE = 1e-6  # of the finest wave's amplitude, before the set of contacts is right
@@ -65,6 +67,8 @@ OTHER_NODES = 7  # that a contact has more when the solution is checked
 MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
 DIRECT_SUMS = 40  # points at which the solution is checked without fast sums
+UNRESOLVED = (3, 4)  # places from the end of the coefficients: the last two are 0
+MIN_OPENING = 100.0  # over what the forces on contacts are solved to, of a gap or a contact that is cut in
 MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
 MIN_PIECE = 1e-3  # of a contact's width: shorter pieces do not survive a cut
 
@@ -76,11 +80,13 @@ class _Limits(NamedTuple):
 
     Or (dual) a pressure below -outside, in p_0*, and a gap below -inside times the largest of its interval.
 
+    opening : height, in g_0, of gaps or, dual, contacts too small to be cut in, since no edges are found for them
     at_edges : whether the latter counts as far as an edge, too; an edge that has not settled yet takes care of it
     """
 
     outside: float
     inside: float
+    opening: float
     at_edges: bool
 
 
@@ -89,6 +95,7 @@ def _stages(problem: Problem, target: float) -> tuple[Stage, Stage]:
     rough = ROUGH_TOLERANCE * abs(float(problem.series.amplitude[-1]))
     if problem.dual:  # a wave of this pressure has the height of its pressure over the waves in lambda_0
         rough *= 2 * np.pi / float(problem.series.wavenumber[-1])
+    rough = max(min(rough, ROUGH_TARGET * _scale(problem)), target)
     return (
         Stage(8.0, 5.0, Bounds(REDUCTION, target, rough)),
         Stage(12.0, 9.0, Bounds(REDUCTION, 0.1 * target, rough)),
@@ -97,9 +104,10 @@ def _stages(problem: Problem, target: float) -> tuple[Stage, Stage]:
 
 def _limits(problem: Problem, stage: Stage, fine: bool) -> _Limits:
     tension = MAX_TENSION if fine else ROUGH_TENSION
+    least = stage.bounds.least if fine else 0.0
     if problem.dual:
-        return _Limits(tension * problem.load, tension, fine)
-    return _Limits(stage.bounds.least * 10 if fine else stage.bounds.most, tension, fine)
+        return _Limits(tension * problem.load, tension, MIN_OPENING * least, fine)
+    return _Limits(least * 10 if fine else stage.bounds.most, tension, MIN_OPENING * least, fine)
 
 
 def solve_many_contacts(
@@ -111,7 +119,7 @@ def solve_many_contacts(
     not end, or if the state fails a check.
     """
     problem = Problem(surface.series(guess.dual), load, guess.dual)
-    target = _target(problem, tolerance)
+    target, allowed = _target(problem, tolerance), _allowed(problem, tolerance)
     rough, fine = _stages(problem, target)
     stage, last_move, moved = rough, np.inf, False  # whether edges have moved since the set was corrected
     now = _guess_from(problem, guess, stage)
@@ -137,7 +145,7 @@ def solve_many_contacts(
             now = next_guess(problem, step, stage)
         else:
             residual = _residuals_at_other_nodes(problem, step)
-            if not np.any(short := (residual > MIN_TOLERANCE) & (step.punches.node_count < MAX_NODES)):
+            if not np.any(short := (residual > allowed) & (step.punches.node_count < MAX_NODES)):
                 return _checked_state(problem, step, state, float(residual.max()), tolerance), steps
             counts = np.where(short, _increase(step.punches.node_count), step.punches.node_count)
             now = next_guess(problem, step, stage, counts)
@@ -161,8 +169,18 @@ def follow_contacts(surface: Surface, start: ContactState, load: float, toleranc
     raise ConvergenceError(f"the contacts under {start.load:.6g} p_0* cannot be followed to {load:.6g} p_0*")
 
 
+def _scale(problem: Problem) -> float:
+    """A height, in g_0, of the order of the displacement that the load needs; and no more than the first wave's."""
+    return min(problem.load * problem.series.period, 1.0)
+
+
+def _allowed(problem: Problem, tolerance: float) -> float:
+    """The residual, in g_0, that a solution may have."""
+    return max(tolerance, MIN_TOLERANCE) * _scale(problem)
+
+
 def _target(problem: Problem, tolerance: float) -> float:
-    return max(TARGET * max(tolerance, MIN_TOLERANCE), ROUNDING * problem.load * problem.series.period)
+    return max(TARGET * _allowed(problem, tolerance), ROUNDING * problem.load * problem.series.period)
 
 
 def _guess_from(problem: Problem, start: InitialGuess | ContactState, stage: Stage) -> Guess:
@@ -201,14 +219,23 @@ def _corrections(
     problem: Problem, step: Step, state: ContactState, limits: _Limits
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Segments to add, shape (added, 2), and which of those that are there stay as they are."""
-    negative = find_negative_intervals(state, np.full(step.punches.centre.size, limits.inside))
+    negative = find_negative_intervals(state, np.maximum(_tails(step), limits.inside))
     if not limits.at_edges:
         within = np.maximum(np.abs(negative.start), np.abs(negative.end)) < MAX_INNER
-        negative = NegativeIntervals(negative.segment[within], negative.start[within], negative.end[within])
+        negative = negative.select(within)
+    negative = negative.select(negative_heights(state, negative) > limits.opening)
     keep = np.ones(step.punches.centre.size, bool)
     keep[negative.segment] = False
     missing = find_missing(problem, step, limits.outside)
     return np.concatenate([_cut_segments(step, negative), missing]), keep
+
+
+def _tails(step: Step) -> Array:
+    """Size of the last coefficients of each regular part over its largest: no density is known any better."""
+    size, end = np.abs(step.a), step.punches.first_node[1:]
+    last = np.max([size[end - k] for k in UNRESOLVED], axis=0)
+    largest = np.maximum.reduceat(size, step.punches.first_node[:-1])
+    return np.asarray(last / np.where(largest > 0, largest, 1.0))
 
 
 def _cut_segments(step: Step, negative: NegativeIntervals) -> NDArray[np.float64]:

@@ -13,13 +13,13 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.theory.crests import find_crests
+from weier.theory.crests import crest_heights, find_crests
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
-MAX_HEIGHT_ROUNDING = (
-    1e-14  # of the sum of amplitudes: crests that differ by less, which is rounding, are equally high
-)
+# Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
+# that differ by less than the latter are told apart in more digits than a float has.
+MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
 VALLEY_STEPS = 6  # of bisection
 MAX_SERIES_ANGLE = 0.3  # up to it sin(y) - y, which would cancel, is summed as a power series
 
@@ -90,16 +90,27 @@ def make_series(amplitude: Array, waves_per_period: list[int], phase: Array, per
     """The series with its crests."""
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     x, theta = find_crests(amplitude, waves_per_period, phase, period)
+    x = _round_positions(x, period)
     order = np.argsort(x, kind="stable")
     x, theta = x[order], theta[order]
-    height = np.cos(theta) @ amplitude
+    height, most = np.cos(theta) @ amplitude, float(np.abs(amplitude).sum())
     maximum = float(height.max())
     offset = height - maximum
-    offset[offset > -MAX_HEIGHT_ROUNDING * np.abs(amplitude).sum()] = 0.0
+    twins = np.flatnonzero(offset > -TWIN_HEIGHT * most)
+    if twins.size > 1:
+        exact = crest_heights(amplitude, waves_per_period, phase, period, x[twins])
+        offset[twins] = [float(each - max(exact)) for each in exact]
+    offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
     crests = x, np.cos(theta), np.sin(theta), offset, maximum
     without = CosineSeries(amplitude, wavenumber, float(period), *crests, x, offset)
     valley, cell_offset = _find_valleys(without)
     return without._replace(valley_position=valley, cell_offset=cell_offset)
+
+
+def _round_positions(x: Array, period: float) -> Array:
+    """Positions within [0, L), rounded so that a period more or less leaves them all their digits."""
+    x = (x % period + 4 * period) - 4 * period
+    return np.asarray(np.where(x < period, x, 0.0))
 
 
 @kernel

@@ -1,0 +1,52 @@
+"""The highest crest: of few by looking at all, of more than a computer holds wave by wave, in bounded memory."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from weier import Profile
+from weier.theory import crests
+from weier.theory.crests import highest_crest
+
+
+def series_of(profile):
+    """The heights, whose waves shrink, and the tensions of full contact, whose waves grow."""
+    waves = profile.waves_per_period, profile.phase, profile.period
+    return [(profile.amplitude, *waves), (-profile.full_contact_pressure, *waves)]
+
+
+@pytest.mark.parametrize("D", [1.0001, 1.1, 1.5, 1.9, 1.9999])
+@pytest.mark.parametrize(("gamma", "m"), [(2, 10), (3, 7), (5, 5), ("5/2", 7), ("7/5", 5), (90, 3)])
+def test_wave_by_wave_as_by_looking_at_all(D, gamma, m, monkeypatch):
+    for each in series_of(Profile(D, gamma, m, np.random.default_rng(m).uniform(0, 2 * np.pi, m))):
+        monkeypatch.setattr(crests, "countable", lambda _: True)
+        x, z = highest_crest(*each)
+        monkeypatch.setattr(crests, "countable", lambda _: False)
+        found_x, found_z = highest_crest(*each)
+        assert found_z == pytest.approx(z, abs=1e-14 * np.abs(each[0]).sum())
+        assert found_x == pytest.approx(x % each[3], abs=1e-8)
+
+
+@pytest.mark.parametrize(("D", "gamma", "m"), [(1.5, 20, 6), (1.5, 1000, 6), (1.5, 2, 40), (1.9, "5/2", 20)])
+def test_very_many_waves_take_little_memory(D, gamma, m):
+    profile = Profile(D, gamma, m, np.random.default_rng(1).uniform(0, 2 * np.pi, m))
+    tracemalloc.start()
+    (_, top), full = profile.crest, profile.full_contact_load
+    memory = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert memory < 5e8
+    assert profile.truncated(3).crest[1] - profile.amplitude_beyond(3) < top < profile.total_amplitude
+    assert 0 < full < profile.full_contact_pressure.sum()
+
+
+@pytest.mark.parametrize(
+    ("gamma", "m", "match"),
+    [(np.pi, 4, "highest crest of these 4 waves is not found"), (2.5, 300, "in at most 64 terms")],
+)
+def test_a_crest_that_cannot_be_found_is_refused(gamma, m, match):
+    profile = Profile(1.5, gamma, m)
+    with pytest.raises(ValueError, match=match):
+        _ = profile.crest
+    with pytest.raises(ValueError, match=match):
+        _ = profile.full_contact_load
