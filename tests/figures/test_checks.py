@@ -105,5 +105,5 @@ def test_a_scene_names_the_parameters(tmp_path):
     loaded = scene.load(write(tmp_path, one, colour="gamma", facet="method", **{"median over": "seed"}))
     assert loaded.figures["f"].grouping == Grouping("gamma", "method", ("seed",))
     text = caption(loaded, "f").text
-    assert "Each panel has one method. Colours show the gamma." in text
+    assert "Each panel has one method. Colours show gamma." in text
     assert "Lines are medians over the phases, and bands hold all curves." in text

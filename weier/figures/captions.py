@@ -11,7 +11,8 @@ from weier.methods.registry import find_method, numerical_names
 from weier.scene import BY_DEFAULT, Grouping, Scene
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
 
-NOUNS = {name: name for name in ("method", "D", "gamma", "m", "phases")} | {"seed": "seed of the phases"}
+NOUNS = {name: name for name in ("D", "gamma", "m")}
+NOUNS |= {"method": "the method", "phases": "the phases", "seed": "the seed of the phases"}
 
 
 class Caption(NamedTuple):
@@ -37,16 +38,16 @@ def caption(scene: Scene, name: str) -> Caption:
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     """Sentences that say what panels, colours, lines and bands show."""
-    sentences = [f"Each panel has one {NOUNS[grouping.facet]}."] if grouping.facet else []
+    sentences = [f"Each panel has one {NOUNS[grouping.facet].removeprefix('the ')}."] if grouping.facet else []
     if grouping.colour in ("", "method"):
         sentences += [_describe_methods(methods, bool(grouping.median_over))] if methods else []
     else:
         dashes = " and dashes the method" if grouping.facet != "method" and len(methods) > 1 else ""
-        sentences.append(f"Colours show the {NOUNS[grouping.colour]}{dashes}.")
+        sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
     if grouping.median_over:
         by_phases = set(grouping.median_over) <= {*PHASES}
-        over = "phases" if by_phases else " and ".join(NOUNS[name] for name in grouping.median_over)
-        sentences.append(f"Lines are medians over the {over}, and bands hold all curves.")
+        over = NOUNS["phases"] if by_phases else " and ".join(NOUNS[name] for name in grouping.median_over)
+        sentences.append(f"Lines are medians over {over}, and bands hold all curves.")
     return " ".join(sentences)
 
 
