@@ -96,7 +96,11 @@ def test_the_page_offers_cases_by_their_labels(path):
         "study coarse, bem points 40, bem edges nodes",
         "study fine, alike, bem points 80, bem edges nodes",
     ]
-    assert found[3:] == ["seed 7, study drawn", "seed 8, study drawn"]
+    assert found[3:] == ["study drawn", "study drawn"]
+    assert [label.partition(":")[0] for label in explorer._labels(dataset.read(path), "phase")[3:]] == [
+        "seed 7",
+        "seed 8",
+    ]
     plain = dataset.read(path).drop_vars(["study", "bem_points", "bem_edges", "seed"])
     assert explorer._labels(plain, "case") == ["case", "case (2)", "case (3)", "case", "case"]
 

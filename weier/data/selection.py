@@ -185,7 +185,7 @@ def _text(value: Any) -> str:
     if np.ndim(value):
         known = value[np.isfinite(value)]
         alike = known.size < 2 or (known[0] == 0 and np.ptp(known[1:]) == 0)
-        return ", ".join(f"{phase:.4g}" for phase in (known[-1:] if alike else known)) or "0"
+        return ", ".join(f"{phase:.4g}" for phase in (known[-1:] if alike else known))
     if isinstance(value, float):
         return "" if np.isnan(value) else f"{value:.6g}"
     return str(value)
@@ -247,7 +247,7 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 
 
 def _some(values: NDArray[Any]) -> str:
-    texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in np.unique(values).tolist()]
+    texts = [text for value in np.unique(values) if (text := _text(value))] or ["none"]
     return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")
 
 
