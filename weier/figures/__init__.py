@@ -11,11 +11,10 @@ which takes longer than all the rest.
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import ExitStack
 from functools import cache
 from importlib import import_module
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -139,22 +138,6 @@ def draw(
         save(figure, path, formats)
 
 
-@cache
-def prepare() -> None:
-    """Load what each figure needs before its own lines: fonts, the grammar of formulae, words on axes, file formats.
-
-    A process that has done so, and forks one for each figure, does it once for all of them.
-    """
-    import matplotlib.style
-
-    from weier.figures.style import LABELS, RC, column
-
-    with matplotlib.style.context(RC, after_reset=True):
-        figure, (axes,) = column(1)
-        axes.set(xscale="log", yscale="log", xlabel=LABELS["mean_pressure"], ylabel=LABELS["resistance"])
-        _write(figure, {suffix: BytesIO() for suffix in METADATA})
-
-
 def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
     known = kinds()
     if kind not in known:
@@ -166,18 +149,13 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
 
 def save(figure: Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
     """Save a figure in the style that is set, in several formats beside each other."""
-    paths = {suffix: Path(path).with_suffix(f".{suffix}") for suffix in formats}
-    with ExitStack() as stack:
-        _write(figure, {suffix: stack.enter_context(replacing(each)) for suffix, each in paths.items()})
-
-
-def _write(figure: Figure, files: Mapping[str, Path | BytesIO]) -> None:
-    """Write a figure into files, by their formats."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)  # measures texts, of which each takes milliseconds, once for the layout and for PNG
     if engine := figure.get_layout_engine():
         engine.execute(figure)
     figure.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
-    for suffix, file in files.items():
-        figure.savefig(file, format=suffix, metadata=METADATA[suffix])
+    with ExitStack() as stack:
+        for suffix in formats:
+            file = stack.enter_context(replacing(Path(path).with_suffix(f".{suffix}")))
+            figure.savefig(file, format=suffix, metadata=METADATA[suffix])
