@@ -19,6 +19,7 @@ from weier.kernels.loads_done import count_load
 from weier.kernels.transform import Spectrum, backward, forward
 from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, refine
+from weier.methods.bem.local_fit import EDGE
 
 Array = NDArray[np.float64]
 
@@ -267,28 +268,44 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
 
 
 @kernel
-def solve_rate(tolerance: float, grid: Grid, state: GridState) -> tuple[float, int]:
+def punch_shape(edge: Edges, contact: Flags, shape: Array) -> None:
+    """Pressure of flat punches on all contacts, q = N/sqrt(distances to both edges in nodes); 0 outside."""
+    shape[:] = 0.0
+    points = contact.size
+    for run in range(1, edge.size - 1):
+        start, nodes = edge[run], edge[run + 1] - edge[run]
+        if contact[start]:
+            for i in range(nodes):
+                shape[(start + i) % points] = points / np.sqrt((i + EDGE) * (nodes - 1 - i + EDGE))
+    if edge.size == 2:
+        shape[:] = 1.0
+
+
+@kernel
+def solve_rate(relative: float, absolute: float, grid: Grid, state: GridState) -> tuple[float, int]:
     """Height that the plane loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
 
-    The pressure in `state` becomes the pressure per load, q, and the rate is the energy q.Aq.
+    The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within these errors,
+    one of which is relative. The rate is the energy q.Aq. It starts from the contact of this load alone: what an
+    unfinished rate leaves depends on no other load.
     """
+    points = state.pressure.size
     edge = find_edges(state.contact, state.edge)
-    nodes = count(state.contact)
-    for i in range(state.pressure.size):
-        state.pressure[i] = state.pressure.size / nodes if state.contact[i] else 0.0
-    deformed_surface(np.zeros(state.pressure.size), grid, state)
+    punch_shape(edge, state.contact, state.pressure)
+    total = state.pressure.sum()
+    for i in range(points):
+        state.pressure[i] *= points / total
+    deformed_surface(np.zeros(points), grid, state)
     pairs, restart, energy = 1, True, 0.0
     for _ in range(MAX_STEPS):
         plane = mean_in_contact(state.deformed, state.contact)
-        contact_gap = violations(plane, grid, state)[0]
-        if contact_gap <= tolerance:
-            break
+        rate = -dot(state.pressure, state.deformed) / points
+        if violations(plane, grid, state)[0] <= max(relative * rate, absolute):
+            return rate, pairs
         energy = conjugate_step(plane, edge, restart, energy, grid, state)
         pairs += 2
         restart = False
-    if not contact_gap <= tolerance:
-        return np.inf, pairs
-    return -dot(state.pressure, state.deformed) / state.pressure.size, pairs
+    return np.inf, pairs
 
 
 @kernel
@@ -369,6 +386,6 @@ def _solve_one(
     plane, residual, pairs = cascade(load, hierarchy, pressure, state)
     nodes, patches, rate = count(state.contact), count_patches(state.contact), np.nan
     if with_resistance:
-        rate, more = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
+        rate, more = solve_rate(0.0, RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
         pairs += more
     return plane, rate, nodes, patches, residual, pairs

@@ -1,14 +1,21 @@
-"""One load on the grid, solved: what the continuum is told of it."""
+"""One load solved on the grid, and what its correction knows of grid and profile besides."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
+
+import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
+from weier.methods.bem.local_fit import MAX_MARGIN, Windows, make_windows
+from weier.theory.halfplane import eigenvalues
+from weier.theory.profile import Profile
 
 MAX_RATE_TOLERANCE = 1e-2  # of the rate: what corrections at 16 points a wave are off themselves
 RATE_FACTOR = 1e6  # per g_0 of the residual: 1e-8 goes with 1e-2, 1e-10 with 1e-4
+MAX_NARROW = 256  # nodes of a contact or gap with a polynomial; the next edge is then too far to matter
 
 
 @kernel
@@ -43,3 +50,53 @@ class GridSolution(NamedTuple):
     per_load: Array
     displacement: Array
     contact: Flags
+
+
+class Continuum(NamedTuple):
+    """What the correction knows of grid and profile, besides `Grid`.
+
+    influence : displacement at j nodes from a unit force, of a line without images, shape (nodes,)
+    stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,)
+    windows : fits on the nodes about contacts and gaps
+    narrow : nodes of the largest contact, or gap, that is given a polynomial: half a finest wave
+    angle : 2 pi over the points for each of the finest waves
+    period : in lambda_0
+    """
+
+    influence: Array
+    stiffness: Array
+    windows: Windows
+    narrow: int
+    angle: float
+    period: float
+
+
+def make_continuum(profile: Profile, points: int) -> Continuum:
+    """Tables for a profile on a grid."""
+    narrow = min(points // (2 * profile.waves_per_period[-1]) + 1, MAX_NARROW)
+    period, nodes = float(profile.period), narrow + 2 * MAX_MARGIN
+    return Continuum(
+        _line_influence(nodes) - 2 * np.log(2 * np.pi / points),
+        _line_stiffness(nodes) * points / period,
+        make_windows(nodes),
+        narrow,
+        2 * np.pi * profile.waves_per_period[-1] / points,
+        period,
+    )
+
+
+def _line_influence(nodes: int) -> Array:
+    """Displacement by a triangle of pressure of unit force, at whole distances j, but for a constant."""
+    j = np.abs(np.arange(-1, nodes + 1.0))
+    twice = j * j / 2 * np.log(np.where(j > 0, j, 1))  # integrates ln twice, but for -3/4 j^2
+    return np.asarray(3 - 2 * np.diff(twice, 2))
+
+
+@lru_cache(maxsize=4)
+def _line_stiffness(nodes: int, points: int = 2**14) -> Array:
+    """Pressure by a unit displacement of one node on a line of unit steps, at whole distances."""
+    ring = np.fft.irfft(np.concatenate([[0], 1 / eigenvalues(points, points)[1:]]), points)[:nodes]
+    # Far away it is -1/(2 pi^2 j^2), and on the ring the sum of that over all turns; take the others off.
+    j = np.arange(1, nodes)
+    turns = 1 / (2 * points**2 * np.sin(np.pi * j / points) ** 2) - 1 / (2 * np.pi**2 * j**2)
+    return np.asarray(ring + np.concatenate([[1 / (6 * points**2)], turns]))

@@ -16,8 +16,8 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum
 from weier.methods.bem.contacts import GridContacts
-from weier.methods.bem.continuum import Continuum
 from weier.methods.bem.fft import circulant_product
+from weier.methods.bem.grid_solution import Continuum
 from weier.methods.bem.grids import Grid
 
 MAX_DENSE = 64  # contacts that act on each other by a matrix; more do so by products on the grid

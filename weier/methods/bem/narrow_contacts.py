@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.bem.polynomials import MEANS, NODES, derivative, second_kind, shift, slopes, value
+from weier.methods.bem.local_fit import MEANS, NODES, derivative, second_kind, shift, slopes, value
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
 CLOSE = 1e-13  # relative size of the last of them

@@ -10,8 +10,8 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
 from weier.methods.bem.interaction import HATS, Interaction, displace, press
+from weier.methods.bem.local_fit import expansion, slopes, value
 from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
-from weier.methods.bem.polynomials import expansion, slopes, value
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go

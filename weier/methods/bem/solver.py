@@ -28,8 +28,8 @@ class Curve(NamedTuple):
     patch_count : contacts in one period, those between two nodes among them; 0 in full contact
     residual : largest violation of a contact condition on the grid, on a freshly applied operator, in g_0
     work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
-    compliance_error : expected, in g_0; with edges "nodes", a bound that holds at all loads
-    resistance_error : expected, in g_0/p_0*; NaN with edges "nodes": a grid does not see births between its nodes
+    compliance_error : an estimate, in g_0, whose coverage is measured; with edges "nodes", a bound at all loads
+    resistance_error : an estimate, in g_0/p_0*; NaN with edges "nodes": a grid does not see births between its nodes
     contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
         with edges "nodes" there are none
     points, edges : nodes in one period, and where the edges of contact stand; scalars
@@ -54,7 +54,7 @@ class Contacts(NamedTuple):
     centre, half_width : in lambda_0; the left edge lies in [0, period)
     force : per length, in p_0* lambda_0
     share : its rate per mean pressure, in lambda_0: these sum to the period
-    uncertain : whether a contact or a gap may be one too many or too few, by the errors that are expected of heights:
+    uncertain : whether a contact or a gap may be one too many or too few, by the estimated errors of heights:
         a crest is about to touch or has just touched, or a gap is about to close
     """
 
@@ -102,7 +102,7 @@ def curve(
     Returns
     -------
     Curve
-        Arrays over the loads, with the errors that are expected of them.
+        Arrays over the loads, with estimates of their errors.
 
     Raises
     ------

@@ -10,30 +10,29 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.contact_list import ContactList, list_contacts
 from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts, make_contacts
-from weier.methods.bem.continuum import Continuum
-from weier.methods.bem.correction_error import expected_errors
-from weier.methods.bem.edge_error import find_steps, next_order
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.gaps import EDGE_REST, correct_gap, is_dip
-from weier.methods.bem.grid_solution import GridSolution, next_node
+from weier.methods.bem.errors import EDGE_REST, REST, expected_errors
+from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.interaction import make_interaction
-from weier.methods.bem.narrow_contacts import contact_edges, highest
-from weier.methods.bem.polynomials import REST, TERMS, remainder
-from weier.methods.bem.redistribution import add_grid_moments, redistribute
-from weier.methods.bem.windows import (
+from weier.methods.bem.local_fit import (
     CREST_MARGIN,
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
+    TERMS,
     added_by_triangles,
     fit_window,
     margin_of,
+    remainder,
     scale_of,
     side_margin,
 )
+from weier.methods.bem.lone_edges import Steps, correct_edge, find_steps
+from weier.methods.bem.narrow_contacts import contact_edges, highest
+from weier.methods.bem.narrow_gaps import correct_gap, is_dip
+from weier.methods.bem.redistribution import add_grid_moments, redistribute
 
-CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
 MAX_ROUNDS = 5  # of judging crests again
 
 
@@ -43,7 +42,7 @@ class Correction(NamedTuple):
     verified : whether forces were found that are positive, and no crest stands above the plane but those that touch
     compliance, resistance : in g_0 and g_0/p_0*
     contacts : in the continuum
-    compliance_error, resistance_error : expected
+    compliance_error, resistance_error : estimates
     uncertain : whether a contact or a gap may be one too many or too few
     """
 
@@ -92,7 +91,6 @@ def _correct_with(
     """The correction with these crests, and the displacement of all nodes that goes with it."""
     runs = edge.size - 2
     points = solution.pressure.size
-    load = float(np.mean(solution.pressure))
     owned = np.zeros(runs, np.bool_)  # edges that belong to a narrow contact or gap
     polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
     contacts = make_contacts(runs // 2 + crests, TERMS)
@@ -122,6 +120,7 @@ def _correct_with(
                 uncertain |= gap.uncertain
         if polynomial[run]:
             owned[run] = owned[(run + 1) % runs] = True
+    steps = find_steps(solution, edge, continuum.period)
     for run in range(runs):
         if not solution.contact[edge[run + 1] % points]:
             contact_of[run] = contact_of[run - 1]
@@ -132,7 +131,7 @@ def _correct_with(
                 contacts.edge_compliance[contact_of[side]] += gap_adds[run, 0] / 2
                 contacts.edge_resistance[contact_of[side]] += gap_adds[run, 1] / 2
     for run in range(runs):
-        place_edge(run, edge[run + 1], owned[run], gap_edge, contact_of, solution, continuum, contacts)
+        place_edge(run, edge, owned[run], steps, gap_edge, contact_of, solution, continuum, contacts)
     added, faster, opened, settled, doubtful = open_gaps(
         contacts, contact_of, edge, errors, solution, grid, continuum
     )
@@ -144,14 +143,12 @@ def _correct_with(
     for at in range(used):
         beyond = abs(forces.centre[at]) + forces.half_width[at] > contacts.limit[at]
         verified &= not (contacts.kind[at] != WIDE and forces.touching[at] and beyond)
-    steps = find_steps(solution, edge, load, continuum.period)
-    lower, slower = next_order(edge, steps, polynomial)
     error, rate_error, unsure, judged = expected_errors(
         solution, edge, steps, polynomial, contacts, used, forces, continuum.angle, continuum.period
     )
     listed = list_contacts(contacts, used, forces, opened, solution, continuum.period)
     return Correction(
-        verified and judged, added + forces.compliance - lower, faster + forces.resistance - slower,
+        verified and judged, added + forces.compliance, faster + forces.resistance,
         listed, errors[0] + error, errors[1] + rate_error, uncertain or doubtful or unsure,
     )  # fmt: skip
 
@@ -291,23 +288,25 @@ def enter_polynomials(
 
 @kernel
 def place_edge(
-    run: int, node: int, owned: bool, gap_edge: Array, contact_of: Indices, solution: GridSolution,
+    run: int, edge: Edges, owned: bool, steps: Steps, gap_edge: Array, contact_of: Indices, solution: GridSolution,
     continuum: Continuum, contacts: GridContacts,
 ) -> None:  # fmt: skip
     """Place the edge at which a run begins: at that of a narrow gap, or by itself if no narrow run has it."""
-    points = solution.pressure.size
+    points, node = solution.pressure.size, edge[run + 1]
     begins = solution.contact[node % points]  # a contact begins here
     which = contact_of[run]
     gap = run - 1 if begins else run
     position = gap_edge[gap, 1] if begins else gap_edge[gap, 0]
     if not owned:
-        found = correct_edge(node % points, solution)
-        contacts.edge_compliance[which] += found.compliance
-        contacts.edge_resistance[which] += found.resistance
-        contacts.edge_drop[which] += found.drop
-        if found.load > 0:
-            contacts.edge_yield[which] += found.drop / (found.load * contacts.share[which])
-        position = (node - found.beyond if begins else node - 1 + found.beyond) * continuum.period / points
+        nodes = min(edge[run + 2] - node, node - edge[run])
+        compliance, resistance = correct_edge(steps, run, nodes, float(np.mean(solution.pressure)))
+        contacts.edge_compliance[which] += compliance
+        contacts.edge_resistance[which] += resistance
+        contacts.edge_drop[which] += steps.drop[run]
+        if steps.load[run] > 0:
+            contacts.edge_yield[which] += steps.drop[run] / (steps.load[run] * contacts.share[which])
+        beyond = steps.place[run] + EDGE
+        position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
     elif run == 0 and begins:  # the gap before it ends in the next period
         position -= continuum.period
     if run == 0 and not begins:  # the contact before it ends there
@@ -317,40 +316,6 @@ def place_edge(
     else:
         contacts.right[which] = position
         contacts.closed_after[which] = int(gap_edge[run, 0] == gap_edge[run, 1])
-
-
-class EdgeCorrection(NamedTuple):
-    """What an edge of wide runs adds to a solution on the grid.
-
-    compliance, resistance : in g_0 and g_0/p_0*
-    beyond : how far it is beyond its node, in nodes
-    drop : of the resistance in its step, D
-    load : that its step takes, a + b; 0 where it is not known
-    """
-
-    compliance: float
-    resistance: float
-    beyond: float
-    drop: float
-    load: float
-
-
-@kernel
-def correct_edge(start: int, solution: GridSolution) -> EdgeCorrection:
-    """Where an edge of wide runs is within its step, and what that adds."""
-    points = solution.pressure.size
-    inside, outside = (start, start - 1) if solution.contact[start] else (start - 1, start)
-    closing = solution.displacement[inside] - solution.displacement[outside]
-    if not (solution.per_load[inside] > 0 and closing > 0):
-        return EdgeCorrection(0.0, 0.0, EDGE, 0.0, 0.0)
-    since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
-    until = max(solution.plane - solution.deformed[outside], 0.0) / closing
-    if not since + until > 0:
-        return EdgeCorrection(0.0, 0.0, EDGE, 0.0, 0.0)
-    step = since / (since + until)
-    drop = solution.per_load[inside] * closing / points
-    higher = drop * (since + until) * ((step - step * step) / 2 - CURVATURE)
-    return EdgeCorrection(higher, (0.5 - step) * drop, step + EDGE - 0.5, drop, since + until)
 
 
 @kernel

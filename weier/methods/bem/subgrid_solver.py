@@ -13,11 +13,9 @@ from weier.kernels.loads_done import count_load, counted_as
 from weier.methods.bem import fft
 from weier.methods.bem.checks import check_residual
 from weier.methods.bem.contact_list import ContactList
-from weier.methods.bem.continuum import Continuum, make_continuum
 from weier.methods.bem.edges import find_edges
-from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum, rate_tolerance
 from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
-from weier.methods.bem.rate import solve_rate
 from weier.methods.bem.subgrid import correct
 from weier.methods.errors import ConvergenceError
 from weier.theory.profile import Profile
@@ -35,7 +33,7 @@ class LoadSolution(NamedTuple):
     verified : whether the corrected solution has been found to be one
     plane : mean gap d, in g_0
     resistance : dh/dp, in g_0/p_0*
-    compliance_error, resistance_error : expected, in the same units
+    compliance_error, resistance_error : estimates, in the same units
     contacts : in the continuum
     uncertain : whether a contact or a gap may be one too many or too few
     residual, work : of the solution on the grid
@@ -72,7 +70,8 @@ def _solve_load(
         pairs += more
     carried[:] = state.pressure
     deformed = state.deformed.copy()
-    rate, more = solve_rate(hierarchy, state)
+    relative = rate_tolerance(finest.tolerance)
+    rate, more = fft.solve_rate(relative, fft.RATE_TOLERANCE * relative, finest, state)
     pairs += more
     if not (residual <= finest.tolerance and rate < np.inf):
         return _miss(plane, residual, pairs)

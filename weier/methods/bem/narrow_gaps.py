@@ -8,27 +8,27 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.bem.continuum import Continuum
-from weier.methods.bem.grid_solution import GridSolution, next_node
+from weier.methods.bem.errors import OPEN_DEPTH
+from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
-from weier.methods.bem.narrow_contacts import gap_edges, gap_energy, highest
-from weier.methods.bem.polynomials import derivative, expansion, remainder, slopes, value
-from weier.methods.bem.windows import (
+from weier.methods.bem.local_fit import (
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
     added_by_triangles,
     average_under_triangle,
+    derivative,
+    expansion,
     fit_window,
+    remainder,
     scale_of,
+    slopes,
+    value,
 )
+from weier.methods.bem.narrow_contacts import gap_edges, gap_energy, highest
 
 ZETA_3 = 1.2020569031595942  # Riemann's zeta(3)
 ALIAS = 2 * ZETA_3 / (2 * np.pi) ** 4  # times z'''' dx^3: what aliases of the triangles add to the pressure
-# How far off the depth of a gap is by polynomial and aliases, over its second derivative in finest wavenumbers, and
-# over angle^5; measured on one wave at 32 to 256 points.
-OPEN_DEPTH = 0.01
-EDGE_REST = 4.0  # in place of REST where the window ends at an edge of contact, near which the pressure is a root
 
 
 class GapCorrection(NamedTuple):

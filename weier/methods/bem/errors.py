@@ -1,0 +1,238 @@
+"""How far off a corrected solution may be: estimates, told by what was corrected and by what stands near a birth.
+
+Of a contact that has a polynomial the next two terms of it are known well, and with them what they change: that is
+all, as long as nothing else is near. Whatever contacts and gaps do to each other, and edges that stand alone, is
+measured in steps: one of an edge from a node to the next changes the compliance by D (a + b) and the resistance by
+D (docs/subgrid.md). All factors below were fitted to cover the errors of some 700 random series like those of
+`benchmarks.subgrid`, on 16 to 400 points a wave, and were checked on the families of `benchmarks.stated_errors`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags
+from weier.kernels.jit import kernel
+from weier.methods.bem.contacts import CREST, WIDE, GridContacts
+from weier.methods.bem.edges import Edges
+from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.local_fit import shift, slopes, value
+from weier.methods.bem.lone_edges import Steps
+from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
+from weier.methods.bem.redistribution import Redistribution
+
+# Polynomials.
+REST = 1.6  # times the next two terms of a polynomial, for all further ones
+CANCELLED = 0.25  # of terms of opposite signs
+EDGE_REST = 4.0  # in place of REST for a gap beside an edge of contact, near which the pressure is a root
+# Of the depth of a gap, over its second derivative in finest wavenumbers and over (2 pi/points a wave)^5: what
+# polynomial and aliases leave of it on one wave at 32 to 256 points.
+OPEN_DEPTH = 0.01
+# Steps, of compliance and resistance. Contacts and gaps that share an edge bear on each other by near = (narrower
+# run/both)^2; wave is 2 pi/points a wave.
+ALONE = np.array([0.08, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
+# In place of one over the nodes where it is more, times s^2 and at most 3: beside a shoulder of the surface, along
+# which an edge runs fast, fewer nodes than those of the run belong to it.
+UNEVEN, MAX_UNEVEN = 2.2, 3.0
+NEAR_GAP = np.array([0.0025, 0.16])  # times near, for gaps with a polynomial
+IMAGES = np.array([0.13, 0.08])  # times near^2 for one contact and its images, load times it of the compliance
+GAP = np.array([0.012, 0.07])  # times wave^2, for the same, since polynomials stand for waves
+# Contacts that bear on each other.
+MOMENTS = 3.0  # times what second moments of contacts change
+RECIPROCITY = np.array([0.1, 1.0])  # times change of force and change of share: of h, and over the load of R
+# Times the square of how far A q is from flat, of the resistance, since a share shifts from contact to contact, or
+# from the middle of one to its edges, with little resistance.
+SHIFTED = 60.0
+UNFLAT = 7e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
+# Births, by how far off the height of a crest may be.
+HEIGHT_SHARE = 4.0  # errors of the compliance
+# Of the resistance: times the drop that an uncertain birth makes, since other contacts give way, and times what a
+# contact between two nodes takes off.
+BIRTHS, BIRTH_SHARE = 1.2, 0.02
+PRESSED = 0.05  # of what others press it down by more than on the grid
+# Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
+# may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. A contact with a polynomial has its
+# first two moments taken off, and the other is left.
+MOMENT = np.array([0.4, 0.05])
+# Rounding, as measured.
+ROUNDING = 1e-13  # of the heights
+RATE_ROUNDING = 5e-13  # of the resistance, over wave^2: what rounding of heights does to curvatures
+CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial
+
+
+@kernel
+def expected_errors(
+    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, contacts: GridContacts, used: int,
+    forces: Redistribution, angle: float, period: float,
+) -> tuple[float, float, bool, bool]:  # fmt: skip
+    """Errors of compliance, in g_0, and resistance, in g_0/p_0*; whether a contact may be one too many or too few.
+
+    The last is False where a crest stands above the plane by more than its own error; `angle` is 2 pi/(points a
+    wave).
+    """
+    load = float(np.mean(solution.pressure))
+    error, rate_error, flatness = _errors_of_the_solver(solution)
+    if not _is_lone_with_polynomial(solution, edge, polynomial):
+        error += UNFLAT * flatness * load
+    rate_error += RATE_ROUNDING / angle**2 * solution.rate
+    for at in range(used):
+        if not forces.touching[at]:
+            continue
+        error += MOMENTS * forces.second[at]
+        rate_error += MOMENTS * forces.rate_second[at]
+        if contacts.kind[at] != WIDE:
+            off, rate_off = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
+            shifted = abs(forces.share_change[at] * forces.change[at]) / period
+            error += REST * off + RECIPROCITY[0] * shifted
+            rate_error += REST * rate_off + RECIPROCITY[1] * shifted / load
+    off, rate_off = _errors_of_edges(solution, edge, steps, polynomial, angle, load)
+    error, rate_error = error + off, rate_error + rate_off
+    births = missed = 0.0
+    uncertain, judged = False, True
+    for at in range(used):
+        if contacts.kind[at] != WIDE:
+            rest = _size(contacts.height_rest[at], forces.centre[at])
+            displaced = _displacement_by_moments(contacts, used, at, solution.contact.size, period)
+            off = HEIGHT_SHARE * error + PRESSED * forces.pressed[at] + 2 * rest + displaced
+            if forces.touching[at]:  # the more of the load it takes, the less another can take from it
+                off *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
+            else:
+                judged &= forces.penetration[at] <= off
+            uncertain |= abs(forces.penetration[at]) <= off
+            drop = _uncertain_birth(contacts, forces, at, off, period)
+            births += BIRTHS * drop
+            if contacts.kind[at] == CREST:
+                births += BIRTH_SHARE * abs(forces.closing[at] * forces.share_change[at]) / period
+            if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
+                missed += drop * displaced / forces.closing[at]
+    return error + missed, rate_error + births, uncertain, judged
+
+
+@kernel
+def _errors_of_the_solver(solution: GridSolution) -> tuple[float, float, float]:
+    """What residuals leave: all of that of the heights, and the square of that of the rate, which comes third."""
+    residual = flatness = 0.0
+    for i in range(solution.contact.size):
+        if solution.contact[i]:
+            residual = max(residual, abs(solution.plane - solution.deformed[i]))
+            flatness = max(flatness, abs(solution.rate - solution.displacement[i]))
+        else:
+            residual = max(residual, solution.deformed[i] - solution.plane)
+    share = min(flatness / solution.rate, 1.0) if solution.rate > 0 else 0.0  # in full contact both are rounding
+    return residual + ROUNDING * abs(solution.plane), SHIFTED * share * flatness, share * solution.rate
+
+
+@kernel
+def _is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Flags) -> bool:
+    """Whether one contact has the whole load, whatever the rate, and has had it from first touch on."""
+    if edge.size != 4:
+        return False
+    return bool(polynomial[0] if solution.contact[edge[1] % solution.pressure.size] else polynomial[1])
+
+
+@kernel
+def _errors_of_edges(
+    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, angle: float, mean_pressure: float
+) -> tuple[float, float]:
+    """What steps that are misjudged change of compliance and resistance at most."""
+    errors = np.zeros(2)
+    if _is_lone_with_polynomial(solution, edge, polynomial):  # only its images bear on it
+        nodes = min(edge[2] - edge[1], edge[3] - edge[2])
+        change = (nodes / solution.pressure.size) ** 4 * steps.drop.sum()
+        return IMAGES[0] * change * mean_pressure, IMAGES[1] * change
+    for run in range(edge.size - 2):
+        here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
+        narrower = min(here, before)
+        near = (narrower / (here + before)) ** 2
+        gap = run - 1 if solution.contact[edge[run + 1] % solution.pressure.size] else run
+        contact = run - 1 if gap == run else run
+        change = steps.drop[run] * min(steps.load[run], mean_pressure), steps.drop[run]  # no older than the load
+        for quantity in range(2):
+            if polynomial[gap]:
+                errors[quantity] += (NEAR_GAP[quantity] * near + GAP[quantity] * angle**2) * change[quantity]
+            elif not polynomial[contact]:
+                uneven = min(UNEVEN * steps.longer[run] ** 2, MAX_UNEVEN)
+                errors[quantity] += ALONE[quantity] * max(1 / narrower, uneven) * change[quantity]
+    return errors[0], errors[1]
+
+
+@kernel
+def _size(polynomials: Array, s: float) -> float:
+    """The sum of two terms at s, with a share of each in case that their signs are others."""
+    return _of_two(value(polynomials[0], s), value(polynomials[1], s))
+
+
+@kernel
+def _of_two(one: float, other: float) -> float:
+    """The size of such a sum."""
+    return abs(one + other) + CANCELLED * (abs(one) + abs(other))
+
+
+@kernel
+def _errors_of_the_polynomial(
+    contacts: GridContacts, forces: Redistribution, at: int, height: float, period: float
+) -> tuple[float, float]:
+    """What the next two terms of its polynomials change of compliance and resistance, and rounding of heights.
+
+    A height delta z in contact raises the plane by its mean over the Chebyshev nodes; that mean changes with the half
+    width a, and a with the force, which is -(a/2) times the mean of t z'. A slope moves the contact by slope/z'', to
+    where its curvature is another.
+    """
+    force, share = contacts.force[at] + forces.change[at], contacts.share[at] + forces.share_change[at]
+    centre, half_width = forces.centre[at], forces.half_width[at]
+    odd, odd_change = _means_of_the_rest(contacts.height_rest[at, 0], centre, half_width)
+    even, even_change = _means_of_the_rest(contacts.height_rest[at, 1], centre, half_width)
+    odd_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 0], centre, half_width)
+    even_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 1], centre, half_width)
+    off = abs(share) * _of_two(odd, even) + abs(force) * _of_two(odd_rate, even_rate)
+    rate_off = 2 * abs(share) * _of_two(odd_rate, even_rate)
+    wider = force_per_half_width(contacts.height[at], centre, half_width)
+    if wider > 0:
+        rate_off += share**2 * _of_two(odd_change, even_change) / wider
+    _, bend, twist = slopes(contacts.height[at], centre)
+    if bend < 0:
+        slope = abs(forces.tilt[at]) * contacts.scale[at]
+        for j in range(2):
+            slope += abs(slopes(contacts.height_rest[at, j], centre)[0])
+        rate_off += share**2 * (abs(twist) * slope / bend**2 - CURVATURE_ROUNDING * height / bend)
+    return off / period, rate_off / period
+
+
+@kernel
+def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[float, float]:
+    """Mean of a term over the Chebyshev nodes t of a contact, and that of t times its slope."""
+    moved = rest.copy()
+    shift(moved, centre)
+    mean, _, _, slope_t, _ = means(moved, half_width)
+    return mean, slope_t
+
+
+@kernel
+def _displacement_by_moments(contacts: GridContacts, used: int, at: int, points: int, period: float) -> float:
+    """How far a crest may stand off by the second moments of the contacts on the grid: K''/2 of each of these."""
+    off = 0.0
+    for other in range(used):
+        if other != at and contacts.kind[other] != CREST:
+            apart = np.sin(np.pi / period * (contacts.position[at] - contacts.position[other]))
+            share = MOMENT[0] if contacts.kind[other] == WIDE else MOMENT[1]
+            off += share * contacts.force[other] * (np.pi / points / apart) ** 2
+    return off
+
+
+@kernel
+def _uncertain_birth(contacts: GridContacts, forces: Redistribution, at: int, off: float, period: float) -> float:
+    """By how much the resistance would differ if a crest stood so much higher or lower."""
+    bend = -slopes(contacts.height[at], forces.centre[at])[1]
+    higher = _drop(contacts, forces, at, forces.penetration[at] + off, bend, period)
+    return higher - _drop(contacts, forces, at, forces.penetration[at] - off, bend, period)
+
+
+@kernel
+def _drop(
+    contacts: GridContacts, forces: Redistribution, at: int, penetration: float, bend: float, period: float
+) -> float:
+    """What a contact takes off the resistance that a crest makes by penetrating so far."""
+    if penetration <= 0 or bend <= 0:
+        return 0.0
+    half_width = min(np.sqrt(2 * penetration / bend) * contacts.scale[at], period / 4)
+    return forces.closing[at] ** 2 / (1 + punch_compliance(half_width, period)) / period

@@ -1,0 +1,227 @@
+"""Polynomials on the nodes about a contact or a gap: fitted, differentiated, and expanded on an interval.
+
+A polynomial is the array of its coefficients c_0, c_1, ... of 1, s, s^2, ..., shape (TERMS,).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.jit import kernel
+from weier.methods.bem.edges import Edges
+
+DEGREE = 8  # over half a wave, a cosine differs from its best polynomial of this degree by 1e-6
+TERMS = DEGREE + 1
+EDGE = 0.384947631413  # nodes from the last one in contact to the edge of a flat punch, in the mean of a step
+MAX_BEYOND = 1.5  # nodes from the last one in contact to its edge: half a node in all that a grid can miss
+MARGIN = 2  # nodes beyond a contact or a gap that its polynomial is fitted on, at each end; more if it has few itself
+MAX_MARGIN = (TERMS + 1) // 2 + MARGIN
+CREST_MARGIN = DEGREE // 2  # and beyond the highest node of a gap, or the node of least pressure in a contact
+MAX_FITTED = 25  # nodes that a polynomial is fitted on: more add nothing
+MIN_POLYNOMIAL = 3  # nodes of a window: a parabola
+
+
+_ANGLES = np.pi * (np.arange(TERMS + 1) + 0.5) / (TERMS + 1)
+NODES = np.cos(_ANGLES)  # of Chebyshev: mean values over them are exact for all products of two such polynomials
+MEANS = np.array([0.0 if k % 2 else math.comb(k, k // 2) / 2**k for k in range(TERMS + 4)])  # of t^k over these nodes
+_EXPANSION = np.cos(np.arange(TERMS)[:, None] * _ANGLES) * np.where(np.arange(TERMS) > 0, 2, 1)[:, None] / NODES.size
+
+
+_CHEBYSHEV = np.array(
+    [
+        np.pad(np.polynomial.chebyshev.cheb2poly(row[: k + 1]), (0, TERMS + 1 - k))
+        for k, row in enumerate(np.eye(TERMS + 2))
+    ]
+)  # T_0, T_1, ... in powers of s
+
+
+def fit_polynomials(s: Array, values: Array, degree: int) -> Array:
+    """Least-squares polynomials of this degree, shape (k, TERMS), for values at s, shapes (k, nodes) and (nodes,)."""
+    basis = np.polynomial.chebyshev.chebvander(s, degree)
+    coefficient = np.linalg.lstsq(basis, values.T, rcond=None)[0]
+    return np.asarray(coefficient.T @ _CHEBYSHEV[: degree + 1, :TERMS])
+
+
+def next_terms(s: Array, degree: int) -> Array:
+    """The two Chebyshev polynomials after `degree` at s, shape (2, nodes)."""
+    return np.asarray(np.polynomial.chebyshev.chebvander(s, degree + 2)[:, degree + 1 :].T)
+
+
+@kernel
+def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) -> Array:
+    """What a fit of this degree leaves of an odd and an even term beyond it, as polynomials, shape (2, TERMS + 2).
+
+    The terms are of T_(degree + 1) and T_(degree + 2), less what the fit makes of them, `fitted_next`. Their
+    coefficients are those of a wave: they alternate, and fall by `ratio`^2/(4 k (k + 1)) from one of a parity to the
+    next; where they fell more slowly so far, they go on like that. A last one that is smaller than the one before
+    tells, as where waves cancel in it, counts as large as that.
+    """
+    coefficients = expansion(polynomial, 0.0, 1.0)
+    rest = np.empty((2, TERMS + 2))
+    for j in range(2):
+        last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
+        fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
+        slower = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
+        size = max(last, fall * before / slower) if slower > 0 else last
+        if slower * last > fall * before:
+            fall = min(slower * last / before, 1.0)
+        rest[j] = _CHEBYSHEV[degree + 1 + j]
+        rest[j, :TERMS] -= fitted_next[j]
+        rest[j] *= -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
+    return rest
+
+
+@kernel
+def value(polynomial: Array, s: float) -> float:
+    """The polynomial at s."""
+    total = 0.0
+    for k in range(polynomial.size - 1, -1, -1):
+        total = total * s + polynomial[k]
+    return total
+
+
+@kernel
+def slopes(polynomial: Array, s: float) -> tuple[float, float, float]:
+    """Its first three derivatives at s."""
+    total = first = second = third = 0.0
+    for k in range(polynomial.size - 1, -1, -1):
+        third = third * s + second
+        second = second * s + first
+        first = first * s + total
+        total = total * s + polynomial[k]
+    return first, 2 * second, 6 * third
+
+
+@kernel
+def shift(polynomial: Array, by: float) -> None:
+    """Make of the coefficients those of powers of s - by."""
+    for i in range(polynomial.size - 1):
+        for k in range(polynomial.size - 2, i - 1, -1):
+            polynomial[k] += by * polynomial[k + 1]
+
+
+@kernel
+def derivative(polynomial: Array) -> Array:
+    """Its derivative, as long an array with a last coefficient of 0."""
+    slope = np.zeros(polynomial.size)
+    for k in range(1, polynomial.size):
+        slope[k - 1] = k * polynomial[k]
+    return slope
+
+
+@kernel
+def expansion(polynomial: Array, centre: float, half_width: float) -> Array:
+    """Coefficients of T_0, T_1, ... on the interval, shape (TERMS,)."""
+    coefficients = np.zeros(TERMS)
+    for i in range(NODES.size):
+        here = value(polynomial, centre + half_width * NODES[i])
+        for k in range(TERMS):
+            coefficients[k] += _EXPANSION[k, i] * here
+    return coefficients
+
+
+@kernel
+def second_kind(coefficients: Array) -> Array:
+    """Coefficients of U_0, U_1, ... from those of T_0, T_1, ...: 2 T_k = U_k - U_(k-2)."""
+    converted = coefficients / 2
+    converted[0] = coefficients[0]
+    converted[:-2] -= coefficients[2:] / 2
+    return converted
+
+
+class Windows(NamedTuple):
+    """Fits for windows of w = 0, 1, ... nodes, in s from -1 at the first to 1 at the last; those below 2 are empty.
+
+    fitted : nodes that are fitted on, shape (windows,)
+    degree : of the polynomial, shape (windows,)
+    offset : of these nodes from the first of the window, shape (windows, MAX_FITTED)
+    coefficient : of s^k for a value of 1 at one of these nodes, shape (windows, MAX_FITTED, TERMS)
+    following : what the fit makes of the two Chebyshev polynomials after its degree, shape (windows, 2, TERMS)
+    """
+
+    fitted: Indices
+    degree: Indices
+    offset: Indices
+    coefficient: Array
+    following: Array
+
+
+@lru_cache(maxsize=4)
+def make_windows(most: int) -> Windows:
+    """Fits for windows of up to so many nodes."""
+    windows = Windows(
+        np.zeros(most + 1, np.int64), np.zeros(most + 1, np.int64), np.zeros((most + 1, MAX_FITTED), np.int64),
+        np.zeros((most + 1, MAX_FITTED, TERMS)), np.zeros((most + 1, 2, TERMS)),
+    )  # fmt: skip
+    for whole in range(2, most + 1):
+        fitted = min(whole, MAX_FITTED)
+        degree = min(DEGREE, fitted - 1)
+        for i in range(fitted):
+            windows.offset[whole, i] = (i * (whole - 1) + (fitted - 1) // 2) // (fitted - 1)
+        s = windows.offset[whole, :fitted] / scale_of(whole) - 1
+        windows.fitted[whole], windows.degree[whole] = fitted, degree
+        windows.coefficient[whole, :fitted] = fit_polynomials(s, np.eye(fitted), degree)
+        windows.following[whole] = fit_polynomials(s, next_terms(s, degree), degree)
+    return windows
+
+
+@kernel
+def scale_of(whole: int) -> float:
+    """The nodes in one s of a window of so many."""
+    return (whole - 1) / 2
+
+
+@kernel
+def fit_window(windows: Windows, whole: int, values: Array) -> Array:
+    """Least-squares polynomials, shape (k, TERMS), of values at the nodes of a window, shape (k, fitted)."""
+    polynomials = np.zeros((values.shape[0], TERMS))
+    coefficient = windows.coefficient[whole]
+    for j in range(values.shape[0]):
+        for i in range(values.shape[1]):
+            for k in range(TERMS):
+                polynomials[j, k] += coefficient[i, k] * values[j, i]
+    return polynomials
+
+
+@kernel
+def margin_of(edge: Edges, run: int) -> int:
+    """Nodes beyond both ends of a run that belong to no further one, at most as many as the polynomial needs."""
+    before, nodes = edge[run + 1] - edge[run], edge[run + 2] - edge[run + 1]
+    after = edge[run + 3] - edge[run + 2] if run + 3 < edge.size else edge[2] - edge[1]
+    return min(max(MARGIN, (TERMS - nodes + 1) // 2), before, after)
+
+
+@kernel
+def average_under_triangle(polynomial: Array, scale: float) -> Array:
+    """The moving average of a polynomial under a triangle of the nodes' spacing."""
+    second = derivative(derivative(polynomial))
+    fourth = derivative(derivative(second))
+    return polynomial + second / (12 * scale**2) + fourth / (360 * scale**4)
+
+
+@kernel
+def added_by_triangles(polynomial: Array, nodes: int, scale: float) -> Array:
+    """What that average adds at the nodes of a run, to second differences."""
+    second = derivative(derivative(polynomial))
+    values = np.empty(nodes)
+    for i in range(nodes):
+        values[i] = value(second, (i - (nodes - 1) / 2) / scale) / (12 * scale**2)
+    return values
+
+
+@kernel
+def side_margin(node: int, contact: Flags) -> int:
+    """Nodes to each side of this one that are in contact if it is, and not if it is not; at most CREST_MARGIN."""
+    margin = 1
+    while (
+        margin < CREST_MARGIN
+        and contact[node - margin - 1] == contact[node]
+        and contact[(node + margin + 1) % contact.size] == contact[node]
+    ):
+        margin += 1
+    return margin
