@@ -370,7 +370,8 @@ def test_a_load_that_is_not_verified_is_solved_more_finely(monkeypatch):
 
     monkeypatch.setattr(GridSolver, "solve", unverified)
     finer = curve(profile, load, points=160)
-    assert finer.compliance.tolist() == curve(profile, load, points=320).compliance.tolist()
+    by_itself = curve(profile, load, points=320)
+    np.testing.assert_allclose(finer.compliance, by_itself.compliance, atol=1e-10)  # the residual
     refused += [320, 640]
     found = curve(profile, load, points=160)
     np.testing.assert_allclose(found.compliance, exact.compliance, rtol=1e-12)
