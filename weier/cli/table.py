@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     help="Give SI units; this YAML file has the eight values of weier.Interface, as mu_1.",
 )
 def table(contact: Path, path: Path, bodies: Path | None) -> None:
-    """Write the curves of a file as comma-separated values, one row a load.
+    """Write the curves of a file as comma-separated values.
 
-    CONTACT is a netCDF file, of a scene or of `weier solve`. The table goes to PATH or, without one or for "-", to
-    standard output.
+    CONTACT is a netCDF file, of a scene or of `weier solve`. The table has one row a load. It goes to PATH or,
+    without one or for "-", to standard output.
 
     \b
     weier table results/paper/contact.nc curves.csv

@@ -202,7 +202,7 @@ def last_change(*lengths: xr.Dataset) -> float:
 
 
 def last_change_over_others(*lengths: xr.Dataset) -> float:
-    """The same change over the least with the terms before."""
+    """The largest change with the last term over the least with the terms before."""
     return _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf)
 
 

@@ -69,7 +69,7 @@ def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
 
 
 def decisive_line(judged: Judgement) -> str:
-    """The same in one line."""
+    """The number that decides, its limit and the votes in one line."""
     number, limit, votes = decisive_cells(judged)
     return "; ".join(filter(None, [number, limit and f"limit: {limit}", votes]))
 
