@@ -1,17 +1,16 @@
-"""Ctrl-C in the midst of a kernel, and what else threads could change."""
+"""Ctrl-C in the midst of a solve, and while a kernel returns."""
 
 import signal
 import subprocess
 import sys
-import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from weier.kernels import interruption
-from weier.kernels.interruption import ask_to_stop, interruptible, stop_if_asked
+from weier.kernels.interruption import interruptible, run_kernel
 
 PATIENCE = 120  # seconds
 
@@ -19,7 +18,7 @@ pytestmark = pytest.mark.usefixtures("ctrl_c")
 
 # A solve of many minutes, after a short one that has compiled what it needs, and another short one after it.
 PROGRAM = """
-import threading, time
+import time
 import numpy as np
 import weier
 
@@ -32,8 +31,6 @@ print("ready", flush=True)
 try:
     weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), np.geomspace(1e-3, 4, 100), {method!r}{settings})
 except KeyboardInterrupt:
-    while threading.active_count() > 1:  # until the other thread has stopped, too
-        time.sleep(0.02)
     print("stopped", (short() == before).all(), flush=True)
 """
 
@@ -56,7 +53,7 @@ def test_ctrl_c_stops_a_solve_and_leaves_the_program_as_it_was(method, terms, se
 
 # Nothing but a kernel that returns a tuple of arrays, again and again.
 KERNEL_ALONE = """
-import threading, time
+import time
 import numpy as np
 from weier.kernels.interruption import interruptible
 from weier.methods.patches.pair_sums import make_pair_matrix
@@ -73,8 +70,6 @@ make_pair_matrix(origin, offset, 1.0, False)
 try:
     endure()
 except KeyboardInterrupt:
-    while threading.active_count() > 1:
-        time.sleep(0.02)
     print("stopped", flush=True)
 """
 
@@ -96,62 +91,44 @@ def test_a_function_is_as_it_was():
     @interruptible
     def ratio(a, *, b):
         """Divide."""
-        return np.float64(a) / np.float64(b), threading.current_thread()
+        return np.float64(a) / np.float64(b), signal.getsignal(signal.SIGINT)
 
     assert ratio.__doc__ == "Divide."
-    value, thread = ratio(1.0, b=2.0)
-    assert value == 0.5
-    assert thread is not threading.current_thread()
-    with np.errstate(divide="ignore"):  # which the other thread has to know: a warning would be an error here
-        assert ratio(1.0, b=0.0)[0] == np.inf
-    with pytest.raises(FloatingPointError), np.errstate(divide="raise"):
-        ratio(1.0, b=0.0)
+    before = signal.getsignal(signal.SIGINT)
+    value, within = ratio(1.0, b=2.0)
+    assert (value, within is before) == (0.5, False)
+    assert signal.getsignal(signal.SIGINT) is before
     with ThreadPoolExecutor(1) as pool:  # where there is no Ctrl-C
-        _, thread = pool.submit(ratio, 1.0, b=2.0).result()
-        assert thread is pool.submit(threading.current_thread).result()
+        assert pool.submit(ratio, 1.0, b=2.0).result()[1] is before
 
 
-def test_all_solves_of_a_process_stop_and_the_next_one_runs():
-    started = threading.Barrier(3)
-
-    @interruptible
-    def endure():
-        started.wait(PATIENCE)
-        while True:
-            stop_if_asked()
-            time.sleep(0.01)
-
-    with ThreadPoolExecutor(2) as pool:
-        solves = [pool.submit(endure) for _ in range(2)]
-        started.wait(PATIENCE)
-        ask_to_stop()
-        for solve in solves:
-            with pytest.raises(InterruptedError):
-                solve.result(PATIENCE)
-    assert interruption.ASKED[0] == 0
-    assert interruptible(lambda: 1)() == 1
+def test_whoever_handles_ctrl_c_goes_on_to_do_so():
+    seen = []
+    signal.signal(signal.SIGINT, lambda *_: seen.append(True))
+    try:
+        assert interruptible(lambda: signal.raise_signal(signal.SIGINT) or 1)() == 1
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    assert seen == [True]
 
 
-def test_to_ask_where_nothing_is_solved_stops_nothing():
-    ask_to_stop()
-    assert interruptible(lambda: 1)() == 1
+class Pair(NamedTuple):
+    """What a kernel may return."""
+
+    one: int
 
 
-def test_a_solve_within_a_solve_stops_with_it():
-    @interruptible
-    def inner():
-        ask_to_stop()
-        return interruptible(stop_if_asked)()
+def test_ctrl_c_is_raised_once_the_kernel_has_returned():
+    """Python code that is called by compiled code runs to its end."""
+    ended = []
 
-    with pytest.raises(InterruptedError):
-        inner()
-    assert interruption.ASKED[0] == 0
+    def returning():
+        signal.raise_signal(signal.SIGINT)
+        ended.append(Pair(1))
 
-
-def test_a_thread_that_ended_without_a_word_keeps_nobody_waiting():
-    thread = threading.Thread(target=interruption._SOLVES.__enter__)  # as if interrupted while it was leaving
-    thread.start()
-    thread.join()
-    ask_to_stop()
-    assert interruption.ASKED[0] == 1
-    assert interruptible(lambda: interruption.ASKED[0])() == 0
+    with pytest.raises(KeyboardInterrupt):
+        interruptible(run_kernel)(returning, ())
+    assert ended == [Pair(1)]
+    assert run_kernel(lambda: 1, ()) == 1
+    with pytest.raises(KeyboardInterrupt):  # and at once elsewhere
+        interruptible(lambda: signal.raise_signal(signal.SIGINT))()

@@ -4,7 +4,6 @@ import importlib.util
 import os
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from threading import Thread
 from time import perf_counter
 
@@ -15,7 +14,6 @@ from numba.core.codegen import JITCodeLibrary
 
 from tests.marks import compiled
 from weier.kernels import jit
-from weier.kernels.interruption import ask_to_stop, interruptible
 
 PATIENCE = 120  # seconds
 
@@ -192,21 +190,6 @@ def test_a_kernel_inside_another_is_compiled_once_for_all_integers(folders):
     module = load(folders[0])
     assert module.count(5) == 5
     assert list(module.increment._numba_type_.dispatcher.overloads) == [(types.int64,)]
-
-
-@compiled
-def test_compiling_ends_between_two_kernels_when_solves_are_to_stop(folders):
-    module = load(folders[0])
-
-    @interruptible
-    def begin():
-        ask_to_stop()
-        return module.count(5)
-
-    with ThreadPoolExecutor(1) as pool, pytest.raises(InterruptedError):
-        pool.submit(begin).result()
-    assert not module.count.compiled.overloads
-    assert module.count(5) == 5
 
 
 @compiled

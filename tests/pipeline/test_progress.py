@@ -1,14 +1,63 @@
-"""The line that a terminal shows, and that nothing else does."""
+"""How far a solve is: said for each load that is done, and on a terminal alone by commands of one profile."""
 
 import io
+import math
 import sys
-import time
 
+import numpy as np
 import pytest
 
-from weier.kernels.loads_done import count_load
+from weier.methods.progress import count_load, telling
+from weier.methods.registry import find_method
 from weier.pipeline import progress
-from weier.pipeline.progress import ERASE, waiting
+from weier.pipeline.progress import ERASE, Loads, waiting
+from weier.theory.profile import Profile
+
+LOADS = np.array([0.1, 0.3, 1.0])
+TWO_WAVES = Profile(D=1.25, gamma=2, m=2)
+INFINITE = Profile(D=1.02, gamma=10, m=math.inf)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("bem", {"points": 32}),
+        ("bem", {"points": 32, "solver": "direct"}),
+        ("bem", {"points": 32, "edges": "nodes"}),
+        ("hybrid", {"terms": 1}),
+        ("patches", {}),
+    ],
+)
+def test_each_load_counts_once(name, settings):
+    """Not what a load starts from, either, and not what bounds the truncated terms."""
+    counted = []
+    with telling(lambda: counted.append(1)):
+        find_method(name).solve(INFINITE if name == "hybrid" else TWO_WAVES, LOADS, **settings)
+    assert len(counted) == LOADS.size
+
+
+def test_loads_of_another_solve_are_not_told():
+    counted = []
+    with telling(lambda: counted.append(1)):
+        with telling(None):
+            count_load()
+        count_load()
+    count_load()
+    assert len(counted) == 1
+
+
+def test_progress_is_told_by_loads_with_the_time_left(monkeypatch):
+    said, clock = [], iter(range(0, 100, 4))
+    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
+    loads = Loads(30, 10, 3.0, said.append)
+    loads()
+    loads.end_curve()  # of a method that counts not all
+    for _ in range(12):
+        loads()
+    loads.end_curve()
+    loads.end_curve()
+    assert said[:2] == ["1 of 30 loads, about 116 s left", "10 of 30 loads, about 16 s left"]
+    assert said[-1] == "20 of 30 loads, about 30 s left"  # and nothing at the end
 
 
 class Terminal(io.StringIO):
@@ -19,37 +68,17 @@ class Terminal(io.StringIO):
         return True
 
 
-@pytest.fixture
-def soon(monkeypatch):
-    monkeypatch.setattr(progress, "QUIET", 0.1)
-
-
-def test_a_terminal_shows_what_is_computed_and_for_how_long(soon, monkeypatch):
+def test_a_terminal_shows_what_is_computed_and_how_far_it_is(monkeypatch):
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
-    with waiting("solving by bem", 12.0):
-        while "solving" not in screen.getvalue():
-            time.sleep(0.01)
-    assert screen.getvalue().startswith(f"{ERASE}solving by bem: ")
-    assert " s of up to 12 s" in screen.getvalue()
-    assert screen.getvalue().endswith(ERASE)
+    with waiting("solving by bem") as show:
+        show("2 of 40 loads")
+    assert screen.getvalue() == f"{ERASE}solving by bem{ERASE}solving by bem: 2 of 40 loads{ERASE}"
 
 
-def test_a_terminal_shows_the_loads_done_of_all(soon, monkeypatch):
-    screen = Terminal()
+def test_a_log_shows_nothing(monkeypatch):
+    screen = io.StringIO()
     monkeypatch.setattr(sys, "stderr", screen)
-    with waiting("solving by bem", loads=40):
-        count_load()
-        count_load()
-        while "loads" not in screen.getvalue():
-            time.sleep(0.01)
-    assert "solving by bem: 2 of 40 loads, " in screen.getvalue()
-
-
-@pytest.mark.parametrize("stream", [io.StringIO, Terminal])
-def test_a_log_shows_nothing_and_neither_does_what_is_short(stream, monkeypatch):
-    screen = stream()
-    monkeypatch.setattr(sys, "stderr", screen)
-    with waiting("solving by bem"):
-        pass
+    with waiting("solving by bem") as show:
+        show("2 of 40 loads")
     assert screen.getvalue() == ""

@@ -45,7 +45,9 @@ def batch(description: Path, data: Path, cost: Path, threads: int) -> None:
 
     wanted = read_batch(description)
     with job("solve", wanted.title):
-        curves, seconds = solve_batch(wanted.scene, wanted.cases, threads)
+        curves, seconds = solve_batch(
+            wanted.scene, wanted.cases, threads, done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True)
+        )
         dataset.write(seconds, cost, f"{wanted.title}: seconds", "solved")
         dataset.write(curves, data, wanted.title, "solved")
 

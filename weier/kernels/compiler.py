@@ -8,7 +8,6 @@ through others: where kernels call each other through ten levels, that takes lon
 
 from __future__ import annotations
 
-import ctypes
 import fcntl
 import threading
 from collections.abc import Callable
@@ -16,19 +15,17 @@ from contextlib import ExitStack, suppress
 from functools import cache
 from typing import Any
 
-import llvmlite.binding
 import numpy as np
-from llvmlite import ir
 from numba.core import event, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, UserProvidedCacheLocator
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher, cpu_target
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 from numba.np import arrayobj
 from rocket_fft import c2r, r2c
 
-from weier.kernels import interruption, jit, loads_done
+from weier.kernels import jit
 from weier.kernels.transform import backward, forward
 
 OPTIONS: dict[str, Any] = {"nopython": True, "boundscheck": None, "error_model": "numpy", "nogil": True}
@@ -115,11 +112,7 @@ class _InnerDispatcher(CPUDispatcher):
     """What compiles a kernel for calls from other kernels, and is never called from Python."""
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """Compile for an integer what is called with 0, and not once more for the type of this number alone.
-
-        Ctrl-C ends compiling here, between two kernels: numba is not made to be interrupted anywhere.
-        """
-        interruption.stop_if_asked()
+        """Compile for an integer what is called with 0, and not once more for the type of this number alone."""
         return super().get_call_template([types.unliteral(each) for each in arguments], keywords)
 
     def add_overload(self, result: Any) -> None:
@@ -186,37 +179,6 @@ event.register("numba:compiler_lock", _Watch())
 event.register("numba:compile", _Announcer())
 
 
-# What kernels share with Python is known by the names of its addresses: they are others in each process, and kernels
-# are cached.
-llvmlite.binding.add_symbol("weier_asked_to_stop", ctypes.addressof(interruption.ASKED))
-llvmlite.binding.add_symbol("weier_loads_done", ctypes.addressof(loads_done.DONE))
-WORD = ir.IntType(64)
-
-
-def _shared(builder: Any, name: str) -> Any:
-    return builder.module.globals.get(name) or ir.GlobalVariable(builder.module, WORD, name)
-
-
-@intrinsic
-def _asked_to_stop(context: Any) -> Any:
-    """Read the flag."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load_atomic(_shared(builder, "weier_asked_to_stop"), ordering="monotonic", align=8)
-
-    return types.int64(), generate
-
-
-@intrinsic
-def _one_more_load(context: Any) -> Any:
-    """Count, and return what was counted before."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.atomic_rmw("add", _shared(builder, "weier_loads_done"), WORD(1), ordering="monotonic")
-
-    return types.int64(), generate
-
-
 def _leave_shapes_out_of_messages() -> None:
     """An assignment between arrays of different shapes fails in fewer words.
 
@@ -229,23 +191,6 @@ def _leave_shapes_out_of_messages() -> None:
 
 
 _leave_shapes_out_of_messages()
-
-
-@overload(interruption.stop_if_asked, strict=False)
-def _compiled_stop_if_asked() -> Any:
-    def stop_if_asked() -> None:
-        if _asked_to_stop() != 0:  # type: ignore[call-arg]  # numba adds its context
-            raise InterruptedError
-
-    return stop_if_asked
-
-
-@overload(loads_done.count_load, strict=False)
-def _compiled_count_load() -> Any:
-    def count_load() -> None:
-        _one_more_load()  # type: ignore[call-arg]  # numba adds its context
-
-    return count_load
 
 
 @overload(forward, strict=False)

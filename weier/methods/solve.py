@@ -13,7 +13,6 @@ from weier.data import dataset
 from weier.kernels.arrays import Array
 from weier.kernels.interruption import interruptible
 from weier.kernels.jit import compiling_seconds
-from weier.kernels.loads_done import counted_as
 from weier.methods.method import Method
 from weier.methods.settings import all_settings, checked_settings
 from weier.theory.profile import Profile
@@ -38,6 +37,5 @@ def solve_checked(profile: Profile, loads: Array, method: Method, settings: Mapp
     """
     method.check_applies(profile)
     start, compiling = perf_counter(), compiling_seconds()
-    with counted_as(loads.size):  # some methods solve all loads at once
-        solution = method.solve(profile, loads, **settings)
+    solution = method.solve(profile, loads, **settings)
     return solution, perf_counter() - start - (compiling_seconds() - compiling)

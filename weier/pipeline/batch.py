@@ -7,7 +7,6 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,19 +17,18 @@ from weier.data import dataset
 from weier.data.dataset import Status
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.kernels.interruption import ask_to_stop
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
+from weier.methods.progress import telling
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.methods.solve import solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
+from weier.pipeline.progress import LOG_SECONDS, Loads
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
-
-QUIET = 2.0  # seconds without a line of progress
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
@@ -63,7 +61,12 @@ def _tell(message: str) -> None:
 
 
 def solve_batch(
-    scene: Scene, cases: Iterable[Case], threads: int = 1, done: Report = _tell, failed: Report = _tell
+    scene: Scene,
+    cases: Iterable[Case],
+    threads: int = 1,
+    done: Report = _tell,
+    failed: Report = _tell,
+    pause: float = LOG_SECONDS,
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Solve cases of a scene, and say every few seconds how far it is.
 
@@ -76,7 +79,9 @@ def solve_batch(
     threads : int
         Cases at a time: the kernels leave the interpreter to each other. The data do not depend on it.
     done, failed : callable
-        Take a line of how many cases are done, every few seconds, and one that says why a method has no curve.
+        Take a line of how many loads are done, every few seconds, and one that says why a method has no curve.
+    pause : float
+        These few seconds.
 
     Returns
     -------
@@ -92,31 +97,37 @@ def solve_batch(
     data = dataset.blank(len(cases), methods, scene.loads, terms, edges, returned_by(methods))
     cost = dataset.blank_cost(len(cases), methods, terms)
     curves, costs = arrays(data), arrays(cost)
-    solver = _Solver(scene.loads)
+    solver, curves_asked = _Solver(scene.loads), sum(len(case.methods) for case in cases)
+    loads = Loads(curves_asked * scene.loads.size, scene.loads.size, pause, done)
 
     def solve_case(number: int) -> None:
         case = cases[number]
         describe_case(curves, number, case)
         for method in case.methods:
             position = {"case": number, "solution_method": methods.index(method)}
-            why = _solve_into(curves, costs, position, case, find_method(method), solver)
+            with telling(loads):
+                why = _solve_into(curves, costs, position, case, find_method(method), solver)
+            loads.end_curve()
             if why:
                 failed(f"{case.profile.describe()}, {method}: {why}")
         for name in costs.keys() & curves.keys() - data.sizes.keys():
             costs[name][number] = curves[name][number]
 
-    pool, told = ThreadPoolExecutor(threads), perf_counter()
+    if threads == 1:  # in this thread, which Ctrl-C reaches
+        for number in range(len(cases)):
+            solve_case(number)
+    else:
+        _solve_side_by_side(solve_case, len(cases), threads)
+    return data, cost
+
+
+def _solve_side_by_side(solve_case: Callable[[int], None], count: int, threads: int) -> None:
+    pool = ThreadPoolExecutor(threads)
     try:
-        for number, _ in enumerate(pool.map(solve_case, range(len(cases))), 1):  # raises what a case raised
-            if perf_counter() - told > QUIET and number < len(cases):
-                done(f"{number} of {len(cases)} cases")
-                told = perf_counter()
-    except KeyboardInterrupt:
-        ask_to_stop()
-        raise
+        for _ in pool.map(solve_case, range(count)):  # raises what a case raised
+            pass
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-    return data, cost
 
 
 def arrays(data: xr.Dataset) -> Arrays:

@@ -44,12 +44,6 @@ def forecast(case: Case, loads: Array) -> list[str]:
     return lines
 
 
-def expected_seconds(case: Case, loads: Array) -> float:
-    """The seconds of all methods of a case at their default settings, at most."""
-    methods = [find_method(name) for name in case.methods]
-    return sum(method.seconds(case.profile, loads) for method in methods if method.takes(case.profile))
-
-
 def _memory(method: Method, profile: Profile, loads: Array) -> str:
     """What a plan expects of the method, where it offers itself to plans."""
     offers = [

@@ -9,6 +9,7 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
+from weier.kernels.interruption import interruptible
 from weier.methods import registry
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
@@ -75,6 +76,7 @@ def plan(
     tolerance: float | None = None,
     quantity: str | None = None,
 ) -> ScenePlan: ...
+@interruptible
 def plan(
     subject: Profile | Scene,
     mean_pressure: ArrayLike | None = None,

@@ -1,52 +1,56 @@
-"""What a terminal shows while something is computed that takes long."""
+"""How far a solve is: the loads done, and the time that is left."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Event, Thread
 from time import perf_counter
 
-from weier.kernels.loads_done import loads_done
-
-QUIET = 2.0  # seconds without a word
 ERASE = "\r\033[K"  # the line
+TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # between two words
+
+
+class Loads:
+    """Loads of several curves: calling it counts one, and at times says how many there are."""
+
+    def __init__(self, total: int, each: int, pause: float, say: Callable[[str], None]) -> None:
+        """Of `total` loads, `each` of a curve; say so after a pause of some seconds."""
+        self.total, self.each, self.pause, self.say = total, each, pause, say
+        self.before, self.current = 0, 0  # loads of curves that are done, and of the one that is not
+        self.start = self.told = perf_counter()
+
+    def __call__(self) -> None:
+        """One load more: a curve may solve some twice."""
+        self.current = min(self.current + 1, self.each)
+        self.tell()
+
+    def end_curve(self) -> None:
+        """All loads of a curve are done: a closed form counts none."""
+        self.before, self.current = self.before + self.each, 0
+        self.tell()
+
+    def tell(self) -> None:
+        """Say how far it is, if it is time to."""
+        now, done = perf_counter(), self.before + self.current
+        if now - self.told > self.pause and done < self.total:
+            self.told = now
+            left = (now - self.start) * (self.total - done) / max(done, 1)
+            self.say(f"{done} of {self.total} loads, about {left:.0f} s left")
 
 
 @contextmanager
-def waiting(what: str, expected: float = 0.0, loads: int = 0) -> Iterator[None]:
-    """Say what is computed, how far it is and since when, on one line of a terminal; nothing where there is none.
-
-    Parameters
-    ----------
-    what : str
-        In a few words.
-    expected : float
-        Seconds that it takes at most, if they are known.
-    loads : int
-        Of all curves that are computed.
-    """
+def waiting(what: str) -> Iterator[Callable[[str], None]]:
+    """Say on a line of a terminal, if there is one, what is computed, and give what adds to it how far it is."""
     if not sys.stderr.isatty():
-        yield
+        yield lambda far: None
         return
-    ended, start, before = Event(), perf_counter(), loads_done()
-    limit = f" of up to {expected:.0f} s" if expected > QUIET else ""
 
-    def show() -> None:
-        while not ended.wait(0.5):
-            seconds = perf_counter() - start
-            if seconds > QUIET:
-                done = min(loads_done() - before, loads)  # a plan that is made again solves some twice
-                far = f"{done} of {loads} loads, " if done else ""
-                print(f"{ERASE}{what}: {far}{seconds:.0f} s{limit}", end="", file=sys.stderr, flush=True)
+    def show(far: str) -> None:
+        print(f"{ERASE}{what}{far}", end="", file=sys.stderr, flush=True)
 
-    thread = Thread(target=show, daemon=True)
-    thread.start()
+    show("")
     try:
-        yield
+        yield lambda far: show(f": {far}")
     finally:
-        ended.set()
-        thread.join()
-        if perf_counter() - start > QUIET:
-            print(ERASE, end="", file=sys.stderr, flush=True)
+        print(ERASE, end="", file=sys.stderr, flush=True)

@@ -22,9 +22,9 @@ from weier.methods.planned.plan import Plan
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.settings import checked_settings
 from weier.pipeline.batch import solve_batch
-from weier.pipeline.forecast import expected_seconds, forecast
+from weier.pipeline.forecast import forecast
 from weier.pipeline.plan import plan
-from weier.pipeline.progress import waiting
+from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.scene import Case, Scene
 from weier.theory.loads import check_range
 
@@ -70,8 +70,8 @@ def solve_one(
     text = _text(title, case, loads)
     scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=text)
     failures: list[str] = []
-    with waiting(f"solving by {', '.join(methods)}", expected_seconds(case, loads), loads.size * len(methods)):
-        data, cost = solve_batch(scene, [case], failed=failures.append)
+    with waiting(f"solving by {', '.join(methods)}") as show:
+        data, cost = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
     if not (data["status"] == Status.solved).any():
         missed = (data["status"] == Status.not_converged).any()
         raise (ConvergenceError if missed else ValueError)("; ".join(failures))

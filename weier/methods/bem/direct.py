@@ -9,8 +9,8 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from numpy.typing import NDArray
 
 from weier.kernels.blas import one_thread
-from weier.kernels.loads_done import count_load
 from weier.methods.bem.fft import DiscreteSolution, blank_solution, count_patches
+from weier.methods.progress import count_load
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

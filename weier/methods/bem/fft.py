@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.jit import kernel
-from weier.kernels.loads_done import count_load
 from weier.kernels.transform import Spectrum, backward, forward
 from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, refine
 from weier.methods.bem.local_fit import EDGE
+from weier.methods.progress import count_load
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.kernels.loads_done import count_load, counted_as
 from weier.methods.bem import fft
 from weier.methods.bem.checks import check_residual
 from weier.methods.bem.contact_list import ContactList
@@ -18,6 +17,7 @@ from weier.methods.bem.grid_solution import Continuum, GridSolution, make_contin
 from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
 from weier.methods.bem.subgrid import correct
 from weier.methods.errors import ConvergenceError
+from weier.methods.progress import count_load, telling
 from weier.theory.profile import Profile
 from weier.theory.waves import MAX_POINTS
 
@@ -175,7 +175,7 @@ def _solve_by_patches(profile: Profile, load: float) -> LoadSolution:
     from weier.methods import patches  # which begins with boundary elements itself
 
     try:
-        with counted_as(0):
+        with telling(None):
             curve, solution = patches.curve(profile, [load]), patches.solve_load(profile, load)
     except ConvergenceError as error:
         raise ConvergenceError(

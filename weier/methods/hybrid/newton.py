@@ -8,9 +8,9 @@ import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 
 from weier.kernels.arrays import Array
-from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.closure import NodalClosure, Node, state_of_nodes
+from weier.methods.progress import count_load
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
 

@@ -7,8 +7,8 @@ import math
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.kernels.loads_done import counted_as
 from weier.methods import bem, error_model
+from weier.methods.progress import telling
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -53,7 +53,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     if points > MAX_POINTS:
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
     loads = checked_loads(mean_pressure)
-    with counted_as(0):
+    with telling(None):
         curve = bem.curve(kept, loads, points=points, tolerance=residual, resistance=False, edges="nodes")
     error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL_FACTOR * residual
     return complete_bounds(curve.compliance, tail, profile.total_amplitude, error)

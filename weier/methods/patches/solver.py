@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
 from weier.kernels.jit import kernel
-from weier.kernels.loads_done import count_load
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import few_contacts, many_contacts
 from weier.methods.patches.chebyshev import evaluate_expansion
@@ -19,6 +18,7 @@ from weier.methods.patches.fields import ContactState, gaps, pressures, series_v
 from weier.methods.patches.initial_guess import InitialGuess, Starts
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
+from weier.methods.progress import count_load
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 

@@ -10,9 +10,9 @@ import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 
 from weier.kernels.arrays import Array
-from weier.kernels.loads_done import counted_as
 from weier.methods import bem, layer
 from weier.methods.errors import ConvergenceError
+from weier.methods.progress import telling
 from weier.theory.crests import SAMPLES_PER_WAVE, countable
 from weier.theory.profile import Profile
 
@@ -81,7 +81,7 @@ def _counted(kept: Profile) -> CountedContacts:
     """The contacts of a short series in one period, and their share of its length."""
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
-        with counted_as(0):
+        with telling(None):
             found = bem.contacts(kept, loads, points, COUNTED_RESIDUAL)
     except ConvergenceError:  # the most that there can be
         return CountedContacts(np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS)

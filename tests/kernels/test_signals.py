@@ -1,0 +1,87 @@
+"""Signals at random moments: no call crashes or makes them wait, and the next solve has the same bits."""
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.marks import compiled
+
+pytestmark = pytest.mark.usefixtures("ctrl_c")
+
+# Each call is interrupted somewhere between its begin and its end; its seconds are measured without.
+PROGRAM = """
+import math, os, random, signal, sys, threading, time
+import numpy as np
+import weier
+from weier.methods.registry import METHODS
+
+random.seed(int(sys.argv[2]))
+LOADS = np.geomspace(1e-2, 2, 12)
+
+def profile(m=4):
+    return weier.Profile(D=1.4, gamma=3, m=m, phases=weier.random_phases(random.randrange(10**6)))
+
+def of(method):
+    if method.takes(profile()):
+        return lambda: weier.solve(profile(), LOADS, method.name)
+    if method.takes(profile(math.inf)):
+        return lambda: weier.solve(weier.Profile(D=1.05 + 0.01 * random.random(), gamma=10, m=math.inf), LOADS, method.name)
+    return lambda: weier.solve(profile(1), LOADS, method.name)
+
+calls = {method.name: of(method) for method in METHODS}
+calls["nodes"] = lambda: weier.solve(profile(), LOADS, "bem", edges="nodes")
+calls["direct"] = lambda: weier.solve(profile(3), LOADS, "bem", solver="direct", points=200, edges="nodes")
+calls["fields"] = lambda: weier.fields(profile(), 0.1)
+calls["events"] = lambda: weier.events(profile(3), 0.05, 0.5)
+calls["plan"] = lambda: weier.plan(profile(5), LOADS, 1e-4)
+calls["several"] = lambda: weier.solve([profile(), profile()], LOADS, ["layer", "bem", "patches"])
+
+def fixed():
+    series = weier.Profile(D=1.25, gamma=5, m=3, phases=(0.0, 1.0, 2.0))
+    return [weier.solve(series, LOADS, name).compliance.values.tobytes() for name in ("layer", "bem", "patches")]
+
+def strike(call, seconds):
+    sent = []
+
+    def send():
+        time.sleep(random.random() * seconds)
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    sender = threading.Thread(target=send)
+    try:
+        sender.start()
+        call()
+        sender.join()
+        time.sleep(1.0)
+    except KeyboardInterrupt:
+        waited = time.perf_counter() - sent[0]
+    sender.join()
+    return waited
+
+before, seconds = fixed(), {}
+for name, call in calls.items():
+    call()
+    start = time.perf_counter()
+    call()
+    seconds[name] = max(time.perf_counter() - start, 0.01)
+worst = dict.fromkeys(calls, 0.0)
+for number in range(int(sys.argv[1])):
+    name = list(calls)[number % len(calls)]
+    worst[name] = max(worst[name], strike(calls[name], seconds[name]))
+    if number % 20 == 19:
+        assert fixed() == before
+assert fixed() == before
+assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+print({name: round(wait, 3) for name, wait in worst.items()}, file=sys.stderr)
+print(max(worst.values()))
+"""
+
+
+@compiled
+@pytest.mark.parametrize("count", [30, pytest.param(300, marks=pytest.mark.slow)])
+def test_signals_end_any_call_soon_and_leave_nothing_behind(count):
+    done = subprocess.run([sys.executable, "-c", PROGRAM, str(count), "1"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) < 2, done.stderr  # seconds: no kernel takes longer than half a second
