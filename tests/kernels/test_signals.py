@@ -26,7 +26,7 @@ def of(method):
     if method.takes(profile()):
         return lambda: weier.solve(profile(), LOADS, method.name)
     if method.takes(profile(math.inf)):
-        return lambda: weier.solve(weier.Profile(D=1.05 + 0.01 * random.random(), gamma=10, m=math.inf), LOADS, method.name)
+        return lambda: weier.solve(weier.Profile(1.05 + 0.01 * random.random(), 10, math.inf), LOADS, method.name)
     return lambda: weier.solve(profile(1), LOADS, method.name)
 
 calls = {method.name: of(method) for method in METHODS}

@@ -18,7 +18,7 @@ from typing import Any, ParamSpec, TypeVar
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-RETURN_DEPTH = 4  # calls of Python, at most, in which numba makes what a kernel returns; a compiler nests deeper
+COMPILER = "weier.kernels.compiler"  # is all Python, and is interrupted like it
 _NOTED: list[bool] = []
 
 
@@ -50,11 +50,10 @@ def run_kernel(compiled: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 
 def _raise_or_note(number: int, frame: FrameType | None) -> None:
-    depth = 0
-    while frame is not None and depth < RETURN_DEPTH:
-        caller = frame.f_back
-        if caller is not None and caller.f_code is run_kernel.__code__:
+    caller = frame.f_back if frame is not None else None  # in run_kernel itself, compiled code has returned
+    while caller is not None and caller.f_globals.get("__name__") != COMPILER:
+        if caller.f_code is run_kernel.__code__:
             _NOTED.append(True)
             return
-        frame, depth = caller, depth + 1
+        caller = caller.f_back
     raise KeyboardInterrupt
