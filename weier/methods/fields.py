@@ -32,6 +32,7 @@ ATTRIBUTES = {
 }
 
 
+@interruptible
 def fields(
     profile: Profile, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
 ) -> xr.Dataset:
