@@ -226,7 +226,7 @@ def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
             click.echo(f"patches of {profile!r} at {load!r}: {error}", err=True)
             continue
         exact[:, number], twin[:, number] = ([c.compliance[0], c.resistance[0]] for c in (found, other))
-        uncertainty[:, number] = found.residual[0] + 1e-15 * profile.total_amplitude, 1e-12 * found.resistance[0]
+        uncertainty[:, number] = found.residual[0] + 1e-15 * profile.total_amplitude, 1e-11 * found.resistance[0]
     return exact, np.abs(exact - twin) + uncertainty
 
 

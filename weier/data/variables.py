@@ -18,6 +18,10 @@ LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
 DATUM = "It counts from the undeformed profile whose waves all peak together"
+ERROR = (
+    "What boundary elements and plans state is an estimate: the documentation says how many numbers are within it. "
+    "In the files of the trade and the extremes it is the distance from a reference."
+)
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
 COST, TRADEOFF, EXTREMES, CONVERGENCE = "cost", "tradeoff", "extremes", "convergence"
@@ -134,12 +138,12 @@ VARIABLES = {
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
     "compliance_error": Variable(
-        CURVE, "error of the compliance, estimated or measured", "g_0", least=0, files=MEASURED,
-        largest="expected error of h, g_0",
+        CURVE, "error of the compliance, estimated or measured", "g_0", least=0, files=MEASURED, comment=ERROR,
+        largest="estimated error of h, g_0",
     ),
     "resistance_error": Variable(
         CURVE, "error of the resistance, estimated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),
-        largest="expected error of R, g_0/p_0*",
+        comment=ERROR, largest="estimated error of R, g_0/p_0*",
     ),
     "indentation": Variable(CURVE, "compliance, counted from first contact", "g_0", least=-ROUNDING),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
@@ -176,7 +180,7 @@ VARIABLES = {
         optional=True,
     ),
     "planned_error": Variable(
-        ("case",), "largest error that the plan expects",
+        ("case",), "largest error that the plan expects, an estimate",
         comment="Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.",
         least=0, content=AUXILIARY, optional=True,
     ),

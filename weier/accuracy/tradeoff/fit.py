@@ -174,7 +174,7 @@ FITS = (
         ),
         (
             Term("SECONDS_LOAD patches", CONTACTS.SECONDS_LOAD, lambda s: s.loads.size),
-            Term("SECONDS_WAVE", CONTACTS.SECONDS_WAVE, lambda s: s.loads.size * s.waves),
+            Term("SECONDS_WAVE", CONTACTS.SECONDS_WAVE, lambda s: s.waves * float(np.sum(np.sqrt(s.contacts)))),
             Term("SECONDS_CONTACT", CONTACTS.SECONDS_CONTACT, lambda s: float(np.sum(s.contacts))),
             Term("SECONDS_PAIR", CONTACTS.SECONDS_PAIR, lambda s: float(np.sum(s.contacts**2))),
         ),

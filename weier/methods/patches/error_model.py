@@ -16,7 +16,7 @@ TOLERANCES = (1e-10, 1e-12)
 MAX_CONTACTS = 50_000  # more were not measured: 42 641 took 110 s a load and 3.8 GB
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4
-SECONDS_WAVE = 2e-5  # of each load, for boundary elements to start from
+SECONDS_WAVE = 4e-6  # of each load, times the root of the contacts, for boundary elements to start from
 # Of each load by a dense matrix: of each contact, and of its square.
 SECONDS_CONTACT, SECONDS_PAIR = 1.9e-4, 1.5e-6
 # Of each load without a matrix: times the contacts to this power, as far as the depth of a tree grows with them.
@@ -37,7 +37,7 @@ def seconds(waves: int, contacts: Array) -> Array:
     by_matrix = SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2
     without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER
     by_contacts = np.where(contacts < MIN_CONTACTS, by_matrix, without)
-    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves + by_contacts)
+    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_contacts)
 
 
 def memory(waves: int, contacts: float) -> float:

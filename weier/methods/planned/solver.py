@@ -46,7 +46,7 @@ class Curve(NamedTuple):
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*
-    compliance_error, resistance_error : expected, in the same units
+    compliance_error, resistance_error : estimated, in the same units
     planned_method, planned_terms, planned_points : what was taken at each load; no points where there is no grid
     planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for, scalars
     """
