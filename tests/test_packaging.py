@@ -66,7 +66,8 @@ def test_conda_gets_the_versions_that_are_locked():
         for each in map(Requirement, lines)
         if each.marker is None or each.marker.evaluate(markers)
     }
-    asked = tomllib.loads(Path("pyproject.toml").read_text())["project"]["dependencies"]
+    project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
+    asked = [*project["dependencies"], *project["optional-dependencies"]["pipeline"]]
     needed = {name: locked[name] for name in (Requirement(each).name.lower() for each in asked)}
     assert {each.name.lower(): str(each.specifier) for each in map(Requirement, pip["pip"])} == needed
 
@@ -85,3 +86,20 @@ def test_the_installed_wheel_passes_the_tests_of_the_archive(built):
     assert Path(run(python, "-c", "import weier; print(weier.__file__)", cwd=project)).is_relative_to(built)
     path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"  # for the tests that call snakemake
     run("env", f"PATH={path}", python, "-m", "pytest", "-q", "--ignore=tests/test_packaging.py", cwd=project)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "arguments"),
+    [
+        ("jsonschema", ["plan", "config/scenes/planned.yaml"]),
+        ("bokeh", ["page", "config/scenes/minimal.yaml", ".", "a.nc", "b.html", "."]),
+    ],
+)
+def test_a_command_that_lacks_its_extra_says_so(hidden, arguments, tmp_path):
+    """A module that cannot be imported stands for one that is not installed."""
+    (tmp_path / "sitecustomize.py").write_text(f"import sys\nsys.modules[{hidden!r}] = None\n")
+    environment = os.environ | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{Path.cwd()}"}
+    command = [sys.executable, "-m", "weier", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert done.returncode == 1
+    assert re.fullmatch(rf"weier: this command needs {hidden}\S*: pip install 'weier\[pipeline\]', .*\n", done.stderr)

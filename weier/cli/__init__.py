@@ -27,6 +27,7 @@ COMMANDS = {
     "measure": ("tradeoff", "convergence", "extremes", "draw"),
 }
 HIDDEN = {*COMMANDS["scene"], *COMMANDS["measure"]} - {"compile"}
+EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # of scenes and their pages: `pip install weier` has none
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage; "
     "130 stopped by Ctrl-C."
@@ -92,6 +93,12 @@ def main() -> None:
     announce_compiling(_say_compiling())
     try:
         cli(prog_name="weier")
+    except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] not in EXTRA:
+            raise
+        _stop(
+            f"this command needs {error.name}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
+        )
     except MemoryError:
         _stop("not enough memory: ask for fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:
