@@ -1,5 +1,6 @@
 """The command line as a whole: help whose examples run, exit codes, completion, and files that cannot be written."""
 
+import math
 import os
 import re
 import shlex
@@ -40,6 +41,7 @@ EXAMPLES = [found for found in EXAMPLES if not found.startswith("weier table")] 
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
     shutil.copytree("config/scenes", tmp_path / "config/scenes")
+    (tmp_path / "shaft.csv").write_text("\n".join(f"{x / 1000} {math.cos(x / 30)}" for x in range(1000)))
     monkeypatch.chdir(tmp_path)
     _, *arguments = shlex.split(example)
     code, out, err = run(*arguments, *FEW)

@@ -158,3 +158,45 @@ def test_a_file_of_another_kind_is_not_replaced(run, tmp_path, command, name):
     assert code == 2
     assert f"the name must end in one of .{'nc' if command == ['solve'] else 'pdf'}," in err
     assert path.read_text() == "mine"
+
+
+@pytest.fixture
+def shaft(tmp_path):
+    """A file of heights: two waves, in mm and um."""
+    path = tmp_path / "shaft.csv"
+    x = np.arange(200) * 0.005
+    z = 0.3 * np.cos(2 * np.pi * x) + 0.05 * np.cos(12 * np.pi * x + 1)
+    path.write_text("x in mm, z in um\n" + "\n".join(f"{a:.3f},{b:.12f}" for a, b in zip(x, z, strict=True)))
+    return path
+
+
+UNITS = ["--x-unit", "mm", "--height-unit", "um", "--ends", "periodic", "--shortest", "1e-4"]
+
+
+def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
+    path = tmp_path / "shaft.nc"
+    code, _, errors = run("solve", "--trace", shaft, *UNITS, "--loads", "0.1,1", "-o", path)
+    assert code == 0, errors
+    trace = weier.Trace.read(shaft, None, 1e-4, "periodic", "mm", "um")
+    exact = weier.solve(trace, [0.1, 1.0], "bem")
+    with weier.open(path) as data:
+        one = data.isel(case=0, solution_method=0)
+        np.testing.assert_array_equal(one.compliance.values, exact.compliance.values)
+        assert one.trace.item() == "shaft.csv"
+        assert one.trace_digest.item() == trace.digest
+        assert one.trace_length.item() == pytest.approx(1e-3)
+        assert "trace = shaft.csv" in str(data.case.values[0])
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--trace", "FILE", "-D", "1.5"], "a trace has no D: take --trace or a series"),
+        (["--length", "1e-3"], "--length is of a trace: name its file by --trace"),
+        (["-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
+    ],
+)
+def test_a_trace_and_a_series_do_not_mix(run, shaft, options, says):
+    code, _, errors = run("solve", *[shaft if each == "FILE" else each for each in options])
+    assert code == 2
+    assert says in errors

@@ -15,6 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import described
 from weier.theory.loads import MAX_LOADS, checked_loads
+from weier.theory.trace import ENDS, UNITS, Trace
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
@@ -94,6 +95,7 @@ def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path 
     return callback
 
 
+NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}  # of a series
 FILE = click.Path(path_type=Path)
 SCENE = click.argument("scene_file", type=FILE)
 FILES = click.argument("files", nargs=-1, type=FILE)
@@ -116,13 +118,13 @@ def loads(default: str | None, help: str) -> Option:
     return click.option("--loads", default=default, show_default=True, callback=_read(parse_loads), help=help)
 
 
-def _series(required: bool) -> tuple[Option, ...]:
+def _series() -> tuple[Option, ...]:
     """The options that name a profile."""
     return (
-        click.option("-D", "D", type=float, required=required, help="Fractal dimension, between 1 and 2."),
-        click.option("--gamma", required=required, help='Ratio of successive wavelengths: 5 or "5/2".'),
+        click.option("-D", "D", type=float, help="Fractal dimension, between 1 and 2."),
+        click.option("--gamma", help='Ratio of successive wavelengths: 5 or "5/2".'),
         click.option(
-            "-m", "m", type=float, required=required,
+            "-m", "m", type=float,
             help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}.",
         ),
         click.option(
@@ -155,15 +157,29 @@ class SolvingCommand(click.Command):
             formatter.write_dl(described(METHODS))
 
 
+_TRACE = (
+    click.option(
+        "--trace", "trace_file", type=FILE, help="Instead of a series: a file with one or two columns of heights."
+    ),
+    click.option("--shortest", type=float, help="Shortest wavelength kept of the trace, in m  [default: two steps]."),
+    click.option("--length", type=float, help="Length of the trace in m, if the file has no positions."),
+    click.option(
+        "--ends", type=click.Choice(ENDS), help=f"How the trace goes on behind its ends  [default: {ENDS[0]}]."
+    ),
+    click.option("--x-unit", type=click.Choice(list(UNITS)), help="Unit of the positions  [default: m]."),
+    click.option("--height-unit", type=click.Choice(list(UNITS)), help="Unit of the heights  [default: m]."),
+)
+
+
 def of_one_profile(default_loads: str) -> Option:
     """The options that name a profile, its loads and the methods."""
     pressures = loads(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
-    return lambda command: _with_options(command, *_series(required=True), pressures, *_SOLVED)
+    return lambda command: _with_options(command, *_series(), *_TRACE, pressures, *_SOLVED)
 
 
 def of_any_profile(command: Command) -> Command:
     """The options that name a profile, for a command that can do without."""
-    return _with_options(command, *_series(required=False))
+    return _with_options(command, *_series())
 
 
 def _with_options(command: Command, *options: Option) -> Command:
@@ -171,6 +187,29 @@ def _with_options(command: Command, *options: Option) -> Command:
     for option in reversed(options):
         command = option(command)
     return command
+
+
+def profile_or_trace(
+    trace_file: Path | None,
+    shortest: float | None,
+    length: float | None,
+    ends: str | None,
+    x_unit: str | None,
+    height_unit: str | None,
+    **series: Any,
+) -> dict[str, Any] | Trace:
+    """The parameters of a profile, or a trace, from the options that name one of the two."""
+    of_trace = {"shortest": shortest, "length": length, "ends": ends, "x_unit": x_unit, "height_unit": height_unit}
+    given: dict[str, Any] = {name: value for name, value in of_trace.items() if value is not None}
+    if trace_file is None and given:
+        raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
+    if trace_file is not None:
+        if foreign := [name for name, value in series.items() if value is not None]:
+            raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
+        return Trace.read(trace_file, **given)
+    if missing := [option for option, name in NEEDED.items() if series[name] is None]:
+        raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
+    return parameters(**series)
 
 
 def parameters(

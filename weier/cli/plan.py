@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from weier.cli.options import FILE, LOADS, loads, of_any_profile, parameters, parse_loads
+from weier.cli.options import FILE, LOADS, NEEDED, loads, of_any_profile, parameters, parse_loads
 from weier.kernels.arrays import Array
 from weier.methods.segment import QUANTITIES
 from weier.pipeline.progress import waiting
@@ -15,8 +15,6 @@ from weier.pipeline.progress import waiting
 if TYPE_CHECKING:
     from weier.methods.planned.plan import Plan
     from weier.pipeline.plan import ScenePlan
-
-NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 
 
 @click.command()

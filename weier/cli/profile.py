@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, parameters
+from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, PLOTTED
 from weier.methods.segment import QUANTITIES
@@ -22,7 +22,7 @@ def _solved(
 ) -> xr.Dataset:
     from weier.pipeline import single  # xarray, as in `solve`
 
-    profile = parameters(**series)
+    profile = profile_or_trace(**series)
     return single.solve_one(profile, loads, methods or single.applicable(profile, default), settings)
 
 
@@ -42,6 +42,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
     weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
+    weier solve --trace shaft.csv --shortest 1e-5 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     """  # noqa: D301 - click wants the character
     from weier.pipeline import single  # xarray takes half a second, and the help of the command needs none of it
 

@@ -40,7 +40,7 @@ def fields(
 
     Parameters
     ----------
-    profile : Profile
+    profile : Profile or Trace
         With a finite number of terms.
     mean_pressure : float
         Positive, in p_0*.
@@ -98,7 +98,7 @@ def events(profile: Profile, low: float, high: float) -> xr.Dataset:
 
     Parameters
     ----------
-    profile : Profile
+    profile : Profile or Trace
         With a finite number of terms.
     low, high : float
         Mean pressures to look between, positive and increasing, in p_0*.

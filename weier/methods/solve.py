@@ -15,11 +15,11 @@ from weier.kernels.interruption import interruptible
 from weier.kernels.jit import compiling_seconds
 from weier.methods.method import Method
 from weier.methods.settings import all_settings, checked_settings
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 
 def solve_curve(
-    profile: Profile, loads: Array, method: Method, settings: Mapping[str, Any], contact_edges: bool = False
+    profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], contact_edges: bool = False
 ) -> xr.Dataset:
     """One curve with all that it depends on, as a dataset over mean_pressure; loads are checked already."""
     given = checked_settings(method, settings)
@@ -30,7 +30,7 @@ def solve_curve(
 
 
 @interruptible
-def solve_checked(profile: Profile, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
+def solve_checked(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
     """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds without compiling.
 
     Loads and names of settings are checked already.

@@ -48,6 +48,7 @@ class _Solver:
         """What a method says of a profile, and the seconds that it took."""
         if method.uses_phases:
             return solve_checked(profile, self.loads, method, settings)
+        method.check_applies(profile)  # a trace has no D
         wanted = profile.D, profile.gamma, profile.m, settings
         known, solved = self._last.get(method.name, (None, None))
         if solved is None or known != wanted:
@@ -94,7 +95,8 @@ def solve_batch(
     """
     cases = list(cases)
     methods, terms, edges = scene.layout_of(cases)  # not the scene's: other cases may change
-    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, returned_by(methods))
+    labels = [case.surface.labels for case in cases if case.surface is not None]
+    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, returned_by(methods).union(*labels))
     cost = dataset.blank_cost(len(cases), methods, terms)
     curves, costs = arrays(data), arrays(cost)
     solver, curves_asked = _Solver(scene.loads), sum(len(case.methods) for case in cases)
@@ -144,7 +146,7 @@ def describe_case(values_of: Arrays, number: int, case: Case) -> None:
     if np.isfinite(profile.m):
         if resolvable(profile):
             values["first_contact"] = first_contact(profile)
-        values_of["phases"][number, : profile.terms] = profile.phase
+        values_of["phases"][number, : profile.listed_terms] = profile.phase[: profile.listed_terms]
     for name, value in values.items():
         values_of[name][number] = value
 
@@ -179,7 +181,7 @@ def _solve_into(
 
 def _bounds(profile: Profile, loads: Array, method: Method, solution: Any) -> dict[str, Array]:
     """Bounds on the infinite series, from the curve of a truncated one by a method whose error is known."""
-    if method.solution_error is None or math.isinf(profile.m):
+    if method.solution_error is None or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
         return {}
     return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(profile, solution))
 

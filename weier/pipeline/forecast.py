@@ -46,6 +46,8 @@ def forecast(case: Case, loads: Array) -> list[str]:
 
 def _memory(method: Method, profile: Profile, loads: Array) -> str:
     """What a plan expects of the method, where it offers itself to plans."""
+    if not find_method(PLANNED).takes(profile):
+        return ""
     offers = [
         offer.memory
         for offer in candidates(profile, loads, TOLERANCE, COMPLIANCE, [method])
@@ -55,6 +57,8 @@ def _memory(method: Method, profile: Profile, loads: Array) -> str:
 
 
 def _cheaper(profile: Profile, loads: Array) -> str:
+    if not find_method(PLANNED).takes(profile):
+        return "choose fewer loads, or a larger shortest wavelength"
     try:
         found = plan(profile, loads)
     except OutOfReachError:

@@ -27,6 +27,7 @@ from weier.pipeline.plan import plan
 from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.scene import Case, Scene
 from weier.theory.loads import check_range
+from weier.theory.trace import Trace
 
 PROFILE = tuple(
     name
@@ -37,7 +38,10 @@ WHY = {Status.not_applicable: "does not apply", Status.not_converged: "missed it
 
 
 def solve_one(
-    parameters: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+    profile: Mapping[str, Any] | Trace,
+    loads: Array,
+    methods: Sequence[str],
+    settings: Mapping[str, Mapping[str, Any]],
 ) -> xr.Dataset:
     """The curves of one profile, as a dataset of one case with the seconds of each method.
 
@@ -45,8 +49,8 @@ def solve_one(
 
     Parameters
     ----------
-    parameters : mapping
-        D, gamma, m and phases or seed, as in a scene.
+    profile : mapping or Trace
+        D, gamma, m and phases or seed, as in a scene; or measured heights.
     loads : ndarray, shape (loads,)
         Mean pressures, in p_0*.
     methods : sequence of str
@@ -62,12 +66,12 @@ def solve_one(
             f"{', '.join(methods)} only"
         )
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
-    case = Case(parameters, tuple(methods), {method: own for method, own in checked.items() if own})
+    case = _case(profile, methods, {method: own for method, own in checked.items() if own})
     case.check_ranges()
     lines = forecast(case, loads)
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
-    title = f"Weierstrass profile, {case.profile.describe()}"
-    text = _text(title, case, loads)
+    title = case.profile.describe() if case.surface else f"Weierstrass profile, {case.profile.describe()}"
+    text = "" if case.surface else _text(title, case, loads)  # a scene has no traces
     scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=text)
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
@@ -119,6 +123,7 @@ def as_json(data: xr.Dataset) -> str:
     """The curves of one case as JSON, by method; null stands for a missing number or minus infinity."""
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
+    parameters |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}
     curves = {method: _curves(_of(case, method)) for method in case["solution_method"].values.tolist()}
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
@@ -151,10 +156,16 @@ def _plain(values: Array) -> Any:
     return [_plain(value) for value in values]
 
 
-def applicable(parameters: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
+def applicable(profile: Mapping[str, Any] | Trace, methods: Sequence[str]) -> list[str]:
     """Those of some methods that apply to a profile; all of them where none does, so that they say why."""
-    profile = Case(parameters, (), {}).profile
-    return [method for method in methods if find_method(method).takes(profile)] or list(methods)
+    surface = _case(profile, (), {}).profile
+    return [method for method in methods if find_method(method).takes(surface)] or list(methods)
+
+
+def _case(profile: Mapping[str, Any] | Trace, methods: Sequence[str], settings: Mapping[str, Any]) -> Case:
+    if isinstance(profile, Trace):
+        return Case.of(profile, tuple(methods), settings)
+    return Case(profile, tuple(methods), settings)
 
 
 def check_solved(data: xr.Dataset) -> None:

@@ -17,12 +17,11 @@ from weier.methods.settings import checked_settings, described
 from weier.methods.solve import solve_curve
 from weier.theory.arguments import checked_flag, shown
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
-from weier.theory.waves import checked_surface
+from weier.theory.waves import Waves, checked_surface
 
 
 def solve(
-    profile: Profile | Sequence[Profile],
+    profile: Waves | Sequence[Waves],
     mean_pressure: ArrayLike,
     method: str | Sequence[str] = DEFAULT,
     *,
@@ -33,8 +32,8 @@ def solve(
 
     Parameters
     ----------
-    profile : Profile or sequence of Profile
-        The Weierstrass series.
+    profile : Profile, Trace or sequence of these
+        The Weierstrass series, or measured heights, which the methods take that solve the waves themselves.
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
     method : str or sequence of str
@@ -97,7 +96,7 @@ def _list(name: str, given: Any) -> list[Any]:
 
 
 def _solve_all(
-    profiles: list[Profile], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
+    profiles: list[Waves], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
 ) -> xr.Dataset:
     from weier.pipeline.batch import solve_batch  # scenes and threads, which one curve does not need
     from weier.scene.case import Case
@@ -105,7 +104,7 @@ def _solve_all(
 
     checked = _settings(methods, settings)
     cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
-    title = f"{len(cases)} Weierstrass profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
+    title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     scene = Scene("solve", title, loads, {}, len(cases), contact_edges=edges)
     failures: list[str] = []
     data, cost = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)

@@ -17,6 +17,7 @@ from weier.methods.registry import find_method
 from weier.theory.limits import check_resolvable
 from weier.theory.phases import RandomPhases, random_phases
 from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 # The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
 MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
@@ -31,10 +32,13 @@ class Case:
     parameters: Mapping[str, Any]
     methods: tuple[str, ...]
     settings: Mapping[str, Mapping[str, Any]]
+    surface: Waves | None = None
 
     @classmethod
-    def of(cls, profile: Profile, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
-        """The case of a profile."""
+    def of(cls, profile: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
+        """The case of a profile, or of a trace, which no parameters tell: then it keeps the surface itself."""
+        if not isinstance(profile, Profile):
+            return cls({"labels": profile.labels}, methods, settings, profile)
         gamma = profile.gamma
         parameters: dict[str, Any] = {"D": profile.D, "m": profile.m, "gamma": str(gamma)}
         if isinstance(profile.phases, RandomPhases):
@@ -62,11 +66,14 @@ class Case:
 
     def by(self, methods: tuple[str, ...]) -> Case:
         """The case with some of its methods alone."""
-        return Case(self.parameters, methods, {name: own for name, own in self.settings.items() if name in methods})
+        settings = {name: own for name, own in self.settings.items() if name in methods}
+        return Case(self.parameters, methods, settings, self.surface)
 
     @cached_property
-    def profile(self) -> Profile:
-        """The profile of this case."""
+    def profile(self) -> Any:
+        """The profile of this case, or its trace."""
+        if self.surface is not None:
+            return self.surface
         p = self.parameters
         phases = p.get("phases", 0.0)
         if "seed" in p:
@@ -87,6 +94,8 @@ class Case:
 
     def check_ranges(self) -> None:
         """Refuse a series that no computer holds."""
+        if self.surface is not None:  # whose waves were counted when it was made
+            return
         profile = self.profile
         if profile.gamma > MAX_GAMMA:
             raise ValueError(f"gamma must be at most {MAX_GAMMA}, got {float(profile.gamma):.15g}")

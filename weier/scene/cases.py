@@ -117,7 +117,7 @@ class Scene:
         methods = dict.fromkeys(method for case in cases for method in case.methods)
         finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
         edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
-        return Layout(tuple(methods), max((profile.terms for profile in finite), default=1), edges)
+        return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges)
 
     def study(self, name: str) -> Study:
         """The cases of a study; a SceneError if there is no such study."""

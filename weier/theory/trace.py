@@ -183,6 +183,16 @@ class Trace(Waves):
         return self.crest[1]
 
     @property
+    def tail_amplitude(self) -> float:
+        """What finer waves have is not known."""
+        return math.nan
+
+    @property
+    def listed_terms(self) -> int:
+        """None: the file of heights tells the waves."""
+        return 0
+
+    @property
     def labels(self) -> dict[str, Any]:
         """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
         series = {"D": math.nan, "gamma": math.nan, "m": float(self.m), "seed": math.nan, "phases": "null"}

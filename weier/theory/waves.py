@@ -72,9 +72,19 @@ class Waves(ABC):
         return float(self.waves_per_period[-1])
 
     @property
+    @abstractmethod
+    def tail_amplitude(self) -> float:
+        """Sum of the amplitudes of finer waves that are left out, in g_0; NaN if nobody knows it."""
+
+    @property
     def terms(self) -> int:
         """The number of waves."""
         return int(self.m)
+
+    @property
+    def listed_terms(self) -> int:
+        """The waves whose phases results list."""
+        return self.terms
 
     def height(self, x: ArrayLike) -> Array:
         """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
