@@ -43,6 +43,16 @@ onstart:
 onsuccess:
     for name in scene_names():
         solutions(name).tidy()
+        page = Path(f"results/{name}/page.html")
+        made = (
+            f", {page} shows them"
+            if page.exists()
+            else ", `snakemake pages` makes a page of them"
+        )
+        print(
+            f"{name}: the curves are in results/{name}/contact.nc{made}",
+            file=sys.stderr,
+        )
 
 
 # Ctrl-C reaches all programs of a job, and `tee -i` stays to write what the others say of it.
@@ -62,8 +72,9 @@ rule solve:
     threads: 1
     params:
         title=lambda w: batch(w.scene, w.batch).title,
+        seconds=lambda w: max(1, round(batch(w.scene, w.batch).seconds)),
     message:
-        "{wildcards.scene}: solve {params.title}"
+        "{wildcards.scene}: solve {params.title}, in up to {params.seconds} s"
     shell:
         "python -m weier batch --threads {threads} {input.batch} {output} 2>&1 | tee -i {log}"
 
