@@ -38,6 +38,8 @@ onstart:
     check_writable("results")
     remove_leftovers("results")
     bring_to_present("results", str(CONFIG))
+    for name in scene_names():
+        tell_forecast(name)
 
 
 onsuccess:
@@ -74,7 +76,7 @@ rule solve:
         title=lambda w: batch(w.scene, w.batch).title,
         seconds=lambda w: max(1, round(batch(w.scene, w.batch).seconds)),
     message:
-        "{wildcards.scene}: solve {params.title}, in up to {params.seconds} s"
+        "{wildcards.scene}: solve {params.title}, in about {params.seconds} s"
     shell:
         "python -m weier batch --threads {threads} {input.batch} {output} 2>&1 | tee -i {log}"
 

@@ -6,12 +6,25 @@ from pathlib import Path
 from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
-from weier.kernels.jit import cache_folder
+from weier.kernels.jit import announce_compiling, cache_folder
 from weier.methods.registry import find_method
 from weier.pipeline.batches import Solutions, read_batch
+from weier.pipeline.forecast import forecast_scene
 from weier.scene import SceneError
 
 SUFFIXES = ("pdf", "svg", "png")
+
+
+@cache
+def tell(line):
+    """Say something once a run."""
+    print(line, file=sys.stderr, flush=True)
+
+
+# Plans count contacts, before any job.
+announce_compiling(
+    lambda module: tell("compiling what plans need, once for all later runs")
+)
 
 
 @cache
@@ -46,12 +59,21 @@ def solutions(name):
 @cache
 def batches(name, studies=()):
     """The files that hold the cases of some studies of a scene, or all: what is missing is cut for the cores there are."""
-    return [
-        str(path)
-        for path in solutions(name).files(
-            studies, getattr(workflow, "cores", None) or 1
-        )
-    ]
+    return [str(path) for path in solutions(name).files(studies, cores())]
+
+
+def cores():
+    return getattr(workflow, "cores", None) or 1
+
+
+def tell_forecast(name):
+    """Say what a scene will take before anything is solved, and stop where that is more than it allows."""
+    try:
+        lines = forecast_scene(scene(name), solutions(name).to_solve.values(), cores())
+    except ValueError as error:
+        sys.exit(f"weier: {error}")
+    for line in lines:
+        tell(line)
 
 
 @cache

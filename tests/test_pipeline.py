@@ -82,6 +82,21 @@ def test_a_faulty_scene_is_told_by_its_mistakes_alone(checkout):
         assert len(told) == 4
 
 
+def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
+    """And the directory is left unlocked, so that the scene runs once it allows more."""
+    path = checkout / "config/scenes/slow.yaml"
+    slow = SCENE.replace("methods: [demelio, bem]", "tolerance: 0.1\nmax_seconds: 1.0e-4").replace("m: 2", "m: 1")
+    path.write_text(slow)
+    done = call(checkout, scene="slow")
+    assert done.returncode == 1
+    first, *_, last = done.stderr.partition("weier: ")[2].splitlines()
+    assert re.fullmatch(r"slow: 1 case to solve, in about \S+ s on 2 cores", first)
+    assert re.search(r"longer than 0\.0001 s: add max_seconds: \S+ to the scene", last)
+    path.write_text(slow.replace("1.0e-4", "100"))
+    said = run(checkout, "--until", "solve", scene="slow")
+    assert said.index(first) < said.index("slow: solve 1 case from short to long")
+
+
 def test_one_figure_needs_only_its_cases(checkout):
     jobs = planned(checkout, "results/test/figures/one.png")
     assert jobs == {"compile": 1, "solve": 1, "figure": 1}
@@ -133,7 +148,7 @@ def test_a_run_that_is_planned_names_its_jobs(finished):
     said = run(finished, "--dry-run")
     path.write_text(SCENE)
     jobs = re.findall(r"^Job \d+: (.*)$", said, re.M)
-    assert sorted(re.sub(r", in up to \S+ s$", "", job) for job in jobs) == [
+    assert sorted(re.sub(r", in about \S+ s$", "", job) for job in jobs) == [
         "everything of test",
         "test: draw all figures",
         "test: gather all curves and check the claims",

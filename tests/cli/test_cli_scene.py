@@ -7,6 +7,8 @@ import sys
 import pytest
 
 from weier import scene
+from weier.cli.job import job
+from weier.kernels import jit
 from weier.pipeline.batches import Solutions
 
 SCENE = """
@@ -116,3 +118,12 @@ def test_numbers_that_yaml_takes_for_words_are_numbers(scene_file):
         found.add(str(case.curves))
     assert len(found) == 1
     assert case.settings["layer"] == {"accuracy": 1e-9}
+
+
+def test_jobs_leave_it_to_snakemake_to_say_what_is_compiled(monkeypatch):
+    """Each of them would say it again; without Snakemake, nobody else does."""
+    monkeypatch.setattr(jit, "LISTENERS", [print])
+    with job("compile", announce_compiling=True):
+        assert len(jit.LISTENERS) == 1
+    with job("solve"):
+        assert not jit.LISTENERS

@@ -87,7 +87,7 @@ def test_another_program_solves_all_again(solved, monkeypatch):
 
 def test_refitted_costs_solve_nothing_again(solved, monkeypatch):
     """They cut what is missing in other places, and nothing is."""
-    monkeypatch.setattr(batches, "expected_seconds", lambda case, loads: 100.0 * case.profile.D)
+    monkeypatch.setattr(batches, "missing_case", lambda *_: pytest.fail("missing"))
     assert missing(solved) == []
 
 
@@ -116,12 +116,9 @@ def test_what_a_scene_has_grown_by_is_read_with_the_rest(solved, tmp_path):
         (500.0, 3, 2, 3),
     ],
 )
-def test_batches_are_twice_as_many_as_cores_and_neither_short_nor_long(
-    tmp_path, monkeypatch, seconds, count, cores, expected
-):
+def test_batches_are_twice_as_many_as_cores_and_neither_short_nor_long(tmp_path, seconds, count, cores, expected):
     loaded = load(tmp_path)
-    monkeypatch.setattr(batches, "expected_seconds", lambda case, loads: seconds)
-    members = [Missing(loaded.distinct[0], ("one",))] * count
+    members = [Missing(loaded.distinct[0], ("one",), seconds)] * count
     parts = cut_into_batches(members, loaded, cores)
     assert sum(map(len, parts)) == count
     assert len(parts) == expected
@@ -129,7 +126,7 @@ def test_batches_are_twice_as_many_as_cores_and_neither_short_nor_long(
 
 
 def test_batches_are_no_larger_than_asked(tmp_path):
-    members = [Missing(case, ("one",)) for case in load(tmp_path).distinct]
+    members = [Missing(case, ("one",), 1e-3) for case in load(tmp_path).distinct]
     parts = cut_into_batches(members, load(tmp_path, batch=5), 1)
     assert [len(part) for part in parts] == [4, 4, 4]
 

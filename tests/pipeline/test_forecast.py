@@ -4,11 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
+import weier
+from weier import scene
 from weier.methods import registry
 from weier.methods.errors import OutOfReachError
+from weier.methods.planned.plan import Plan
 from weier.methods.registry import find_method
-from weier.pipeline.forecast import LONG, MAX_SECONDS, forecast
+from weier.pipeline.batches import CASE_SECONDS, Solutions, read_batch
+from weier.pipeline.forecast import LONG, MAX_SCENE_SECONDS, MAX_SECONDS, forecast, forecast_scene
 from weier.scene import Case
 
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -63,3 +68,49 @@ def test_where_no_plan_is_within_reach_the_fast_methods_are_named(seconds, monke
 def test_a_method_that_does_not_apply_is_not_announced(seconds):
     seconds(2 * LONG)
     assert forecast(case("patches", np.inf), LOADS) == []
+
+
+def forecast_of(folder, cores=1, **changes):
+    """The forecast of three cases, one of which has no plan, and what the descriptions of their batches expect."""
+    product = {"D": [1.1, 1.25, 1.9], "gamma": 2, "m": float("inf")}
+    content = {"title": "t", "loads": [0.1, 1.0], "tolerance": 0.1, "studies": {"one": {"product": product}}}
+    path = folder / "rough.yaml"
+    path.write_text(yaml.safe_dump({key: value for key, value in (content | changes).items() if value is not None}))
+    solutions = Solutions(scene.load(path), folder)
+    expected = [read_batch(path.with_suffix(".json")).seconds for path in solutions.files(cores=cores)]
+    return forecast_scene(solutions.scene, solutions.to_solve.values(), cores), expected
+
+
+@pytest.fixture
+def slow_plans(monkeypatch):
+    """Each plan takes as long as a scene with plans may."""
+    monkeypatch.setattr(Plan, "seconds", property(lambda self: MAX_SCENE_SECONDS - 2 * CASE_SECONDS))
+
+
+def test_a_scene_with_plans_says_what_they_take_and_whom_they_refuse(tmp_path):
+    lines, expected = forecast_of(tmp_path)
+    found = weier.plan(scene.load(tmp_path / "rough.yaml"))
+    assert len(found.plans) == 2
+    assert expected == [pytest.approx(found.seconds + 3 * CASE_SECONDS)]
+    assert lines == [
+        f"rough: 3 cases to solve, in about {expected[0]:.2g} s on 1 core",
+        "rough: no plan for 1 of them:",
+        *(f"  {each}" for each in found.cases.values() if isinstance(each, OutOfReachError)),
+    ]
+
+
+def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, slow_plans):
+    with pytest.raises(ValueError, match=r"in about 1200 s on 1 core\n(.*\n)*.*add max_seconds: 1400 ") as stopped:
+        forecast_of(tmp_path)
+    assert "no plan for 1 of them:" in str(stopped.value)
+    assert forecast_of(tmp_path, max_seconds=1400)[0]
+    assert forecast_of(tmp_path, cores=3)[0][0].endswith("in about 600 s on 3 cores")  # as the longest of its batches
+
+
+def test_a_scene_without_plans_says_nothing_unless_it_has_a_limit(tmp_path, seconds):
+    study = {"product": {"D": 1.5, "gamma": 2, "m": 2}}
+    without = {"tolerance": None, "methods": ["patches"], "studies": {"one": study}}
+    seconds(2 * MAX_SCENE_SECONDS)
+    assert forecast_of(tmp_path, **without)[0] == []
+    with pytest.raises(ValueError, match=r"in about 1200 s on 1 core\n.*longer than 100 s: add max_seconds: 1400"):
+        forecast_of(tmp_path, **without, max_seconds=100)

@@ -25,7 +25,7 @@ def compile(methods: Sequence[str]) -> None:
     """Compile the kernels of METHODS, or all, once for all later runs."""
     from weier.pipeline.compile import compile_kernels  # only this command needs it
 
-    with job("compile", *methods):
+    with job("compile", *methods, announce_compiling=not methods):
         compile_kernels(methods)
 
 

@@ -18,8 +18,10 @@ import numpy as np
 
 from weier.data.files import write_text
 from weier.kernels.arrays import Array
-from weier.methods.registry import find_method, names
+from weier.methods.planned.plan import Plan
+from weier.methods.registry import PLANNED, find_method, names
 from weier.pipeline.digests import NUMBERS, digest, digest_of_program
+from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 
@@ -38,10 +40,17 @@ class Place(NamedTuple):
 
 
 class Missing(NamedTuple):
-    """A case with those of its methods that have not solved it, and the studies that it stands in."""
+    """A case with those of its methods that have not solved it, and what that will take.
+
+    studies : that it stands in
+    seconds : of its methods at their default settings, at most, and of its plan
+    refusal : why there is no plan for it
+    """
 
     case: Case
     studies: tuple[str, ...]
+    seconds: float
+    refusal: str = ""
 
 
 class Solutions:
@@ -53,10 +62,16 @@ class Solutions:
         Whose curves these are.
     folder : path
         For each batch its description, NAME.json, and its curves once it is solved, NAME.nc.
+
+    Attributes
+    ----------
+    to_solve : dict
+        The cases of each batch that `files` has asked for and that is not there yet, by its description.
     """
 
     def __init__(self, scene: Scene, folder: str | Path) -> None:
         self.scene, self.folder = scene, Path(folder)
+        self.to_solve: dict[Path, Sequence[Missing]] = {}
         self.common = {
             "program": digest_of_program(*NUMBERS),
             "loads": scene.loads.tolist(),
@@ -95,7 +110,8 @@ class Solutions:
             if not studies or not set(home).isdisjoint(studies):
                 here |= {self._solved[curve].batch for curve in case.curves.values() if curve in self._solved}
                 group = missing.setdefault(home if studies else (), [])
-                group += [Missing(case.by(lacking), home)] if (lacking := self._lacking(case)) else []
+                if lacking := self._lacking(case):
+                    group.append(missing_case(case.by(lacking), home, self.scene.loads))
         cut = (part for group in missing.values() for part in cut_into_batches(group, self.scene, cores))
         return [path.with_suffix(".nc") for path in (*sorted(here), *map(self._describe, cut))]
 
@@ -105,12 +121,14 @@ class Solutions:
 
     def _describe(self, members: Sequence[Missing]) -> Path:
         """The description of a batch of these cases, which is written unless it is there."""
-        of = list(dict.fromkeys(study for _, home in members for study in home))
-        content = self.common | {"cases": [[case.parameters, case.methods, case.settings] for case, _ in members]}
+        of = list(dict.fromkeys(study for each in members for study in each.studies))
+        cases = [each.case for each in members]
+        content = self.common | {"cases": [[case.parameters, case.methods, case.settings] for case in cases]}
         path = self.folder / f"{of[0]}-{digest(content)[:12]}.json"
         if not path.exists():
-            seconds = sum(expected_seconds(case, self.scene.loads) for case, _ in members)
+            seconds = sum(each.seconds for each in members)
             write_text(path, json.dumps(content | {"studies": of, "seconds": seconds}))
+        self.to_solve[path] = members
         return path
 
     def tidy(self) -> None:
@@ -176,7 +194,7 @@ def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> li
     """
     if not members:
         return []
-    seconds = np.array([expected_seconds(case, scene.loads) for case, _ in members])
+    seconds = np.array([each.seconds for each in members])
     total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
     few, many = min(cores, math.ceil(total / START_SECONDS)), min(BATCHES_PER_CORE * cores, int(total / MIN_SECONDS))
     number = np.floor(max(few, many, math.ceil(total / MAX_SECONDS)) * middle / total)
@@ -188,8 +206,13 @@ def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> li
     return parts
 
 
-def expected_seconds(case: Case, loads: Array) -> float:
-    """The seconds that all methods of a case take at their default settings, at most."""
+def missing_case(case: Case, studies: tuple[str, ...], loads: Array) -> Missing:
+    """A case with what its methods and its plan expect."""
     methods = [find_method(name) for name in case.methods]
-    known = [method.seconds(case.profile, loads) for method in methods if method.takes(case.profile)]
-    return CASE_SECONDS + sum(known)
+    seconds = [CASE_SECONDS, *(each.seconds(case.profile, loads) for each in methods if each.takes(case.profile))]
+    if PLANNED not in case.methods:
+        return Missing(case, studies, sum(seconds))
+    found = plan_case(case, loads)
+    if isinstance(found, Plan):
+        return Missing(case, studies, sum(seconds) + found.seconds)
+    return Missing(case, studies, sum(seconds), str(found))

@@ -1,6 +1,8 @@
-"""What a solve will cost, said before it: long ones with what is cheaper, and those out of reach not begun."""
+"""What a solve or a scene will cost, said before it, with what is cheaper; those out of reach are not begun."""
 
 from __future__ import annotations
+
+from collections.abc import Collection, Sequence
 
 from weier.kernels.arrays import Array
 from weier.methods import registry
@@ -10,13 +12,16 @@ from weier.methods.planned.candidates import candidates
 from weier.methods.planned.plan import TOLERANCE
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.segment import COMPLIANCE
+from weier.pipeline.batches import Missing
 from weier.pipeline.plan import plan
-from weier.scene.case import Case
+from weier.scene import Case, Scene
 from weier.theory.profile import Profile
 from weier.theory.tables import significant
 
 LONG = 30.0  # seconds, above which a solve is announced
 MAX_SECONDS = 1e5  # a day: who means it chooses settings of the method, whose cost is not known
+MAX_SCENE_SECONDS = 600.0  # of a scene with plans, unless it says itself how long it may take
+LISTED = 10  # cases that have no plan: others are refused for the same reasons
 
 
 def forecast(case: Case, loads: Array) -> list[str]:
@@ -41,6 +46,35 @@ def forecast(case: Case, loads: Array) -> list[str]:
         if seconds > LONG:
             cost = f"up to {significant(seconds, 2)} s{_memory(method, case.profile, loads)}"
             lines.append(f"{name} may take {cost}: {_cheaper(case.profile, loads)}")
+    return lines
+
+
+def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> list[str]:
+    """What the batches that are still to be solved take in all, and each case that its plan refuses, with the reason.
+
+    Only a scene with plans, or with a limit of its own, says so: other methods know no more than the most they take.
+
+    Raises
+    ------
+    ValueError
+        If they take longer than the scene allows, with the same lines and the key that allows more.
+    """
+    members = [each for batch in batches for each in batch]
+    if not any(PLANNED in each.case.methods for each in members) and scene.max_seconds is None:
+        return []
+    longest = max((sum(each.seconds for each in batch) for batch in batches), default=0.0)
+    seconds = max(sum(each.seconds for each in members) / cores, longest)
+    refusals = [each.refusal for each in members if each.refusal]
+    count, on = f"{len(members)} case{'s' * (len(members) != 1)}", f"{cores} core{'s' * (cores > 1)}"
+    lines = [f"{scene.name}: {count} to solve, in about {significant(seconds, 2)} s on {on}"]
+    lines += [f"{scene.name}: no plan for {len(refusals)} of them:"] if refusals else []
+    lines += [f"  {each}" for each in refusals[:LISTED]]
+    lines += [f"  and {len(refusals) - LISTED} more"] if len(refusals) > LISTED else []
+    limit = MAX_SCENE_SECONDS if scene.max_seconds is None else scene.max_seconds
+    if seconds > limit:
+        more = f"add max_seconds: {significant(1.2 * seconds, 2)} to the scene"
+        what = f"it would take longer than {limit:g} s: {more}, or take a larger tolerance, fewer cases or more cores"
+        raise ValueError("\n".join([*lines, f"{scene.name}: {what}"]))
     return lines
 
 

@@ -132,10 +132,11 @@ def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> Sc
     cases = {key: case for key, case in scene.cases.items() if every or PLANNED in case.methods}
     if not cases:
         raise ValueError(f"scene {scene.name} has no tolerance to plan for: add one, such as tolerance: 1.0e-3")
-    return ScenePlan({key: _plan_case(case, loads, wanted) for key, case in cases.items()})
+    return ScenePlan({key: plan_case(case, loads, **wanted) for key, case in cases.items()})
 
 
-def _plan_case(case: Case, loads: ArrayLike, wanted: Mapping[str, Any]) -> Plan | OutOfReachError:
+def plan_case(case: Case, loads: ArrayLike, **wanted: Any) -> Plan | OutOfReachError:
+    """The plan of a case by its settings, or by others that are wanted; or why there is none."""
     try:
         return plan_profile(case.profile, loads, registry.METHODS, **{**case.settings.get(PLANNED, {}), **wanted})
     except OutOfReachError as error:

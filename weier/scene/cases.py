@@ -45,6 +45,7 @@ class Scene:
     studies : cases of each study, in the order of the file
     batch_size : most cases in one batch
     figures, claims : what is made from the studies
+    max_seconds : that solving it may take, as expected; None for a limit on plans alone
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
     """
@@ -56,6 +57,7 @@ class Scene:
     batch_size: int = MAX_BATCH_CASES
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    max_seconds: float | None = None
     contact_edges: bool = False
     text: str = ""
 

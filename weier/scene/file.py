@@ -95,6 +95,7 @@ def _scene(raw: Raw, text: str, name: str, mistakes: Mistakes) -> Scene:
         studies={study: cases for study, cases in read.items() if cases is not None},
         figures={figure: _figure(figure, raw, mistakes) for figure in _mapping(raw, "figures")},
         claims={claim: tuple(of) for claim, of in _mapping(raw, "claims").items() if isinstance(of, list)},
+        max_seconds=sound("max_seconds", None),
         contact_edges=sound("contact_edges", False),
         text=text,
     )
