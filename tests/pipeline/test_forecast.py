@@ -114,3 +114,9 @@ def test_a_scene_without_plans_says_nothing_unless_it_has_a_limit(tmp_path, seco
     assert forecast_of(tmp_path, **without)[0] == []
     with pytest.raises(ValueError, match=r"in about 1200 s on 1 core\n.*longer than 100 s: add max_seconds: 1400"):
         forecast_of(tmp_path, **without, max_seconds=100)
+
+
+def test_a_scene_that_is_solved_says_nothing(tmp_path):
+    forecast_of(tmp_path)
+    with_limit = replace(scene.load(tmp_path / "rough.yaml"), max_seconds=1e-3)
+    assert forecast_scene(with_limit, [], cores=1) == []

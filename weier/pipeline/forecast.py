@@ -60,7 +60,8 @@ def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: 
         If they take longer than the scene allows, with the same lines and the key that allows more.
     """
     members = [each for batch in batches for each in batch]
-    if not any(PLANNED in each.case.methods for each in members) and scene.max_seconds is None:
+    with_plans = any(PLANNED in each.case.methods for each in members)
+    if not members or (not with_plans and scene.max_seconds is None):
         return []
     longest = max((sum(each.seconds for each in batch) for batch in batches), default=0.0)
     seconds = max(sum(each.seconds for each in members) / cores, longest)
