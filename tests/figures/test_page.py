@@ -126,12 +126,12 @@ def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
         ["demelio", 2, 0, 0, "", "", ""],
         ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"],
     ]
-    assert sum("expected" in heading for heading in table.header) == 2
+    assert sum("estimated" in heading for heading in table.header) == 2
     without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
-    assert not any("expected" in heading for heading in without.header)
+    assert not any("estimated" in heading for heading in without.header)
     data["compliance_error"].values[:] = data["resistance_error"].values[:] = np.nan  # of a scene without a tolerance
     table = page._errors(data)
-    assert not any("expected" in heading for heading in table.header)
+    assert not any("estimated" in heading for heading in table.header)
     assert any("residual" in heading for heading in table.header)
 
 
