@@ -172,7 +172,7 @@ def test_the_report_of_snakemake_has_the_figures_with_captions(finished):
     run(finished, "--report", "report.html")
     text = (finished / "report.html").read_text()
     assert "Compliance over mean pressure. Colours show the estimates, a solid line shows boundary elements," in text
-    assert "whether the statement holds" in text
+    assert "What the paper states, whether it holds, does not hold, or is not decided" in text
     assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
 
 

@@ -115,7 +115,7 @@ def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
     ]
 
 
-def test_the_largest_residual_and_expected_errors_stand_beside_the_states():
+def test_the_largest_residual_and_estimated_errors_stand_beside_the_states():
     data = dataset.blank(2, METHODS, LOADS, 3)
     data["status"].values[:] = Status.solved
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]

@@ -108,14 +108,14 @@ def test_a_load_that_a_solver_gives_up_is_solved_by_another_and_the_others_as_be
     """Boundary elements on 16 points are made to stop at one load."""
     loads, bad = np.geomspace(1e-3, 1, 7), 3
     before = solve(THREE_WAVES, loads, "planned", tolerance=0.01, quantity="resistance")
-    solve_grid = bem.candidates.curve
+    solve_grid = bem.method.curve
 
     def stop(profile, mean_pressure, **settings):
         if loads[bad] in mean_pressure and settings["points"] == before.planned_points[bad]:
             raise ConvergenceError("stopped")
         return solve_grid(profile, mean_pressure, **settings)
 
-    monkeypatch.setattr(bem.candidates, "curve", stop)
+    monkeypatch.setattr(bem.method, "curve", stop)
     after = solve(THREE_WAVES, loads, "planned", tolerance=0.01, quantity="resistance")
     same = after.planned_points.values == before.planned_points.values
     assert same.tolist() == [load != bad for load in range(7)]

@@ -152,7 +152,7 @@ def _claims(data: xr.Dataset) -> Section:
 
 
 def _errors(data: xr.Dataset) -> Table:
-    """How many cases each variant of a method solved or did not, and the largest residual and expected errors."""
+    """How many cases each variant of a method solved or did not, and the largest residual and estimated errors."""
     columns = {name: heading for name, heading in ERRORS.items() if name in data and data[name].notnull().any()}
     states = [each for each in Status if each != Status.not_requested]
     rows = []
