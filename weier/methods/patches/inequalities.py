@@ -31,6 +31,7 @@ from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.surface import CosineSeries, nearest_crest
 
 PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each interval between segments, closer at its ends, while segments are added
+MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by rounding
 CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES = 8, 12  # of a result: nothing comes after it that would see what it misses
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
@@ -72,6 +73,7 @@ def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> f
     edge = segments.origin + (segments.centre + segments.half_width)
     probe, interval = _probe_points(edge, distance, series, CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES)
     slope, doubtful = np.full(probe.size, np.nan), doubtful_cells(state, series)
+    bend = np.sum(np.abs(series.amplitude) * series.wavenumber**2)
     lowest, before = 0.0, cell_of(series, probe[0])
     for i in range(probe.size - 1):
         cell, after = before, cell_of(series, probe[i + 1])
@@ -83,10 +85,8 @@ def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> f
             if np.isnan(slope[k]):
                 crest, y = nearest_crest(series, probe[k])
                 slope[k] = complementary_residual_slope(state, series, crest, y)
-        is_minimum = slope[i] < 0 and slope[i + 1] >= 0
-        if is_minimum and _may_be_below(state, series, -limit, probe[i : i + 2], slope[i : i + 2]):
-            crest, y = nearest_crest(series, _bisect_slopes(state, series, probe[i], probe[i + 1]))
-            lowest = min(lowest, complementary_residual(state, series, crest, y))
+        if slope[i] < 0 and slope[i + 1] >= 0:
+            lowest = min(lowest, _minimum_between(state, series, -limit, bend, probe[i], probe[i + 1]))
     return lowest
 
 
@@ -126,7 +126,11 @@ def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
 def _probe_points(
     left: Array, length: Array, series: CosineSeries, per_wave: int, least: int
 ) -> tuple[Array, Indices]:
-    """Points in intervals between segments, some for each of the finest waves; and the interval of each point."""
+    """Points in intervals between segments, and the interval of each; ascending in each.
+
+    They are some for each of the finest waves, and the crests and valleys of the series: two crests that stand side
+    by side would else look like one.
+    """
     per_length = per_wave * series.wavenumber[-1] / (2 * np.pi)
     count = least + np.ceil(per_length * np.maximum(length, 0.0)).astype(np.int64)  # 0 between segments that overlap
     point, interval, end = np.empty(count.sum()), np.repeat(np.arange(length.size), count), 0
@@ -134,30 +138,47 @@ def _probe_points(
         for i in range(count[j]):
             point[end + i] = left[j] + length[j] * 0.5 * (1 - np.cos((i + 0.5) * (np.pi / count[j])))
         end += count[j]
-    return point, interval
+    turning = np.concatenate((series.crest_position, series.valley_position))
+    turning -= series.period * np.floor((turning - left[0]) / series.period)
+    of = np.searchsorted(left, turning, side="right") - 1
+    within = turning < left[of] + length[of]
+    point, interval = np.concatenate((point, turning[within])), np.concatenate((interval, of[within]))
+    order = np.argsort(point, kind="mergesort")
+    order = order[np.argsort(interval[order], kind="mergesort")]
+    point, interval = point[order], interval[order]
+    apart = np.ones(point.size, np.bool_)
+    apart[1:] = (np.diff(point) > MIN_PROBE_DISTANCE / per_length) | (np.diff(interval) > 0)
+    return point[apart], interval[apart]
 
 
 @kernel
-def _may_be_below(state: ContactState, series: CosineSeries, limit: float, probe: Array, slope: Array) -> bool:
-    """Whether the minimum between two probes may lie below the limit, by a secant step towards it."""
-    width = probe[1] - probe[0]
-    crest, y = nearest_crest(series, probe[0] - slope[0] / (slope[1] - slope[0]) * width)
-    max_drop = abs(complementary_residual_slope(state, series, crest, y)) * width
-    return complementary_residual(state, series, crest, y) - max_drop < limit
+def _minimum_between(
+    state: ContactState, series: CosineSeries, limit: float, bend: float, left: float, right: float
+) -> float:
+    """A minimum of the complementary residual between two points, by bisection; 0 if none is below the limit.
 
-
-@kernel
-def _bisect_slopes(state: ContactState, series: CosineSeries, left: float, right: float) -> float:
-    """The position of a minimum between probes: where the slope of the complementary residual is 0, by bisection."""
-    x = left
+    Between segments the displacement by their densities is convex, so that the residual bends down by no more than
+    the series: by `bend`, the sum of the sizes of its second derivatives. Parabolas from both points are below it.
+    """
+    before, falling = _residual_and_slope(state, series, left)
+    after, rising = _residual_and_slope(state, series, right)
     for _ in range(SEARCH_STEPS):
-        x = 0.5 * (left + right)
-        crest, y = nearest_crest(series, x)
-        if complementary_residual_slope(state, series, crest, y) < 0:
-            left = x
+        half = 0.5 * (right - left)
+        if min(before - abs(falling) * half, after - abs(rising) * half) - 0.5 * bend * half**2 >= limit:
+            return 0.0
+        value, slope = _residual_and_slope(state, series, left + half)
+        if slope < 0:
+            left, before, falling = left + half, value, slope
         else:
-            right = x
-    return x
+            right, after, rising = right - half, value, slope
+    return min(before, after)
+
+
+@kernel
+def _residual_and_slope(state: ContactState, series: CosineSeries, x: float) -> tuple[float, float]:
+    crest, y = nearest_crest(series, x)
+    value = complementary_residual(state, series, crest, y)
+    return value, complementary_residual_slope(state, series, crest, y)
 
 
 @kernel
