@@ -12,6 +12,7 @@ from weier import figures, scene
 from weier.figures import checks
 from weier.figures.captions import caption
 from weier.scene import Grouping, SceneError
+from weier.theory.conduction import Interface
 
 OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
 OF_FILES = sorted(figures.kinds().keys() - set(OF_STUDIES))
@@ -79,6 +80,29 @@ SOUND = [
 @pytest.mark.parametrize("figure", SOUND, ids=str)
 def test_what_can_be_drawn_is_not_refused(figure, tmp_path):
     checks.load(write(tmp_path, **figure))
+
+
+CONDUCTORS = dict.fromkeys(["mu_1", "mu_2", "lambda_0", "g_0"], 1.0) | dict.fromkeys(["nu_1", "nu_2", "rho_1"], 0.3)
+
+
+@pytest.mark.parametrize(
+    ("draw", "rho_1", "said"),
+    [
+        ("compliance", 0, ""),
+        ("resistance", 1e-8, ""),
+        ("resistance", 0, "two perfect"),
+        ("phases", 1, "phases has no"),
+    ],
+)
+def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1, said, tmp_path):
+    path = write(tmp_path, draw=draw, units="si")
+    bodies = CONDUCTORS | {"rho_1": rho_1, "rho_2": 0.0}
+    path.write_text(path.read_text() + yaml.safe_dump({"interface": bodies}))
+    if said:
+        with pytest.raises(SceneError, match=f"figures.f.units: {said}"):
+            checks.load(path)
+    else:
+        assert checks.load(path).figures["f"].interface == Interface(**bodies)
 
 
 def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_path):

@@ -9,6 +9,7 @@ from weier import figures
 from weier.data import dataset
 from weier.figures import compliance, resistance
 from weier.scene import Axis, Grouping
+from weier.theory.conduction import Interface
 
 LOADS = np.geomspace(0.01, 4, 12)
 GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]
@@ -152,6 +153,35 @@ def test_a_scene_may_set_scales_and_ends_of_axes_and_the_size(kind, sweep, tmp_p
         kept[-1].draw_without_rendering()
     figures.draw(kind, [given], "", tmp_path / "f.png", x=Axis("linear"))
     assert kept[-1].axes[0].get_xlim()[0] == (0 if kind != "contact_tree" else kept[-1].axes[0].get_xlim()[0])
+
+
+@pytest.mark.parametrize("kind", ["compliance", "resistance"])
+def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, monkeypatch) -> None:
+    """Lines, bands, ends and words change together: each point is that of `Interface` for the normalised one."""
+    kept = []
+    monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
+    bodies = Interface(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
+    grouping = Grouping("gamma", "method", ("seed",))
+    for interface in (None, bodies):
+        figures.draw(kind, [sweep], "", tmp_path / "f.png", grouping, interface=interface)
+    normalised, converted = kept
+    of_value = {"compliance": bodies.compliance, "resistance": bodies.resistance}[kind]
+    for before, after in zip(normalised.axes, converted.axes, strict=True):
+        for one, other in zip(before.get_lines(), after.get_lines(), strict=True):
+            np.testing.assert_allclose(other.get_xdata(), bodies.pressure(one.get_xdata()))
+            np.testing.assert_allclose(other.get_ydata(), of_value(one.get_ydata()))
+            seen = after.transData.transform(np.column_stack(other.get_data()))
+            np.testing.assert_allclose(seen, before.transData.transform(np.column_stack(one.get_data())))
+        for one, other in zip(before.collections, after.collections, strict=True):
+            vertices = [band.get_transform().transform(band.get_paths()[0].vertices) for band in (one, other)]
+            np.testing.assert_allclose(*vertices)  # the same pixels
+        np.testing.assert_allclose(after.get_xlim(), bodies.pressure(before.get_xlim()))
+        np.testing.assert_allclose(after.get_ylim(), of_value(before.get_ylim()))
+    unit = {"compliance": "(m)", "resistance": r"($\Omega\,$m$^2$)"}[kind]
+    assert converted.axes[0].get_ylabel().endswith(unit)
+    assert [axes.get_xlabel()[-4:] for axes in converted.axes] == ["(Pa)", "(Pa)"]
+    figures.draw(kind, [sweep], "", tmp_path / "f.png", grouping, Axis("log", 1e6, 1e8), interface=bodies)
+    assert kept[-1].axes[0].get_xlim() == pytest.approx((1e6, 1e8))
 
 
 def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: xr.Dataset) -> None:

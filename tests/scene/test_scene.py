@@ -147,6 +147,9 @@ def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
         loaded.figure("two")
 
 
+BODIES = {
+    "mu_1": "45e9", "mu_2": 75e9, "nu_1": 0.34, "nu_2": 0.3, "rho_1": 2e-8, "rho_2": 0, "lambda_0": 1e-3, "g_0": 1e-6,
+}  # fmt: skip
 ONE_MISTAKE = [
     ({"lods": [1]}, "lods: there is no such key, only title.*: did you mean 'loads'?"),
     ({"loads": [1.0, 0.5]}, "loads: mean_pressure must increase"),
@@ -170,6 +173,17 @@ ONE_MISTAKE = [
         "studies.one.product: points_per_wave must be a whole number of at least 16",
     ),
     ({"methods": ["bem"], "settings": {"bem": {"points": 79}}}, "studies.one.product: points must be at least 80"),
+    ({"settings": {"bem": {"solver": "fast"}}}, 'settings.bem.solver: solver must be "fft" or "direct"'),
+    ({"settings": {"bem": {"edges": "node"}}}, "settings.bem.edges: edges must be .*, got 'node'"),
+    ({"settings": {"planned": {"quantity": "h"}}}, "settings.planned.quantity: quantity must be one of compliance"),
+    (
+        product(m="inf") | {"methods": ["bem", "westergaard"]},
+        'studies.one: no method applies to any of these profiles: "bem": m = inf has no finest wave',
+    ),
+    ({"interface": BODIES | {"mu_1": 0}}, "interface: mu_1 must be positive"),
+    ({"interface": BODIES | {"mu": 1}}, "interface.mu: there is no such key"),
+    ({"figures": {"f": {"draw": "compliance", "units": "SI"}}}, "figures.f.units: this must be one of si"),
+    ({"figures": {"f": {"draw": "compliance", "units": "si"}}}, "figures.f.units: SI units need the key interface"),
     ({"tolerance": -1}, "tolerance: this must be more than 0, got -1"),
     ({"tolerance": 1e-20}, r"tolerance: tolerance of planned must lie in \[1e-15, 1\), got 1e-20"),
     ({"figures": {"f": "compliance"}}, "figures.f: this must be a mapping, got 'compliance'"),

@@ -72,7 +72,8 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         for name in names or loaded.figures:
             one = loaded.figure(name)
             studies = [study(each) for each in one.studies]
-            draw(one.draw, studies, one.title, folder / f"{name}.png", one.grouping, one.x, one.y, one.size)
+            path = folder / f"{name}.png"
+            draw(one.draw, studies, one.title, path, one.grouping, one.x, one.y, one.size, one.interface)
 
 
 @click.command()

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from weier.theory.conduction import Interface
+
 MAX_PANELS = 4  # in one column: more would not fit a page
 
 # Files carry no dates, so that the same data give the same bytes.
@@ -94,6 +96,7 @@ def draw(
     x: Axis = FREE,
     y: Axis = FREE,
     size: tuple[float, float] | None = None,
+    interface: Interface | None = None,
     formats: Collection[str] = tuple(METADATA),
 ) -> None:
     """Draw one figure, in several formats beside each other.
@@ -114,6 +117,8 @@ def draw(
         Scales and ends of the axes of all panels, where they are not those of the kind.
     size : tuple of float, optional
         Width and height in inches.
+    interface : Interface, optional
+        The bodies by which the axes, and the ends of x and y, are in SI units, for a kind that is `grouped`.
     formats : collection of str
         Some of pdf, svg and png.
 
@@ -126,12 +131,14 @@ def draw(
     _check_studies(kind, studies)
     import matplotlib.style
 
-    from weier.figures.style import RC, set_axes
+    from weier.figures.style import RC, set_axes, set_si_units
 
     # The reset keeps the user's own matplotlibrc out of the figure.
     wanted = {} if grouping == BY_DEFAULT else {"grouping": grouping}
     with matplotlib.style.context(RC, after_reset=True):
         figure = import_module(f"weier.figures.{kind}").draw(studies, title, **wanted)
+        if interface:
+            set_si_units(figure, interface, kind)
         set_axes(figure, x, y)
         if size:
             figure.set_size_inches(*size)

@@ -53,8 +53,12 @@ def _wrong_keys(figure: Figure, kind: FigureKind, loaded: Scene) -> Iterator[tup
         products = [product for name in figure.studies if name in loaded.studies
                     for product in loaded.studies[name].products]  # fmt: skip
         yield from (("", text) for text in _hidden(figure, products))
-    elif figure.grouping != BY_DEFAULT:
-        others = " or ".join(name for name, each in kinds().items() if each.grouped)
+    others = " or ".join(name for name, each in kinds().items() if each.grouped)
+    if figure.interface and not kind.grouped:
+        yield "units", f"{figure.draw} has no SI units: leave them out, or draw {others}"
+    if figure.interface and figure.draw == "resistance" and not figure.interface.resistance(1.0):
+        yield "units", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
+    if not kind.grouped and figure.grouping != BY_DEFAULT:
         yield "", f"{figure.draw} takes no colour, facet or median over: leave them out, or draw {others}"
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D
 
 from weier.data.variables import VARIABLES
 from weier.figures import MAX_PANELS
@@ -18,6 +19,7 @@ from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
 from weier.scene import Axis
+from weier.theory.conduction import Interface
 from weier.theory.profile import MAX_DENOMINATOR
 
 Group = TypeVar("Group")
@@ -72,6 +74,12 @@ LABELS = {
     "x": r"$x/\lambda_0$",
     "height": r"height $z/g_0$",
     **{name: entry.axis for name, entry in VARIABLES.items() if entry.axis},
+}
+
+SI_LABELS = {
+    "mean_pressure": r"mean pressure $\bar{p}$ (Pa)",
+    "compliance": "compliance $h$ (m)",
+    "resistance": r"resistance $RA$ ($\Omega\,$m$^2$)",
 }
 
 # Okabe and Ito's colours, told apart by colour-blind readers; the dashes tell them apart in grey.
@@ -198,6 +206,23 @@ def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
         axes.set_xlim(low, high)
     else:
         axes.set_xlim(0, high)
+
+
+def set_si_units(figure: Figure, interface: Interface, quantity: str) -> None:
+    """Mean pressure and this quantity, which is the other axis of all panels, in Pa, and in m or ohm m^2."""
+    factors = [float(getattr(interface, name)(1.0)) for name in ("pressure", quantity)]
+    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in figure.axes]  # before any changes: panels share them
+    for axes, ends in zip(figure.axes, limits, strict=True):
+        for drawn in axes.get_lines():
+            loads, values = (np.asarray(each) for each in drawn.get_data())
+            drawn.set_data(loads * factors[0], values * factors[1])
+        for band in axes.collections:
+            band.set_transform(Affine2D().scale(*factors) + axes.transData)
+        for name, variable, own, factor in zip("xy", ("mean_pressure", quantity), ends, factors, strict=True):
+            getattr(axes, f"set_{name}lim")(*(end * factor for end in own))
+            if getattr(axes, f"get_{name}label")():
+                getattr(axes, f"set_{name}label")(SI_LABELS[variable])
+        axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")  # a power of ten, beside the title
 
 
 def set_axes(figure: Figure, x: Axis, y: Axis) -> None:

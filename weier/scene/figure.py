@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from weier.theory.conduction import Interface
+
 PHASES = ("phases", "seed")  # names of what differs between profiles of the same D, gamma and m
 
 
@@ -54,6 +56,7 @@ class Figure(NamedTuple):
 
     x, y : its axes
     size : width and height in inches; None where the figure chooses
+    interface : the bodies by which its axes are in SI units; None where they are normalised
     """
 
     draw: str
@@ -63,3 +66,4 @@ class Figure(NamedTuple):
     x: Axis = FREE
     y: Axis = FREE
     size: tuple[float, float] | None = None
+    interface: Interface | None = None

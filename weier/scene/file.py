@@ -14,6 +14,7 @@ import numpy as np
 from weier.data.variables import of_curves
 from weier.data.yaml import number, read_yaml
 from weier.kernels.arrays import Array
+from weier.methods.method import Method
 from weier.methods.registry import PLANNED, find_method, returned_by
 from weier.methods.settings import checked_settings
 from weier.scene.cases import MAX_BATCH_CASES, Scene
@@ -23,10 +24,13 @@ from weier.scene.products import MAX_CASES, axis, check_count, distinct_values, 
 from weier.scene.schema import mistakes_of_form
 from weier.scene.study import CaseProduct, Study, check_value
 from weier.theory.arguments import shown, suggestion
+from weier.theory.conduction import Interface
 from weier.theory.loads import check_range, checked_loads
+from weier.theory.profile import Profile
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 MAX_BATCH_BYTES = 4 * 2**30  # of one batch
+ONE_WAVE = Profile(1.5, 2, 1)  # words among the settings of a method are right or wrong on any profile
 
 Raw = Mapping[str, Any]  # of the file, as the schema has it
 Check = Callable[[Scene], Iterable[Mistake]]
@@ -88,12 +92,13 @@ def _scene(raw: Raw, text: str, name: str, mistakes: Mistakes) -> Scene:
     wanted = {} if mistakes.within("max_cases") else known
     read = {study: _study(study, raw, plan, mistakes) for study in wanted}
     _check_references(raw, known, mistakes)
+    interface = mistakes.attempt(("interface",), partial(_interface, raw), None)
     scene = Scene(
         name=name,
         title=sound("title", ""),
         loads=mistakes.attempt(("loads",), partial(_loads, raw), np.empty(0)),
         studies={study: cases for study, cases in read.items() if cases is not None},
-        figures={figure: _figure(figure, raw, mistakes) for figure in _mapping(raw, "figures")},
+        figures={figure: _figure(figure, raw, interface, mistakes) for figure in _mapping(raw, "figures")},
         claims={claim: tuple(of) for claim, of in _mapping(raw, "claims").items() if isinstance(of, list)},
         max_seconds=sound("max_seconds", None),
         contact_edges=sound("contact_edges", False),
@@ -133,8 +138,14 @@ def _check_settings(keys: Keys, settings: Any, mistakes: Mistakes) -> None:
         return
     for method, values in settings.items():
         for name, value in values.items():
-            check = partial(checked_settings, find_method(method), {name: value})
-            mistakes.attempt((*keys, method, name), check, None)
+            mistakes.attempt((*keys, method, name), partial(_check_setting, find_method(method), name, value), None)
+
+
+def _check_setting(method: Method, name: str, value: Any) -> None:
+    """Refuse a setting that is wrong whatever the profile and the other settings are."""
+    checked_settings(method, {name: value})
+    if isinstance(value, str):
+        method.check(ONE_WAVE, **{name: value})
 
 
 def _study(name: str, raw: Raw, plan: Raw, mistakes: Mistakes) -> Study | None:
@@ -154,7 +165,22 @@ def _study(name: str, raw: Raw, plan: Raw, mistakes: Mistakes) -> Study | None:
     made = [CaseProduct(values, methods, own) for values in axes]
     for (place, _), product in zip(products(study), made, strict=True):
         mistakes.attempt((*keys, *place), product.check, None)
+    mistakes.attempt(keys, partial(_check_methods, made), None)
     return None if mistakes.within(*keys) else Study(made)
+
+
+def _check_methods(products: Sequence[CaseProduct]) -> None:
+    """Refuse a study without any profile to which one of its methods applies: nothing would be solved."""
+    reasons: dict[str, str] = {}
+    for product in products:
+        for case in product.of_all_kinds("D", "gamma", "m"):
+            for method in map(find_method, product.methods):
+                try:
+                    return method.check_applies(case.profile)
+                except ValueError as error:
+                    reasons.setdefault(method.name, str(error))
+    told = "; ".join(f'"{name}": {reason}' for name, reason in reasons.items())
+    raise ValueError(f"no method applies to any of these profiles: {told}")
 
 
 def _axes(keys: Keys, product: Raw, mistakes: Mistakes) -> dict[str, list[Any]]:
@@ -169,7 +195,14 @@ def _axes(keys: Keys, product: Raw, mistakes: Mistakes) -> dict[str, list[Any]]:
     return axes
 
 
-def _figure(name: str, raw: Raw, mistakes: Mistakes) -> Figure:
+def _interface(raw: Raw) -> Interface | None:
+    """The two bodies of a scene, if it has them."""
+    if "interface" not in raw:
+        return None
+    return Interface(**{name: number(name, value) for name, value in raw["interface"].items()})
+
+
+def _figure(name: str, raw: Raw, interface: Interface | None, mistakes: Mistakes) -> Figure:
     """What is sound of a figure."""
     keys: Keys = ("figures", name)
     figure = _mapping(raw["figures"], name)
@@ -185,7 +218,17 @@ def _figure(name: str, raw: Raw, mistakes: Mistakes) -> Figure:
         x=sound("x", FREE, _axis),
         y=sound("y", FREE, _axis),
         size=sound("size", None, tuple),
+        interface=mistakes.attempt((*keys, "units"), partial(_bodies, figure, raw, interface), None),
     )
+
+
+def _bodies(figure: Raw, raw: Raw, interface: Interface | None) -> Interface | None:
+    """The bodies by which a figure is in SI units, if it is."""
+    if "units" not in figure:
+        return None
+    if "interface" not in raw:
+        raise ValueError("SI units need the key interface of the scene, with the two bodies and their roughness")
+    return interface
 
 
 def _grouping(figure: Raw) -> Grouping:

@@ -47,7 +47,7 @@ def compliance_error(profile: Profile, points: int) -> float:
 
 
 def solution_error(profile: Profile, points: int, residual: Number) -> Number:
-    """The same of a solution with these residuals, of the shape of `residual`."""
+    """Error of h of a solution with these residuals, in g_0, of their shape: that of the grid, and what they add."""
     return compliance_error(profile, points) + RESIDUAL_FACTOR * residual
 
 

@@ -382,7 +382,7 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
 def _solve_one(
     load: float, hierarchy: Hierarchy, pressure: Array, with_resistance: bool, state: GridState
 ) -> tuple[float, float, int, int, float, float]:
-    """The same for one load, as one row of its result."""
+    """Solve under one load: plane, rate, nodes and patches in contact, residual, and pairs of FFTs."""
     plane, residual, pairs = cascade(load, hierarchy, pressure, state)
     nodes, patches, rate = count(state.contact), count_patches(state.contact), np.nan
     if with_resistance:

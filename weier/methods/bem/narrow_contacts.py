@@ -48,7 +48,10 @@ def _hertz(curvature: float, force: float) -> float:
 
 @kernel
 def gap_edges(pressure: Array, centre: float, half_width: float) -> tuple[float, float, bool]:
-    """The same for a gap: the pressure that would close it, times 1 and t, has no mean over the nodes t."""
+    """Centre and half width of a gap, and whether they were found.
+
+    The pressure that would close the gap, times 1 and t, has no mean over the Chebyshev nodes t.
+    """
     here = pressure.copy()
     shift(here, centre)
     for _ in range(MAX_STEPS):
@@ -136,9 +139,9 @@ def cross_energy(rate: Array, share: float) -> float:
 
 @kernel
 def gap_energy(pressure: Array, rate: Array, half_width: float) -> tuple[float, float]:
-    """The same for a gap: the integrals of the gap, and of its rate, times the rate of the pressure that closes it.
+    """Energies of a gap: the integrals of it, and of its rate, times the rate of the pressure that closes it.
 
-    Coefficients of T_k again; `half_width` is a length.
+    Pressure and rate are coefficients of T_k; `half_width` is a length.
     """
     closing, rates = second_kind(pressure), second_kind(rate)
     mixed = alone = 0.0

@@ -275,7 +275,7 @@ def _moments_of_force(contacts: GridContacts, state: _State) -> Array:
 
 @kernel
 def _moments_of_share(contacts: GridContacts, state: _State) -> Array:
-    """The same of the shares, which press flat what the rates of others have bent."""
+    """Moments of the shares: of what presses flat again what the rates of others have bent."""
     moments = np.zeros((state.change.size, 3))
     for i in range(state.change.size):
         if state.touching[i] and contacts.kind[i] == NARROW:

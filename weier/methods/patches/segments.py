@@ -89,7 +89,7 @@ def make_segments(
 
 @kernel
 def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
-    """The same segments with other centres and half-widths."""
+    """Segments of the same contacts and nodes, with other centres and half-widths."""
     sine, cosine = np.empty(segments.node.size), np.empty(segments.node.size)
     centre_angle = np.pi / period * (segments.origin + centre)
     for j in range(centre.size):

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Style
 from weier.methods.planned.plan import TOLERANCE
 from weier.methods.planned.solver import Curve, curve
-from weier.methods.segment import COMPLIANCE
+from weier.methods.segment import COMPLIANCE, QUANTITIES
+from weier.theory.arguments import checked_word
 from weier.theory.profile import Profile
+
+
+def _check(profile: Profile, quantity: str = COMPLIANCE, **others: Any) -> None:
+    """Refuse a quantity that plans do not know."""
+    checked_word("quantity", quantity, QUANTITIES)
 
 
 def planning_method(among: Callable[[], tuple[Method, ...]]) -> Method:
@@ -29,6 +36,7 @@ def planning_method(among: Callable[[], tuple[Method, ...]]) -> Method:
             "tolerance": "largest error: of h, in g_0; of R, relative to the larger of itself and 1 g_0/p_0*",
             "quantity": "which of the two is to be that accurate, compliance or resistance",
         },
+        check=_check,
         style=Style("#56B4E9", (3, 0.8), "X"),
         variants=lambda profile: (),  # it runs those of the others
         noise=Noise(TOLERANCE, math.inf),  # segments of several methods; asked for the compliance alone
