@@ -270,3 +270,16 @@ def test_two_crests_side_by_side_are_not_taken_for_one(profile, load):
     assert exact.patch_count[0] == grid.patch_count[0] == 3
     assert abs(exact.compliance[0] - grid.compliance[0]) < grid.compliance_error[0]
     assert abs(exact.resistance[0] - grid.resistance[0]) < grid.resistance_error[0]
+
+
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        (Profile(1.080102518396713, 4, 5, [-2.3109469589938273e-10, 0, 0, 0, np.pi]), 0.006514588790873907),
+        (Profile(1.1082688033410402, 10, 4, [0, np.pi, 0.0035676096921934625, np.pi]), 0.00053027583758587),
+    ],
+    ids=["five waves", "four waves"],
+)
+def test_a_thin_gap_under_a_light_load_is_solved_though_rounding_moves_its_edges(profile, load):
+    exact, grid = patches.curve(profile, [load]), bem.curve(profile, [load], points_per_wave=64)
+    assert abs(exact.compliance[0] - grid.compliance[0]) < grid.compliance_error[0]
