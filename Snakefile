@@ -97,7 +97,7 @@ for name in drawn_together():
             "rules/environment.yaml"
         params:
             scene=scene_file(name),
-            folder=f"results/{name}",
+            folder=lambda w, name=name: f"results/{name}",
             figures=lambda w, name=name: repr(scene(name).figures),
             cases=lambda w, name=name: scene(name).digest_of_cases(*scene(name).studies),
             program=digest_of_program(*PICTURES),

@@ -23,7 +23,7 @@ for name in scene_names():
             "environment.yaml"
         params:
             scene=scene_file(name),
-            folder=f"results/{name}",
+            folder=lambda w, name=name: f"results/{name}",
             figures=lambda w, name=name: repr(scene(name).figures),
             program=digest_of_program(*PICTURES),
         message:
