@@ -25,7 +25,7 @@ class Descent(NamedTuple):
         pressure = self.state.pressure.copy()
         if self.with_resistance:
             finest = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
-            pairs += fft.solve_rate(0.0, fft.RATE_TOLERANCE, finest, self.state)[1]
+            pairs += fft.solve_rate(fft.RATE_TOLERANCE, finest, self.state)[1]
         return Step(pressure, pairs, residual <= self.hierarchy.tolerance[-1])
 
 

@@ -94,7 +94,7 @@ def grid_solution(profile, load, nodes):
     plane, _, _ = fft.cascade(load, hierarchy, full_contact(hierarchy, load), state)
     pressure, deformed = state.pressure.copy(), state.deformed.copy()
     finest = grid_of(hierarchy, hierarchy.points.size - 1)
-    rate, _ = fft.solve_rate(1e-6, 1e-12, finest, state)
+    rate, _ = fft.solve_rate(1e-6, finest, state)
     return GridSolution(plane, rate, pressure, deformed, state.pressure, -state.deformed, state.contact)
 
 

@@ -433,7 +433,7 @@ def test_many_contacts_share_one_plane(arguments, load, per_wave, h, R):
 
 @pytest.mark.parametrize(
     ("load", "h", "R"),
-    [(0.0066752, 0.5319780960184342, 39.4056895785094), (0.006676133790000001, 0.5320130445289779, 29.1590559518837)],
+    [(0.0066752, 0.531978128409909, 39.40568902019423), (0.006676133790000001, 0.5320130445289779, 29.1590559518837)],
 )
 def test_errors_hold_where_two_nearly_equal_crests_are_about_to_touch(load, h, R):
     """The grid has one of them in contact too early, and a third of one more load on it."""
@@ -457,11 +457,11 @@ def test_without_resistance_the_compliance_is_the_same():
     assert np.all(np.isnan(other.resistance))
 
 
-def test_both_numbers_cost_23_pairs():
+def test_both_numbers_cost_30_pairs():
     """Pairs of FFTs a load on 800 nodes, to a residual of 1e-8."""
     found = curve(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.geomspace(1e-3, 2, 40), tolerance=1e-8)
     print(f"{found.work.mean():.1f} pairs")
-    assert found.work.mean() <= 23
+    assert found.work.mean() <= 30
 
 
 def test_a_parabola_is_hertz_and_a_quartic_gap_closes_at_both_ends():
@@ -584,13 +584,66 @@ def test_errors_hold_where_the_last_gap_has_few_nodes(points):
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
 @pytest.mark.parametrize("per_wave", [256, 655])
-def test_errors_hold_on_fine_grids_where_the_rate_is_most_of_them(per_wave, tolerance):
+def test_errors_hold_on_fine_grids_where_residuals_are_much_of_them(per_wave, tolerance):
     profile, loads = Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.array([0.1148, 0.1306, 0.2077])
     exact = patches.curve(profile, loads)
     found = curve(profile, loads, points=per_wave * 25, tolerance=tolerance)
     assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
-    assert found.compliance_error.max() < 2500 * tolerance + 1e-6 * (64 / per_wave) ** 2  # UNFLAT times the rate
+    assert found.compliance_error.max() < 2 * tolerance + 3e-7 * (64 / per_wave) ** 2
+
+
+@pytest.mark.parametrize(
+    ("profile", "loads", "per_wave", "tolerance"),
+    [
+        (
+            Profile(
+                1.7370314924766543,
+                8,
+                4,
+                (3.9547106175974083, 2.2078126810192122, 1.9870136610978686, 5.789693628538073),
+            ),
+            [0.005222504695805598],
+            16,
+            3.6e-9,
+        ),
+        (
+            Profile(
+                1.9549888887414841,
+                4,
+                5,
+                (0.5980857628283318, 0.6073573372863358, 0.4351121134819791, 5.992805832134549, 2.5196318334674976),
+            ),
+            [0.014701933981484516, 0.014774799979457609, 0.014795078612900275],
+            16,
+            9.1e-9,
+        ),
+        (
+            Profile(
+                1.8189738867256988,
+                "6/5",
+                4,
+                (4.390178090629147, 2.6270130368518165, 5.973678067541448, 1.5142480075785194),
+            ),
+            [0.000344173303771572],
+            16,
+            2.4e-7,
+        ),
+        (
+            Profile(1.829978406122443, "9/4", 3, (3.2171462951426983, 6.2412023205025635, 5.994953192114258)),
+            [0.0008493986070953527],
+            32,
+            1.2e-8,
+        ),
+    ],
+)
+def test_a_loose_residual_leaves_the_rate_close(profile, loads, per_wave, tolerance):
+    """The correction is linear in what is left of the rate: solved as loosely as the heights it was off by 1e-5."""
+    exact = patches.curve(profile, loads)
+    found = curve(profile, loads, points_per_wave=per_wave, tolerance=tolerance)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
+    assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
+    assert np.all(np.abs(found.compliance - exact.compliance) < 1e-6)
 
 
 @pytest.mark.parametrize("per_wave", [16, 32, 64])

@@ -24,7 +24,6 @@ COMPLIANCE = math.pi**2 / 2
 STATED_COMPLIANCE = 1.8
 STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.03, 1.3, 0.012
 LONE_SHARE = 3e-3  # of these where there is one contact, which has no neighbours that bear on it
-RATE_COMPLIANCE, RATE_RESISTANCE = 7e-8, 1e-7  # what the rate leaves on any grid, in g_0 and g_0/p_0*
 
 MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
@@ -68,9 +67,9 @@ def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) 
     crowding, lone = contacts / profile.waves_per_period[-1], np.where(contacts < 1.5, LONE_SHARE, 1.0)
     if quantity == "compliance":
         share = STATED_COMPLIANCE * crowding / per_wave
-        return np.asarray(lone * (share * _missed(profile, points) + RATE_COMPLIANCE) + PLANNED_RESIDUAL)
+        return np.asarray(lone * share * _missed(profile, points) + PLANNED_RESIDUAL)
     share = (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) / per_wave + RESISTANCE_PAIRS * crowding**2
-    return np.asarray(lone * share / per_wave + RATE_RESISTANCE)
+    return np.asarray(lone * share / per_wave)
 
 
 def curvature(profile: Profile) -> float:

@@ -40,10 +40,6 @@ GAP = np.array([0.012, 0.07])  # times wave^2, for the same, since polynomials s
 # Contacts that bear on each other.
 MOMENTS = 3.0  # times what second moments of contacts change
 RECIPROCITY = np.array([0.1, 1.0])  # times change of force and change of share: of h, and over the load of R
-# Times the square of how far A q is from flat, of the resistance, since a share shifts from contact to contact, or
-# from the middle of one to its edges, with little resistance.
-SHIFTED = 60.0
-UNFLAT = 7e-3  # times how far A q is from flat and the change that the rate makes of the load, of the compliance
 # Births, by how far off the height of a crest may be.
 HEIGHT_SHARE = 4.0  # errors of the compliance
 # Of the resistance: times the drop that an uncertain birth makes, since other contacts give way, and times what a
@@ -71,10 +67,7 @@ def expected_errors(
     wave).
     """
     load = float(np.mean(solution.pressure))
-    error, rate_error, flatness = _errors_of_the_solver(solution)
-    if not _is_lone_with_polynomial(solution, edge, polynomial):
-        error += UNFLAT * flatness * load
-    rate_error += RATE_ROUNDING / angle**2 * solution.rate
+    error, rate_error = _errors_of_the_solver(solution, load), RATE_ROUNDING / angle**2 * solution.rate
     for at in range(used):
         if not forces.touching[at]:
             continue
@@ -109,8 +102,12 @@ def expected_errors(
 
 
 @kernel
-def _errors_of_the_solver(solution: GridSolution) -> tuple[float, float, float]:
-    """What residuals leave: all of that of the heights, and the square of that of the rate, which comes third."""
+def _errors_of_the_solver(solution: GridSolution, load: float) -> float:
+    """What residuals leave of the compliance.
+
+    The residual of the heights, and that of the rate times the load: the correction is the mean, weighted by the
+    rate, of what the continuum changes, and moves no more than the load.
+    """
     residual = flatness = 0.0
     for i in range(solution.contact.size):
         if solution.contact[i]:
@@ -118,8 +115,7 @@ def _errors_of_the_solver(solution: GridSolution) -> tuple[float, float, float]:
             flatness = max(flatness, abs(solution.rate - solution.displacement[i]))
         else:
             residual = max(residual, solution.deformed[i] - solution.plane)
-    share = min(flatness / solution.rate, 1.0) if solution.rate > 0 else 0.0  # in full contact both are rounding
-    return residual + ROUNDING * abs(solution.plane), SHIFTED * share * flatness, share * solution.rate
+    return residual + flatness * load + ROUNDING * abs(solution.plane)
 
 
 @kernel

@@ -23,7 +23,8 @@ from weier.methods.progress import count_load
 
 Array = NDArray[np.float64]
 
-RATE_TOLERANCE = 1e-6  # the rate is an energy: its error is the square of this
+RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
+MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
 MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
 
 
@@ -282,12 +283,12 @@ def punch_shape(edge: Edges, contact: Flags, shape: Array) -> None:
 
 
 @kernel
-def solve_rate(relative: float, absolute: float, grid: Grid, state: GridState) -> tuple[float, int]:
+def solve_rate(tolerance: float, grid: Grid, state: GridState) -> tuple[float, int]:
     """Height that the plane loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
 
-    The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within these errors,
-    one of which is relative. The rate is the energy q.Aq. It starts from the contact of this load alone: what an
-    unfinished rate leaves depends on no other load.
+    The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within this share of
+    the rate, which is the energy q.Aq. It starts from the contact of this load alone: what an unfinished rate leaves
+    depends on no other load.
     """
     points = state.pressure.size
     edge = find_edges(state.contact, state.edge)
@@ -300,7 +301,7 @@ def solve_rate(relative: float, absolute: float, grid: Grid, state: GridState) -
     for _ in range(MAX_STEPS):
         plane = mean_in_contact(state.deformed, state.contact)
         rate = -dot(state.pressure, state.deformed) / points
-        if violations(plane, grid, state)[0] <= max(relative * rate, absolute):
+        if violations(plane, grid, state)[0] <= tolerance * max(rate, MIN_RATE):
             return rate, pairs
         energy = conjugate_step(plane, edge, restart, energy, grid, state)
         pairs += 2
@@ -386,6 +387,6 @@ def _solve_one(
     plane, residual, pairs = cascade(load, hierarchy, pressure, state)
     nodes, patches, rate = count(state.contact), count_patches(state.contact), np.nan
     if with_resistance:
-        rate, more = solve_rate(0.0, RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
+        rate, more = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
         pairs += more
     return plane, rate, nodes, patches, residual, pairs

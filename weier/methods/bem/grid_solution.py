@@ -13,18 +13,7 @@ from weier.methods.bem.local_fit import MAX_MARGIN, Windows, make_windows
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
 
-MAX_RATE_TOLERANCE = 1e-2  # of the rate: what corrections at 16 points a wave are off themselves
-RATE_FACTOR = 1e6  # per g_0 of the residual: 1e-8 goes with 1e-2, 1e-10 with 1e-4
 MAX_NARROW = 256  # nodes of a contact or gap with a polynomial; the next edge is then too far to matter
-
-
-@kernel
-def rate_tolerance(residual: float) -> float:
-    """How flat A q is to be in contact, as a share of the rate, beside a residual of the heights, in g_0.
-
-    The resistance holds the square of it; of the correction it is about the share that is lost.
-    """
-    return min(MAX_RATE_TOLERANCE, RATE_FACTOR * residual)
 
 
 @kernel

@@ -13,7 +13,7 @@ from weier.methods.bem import fft
 from weier.methods.bem.checks import check_residual
 from weier.methods.bem.contact_list import ContactList
 from weier.methods.bem.edges import find_edges
-from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum, rate_tolerance
+from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
 from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
 from weier.methods.bem.subgrid import correct
 from weier.methods.errors import ConvergenceError
@@ -23,6 +23,7 @@ from weier.theory.waves import MAX_POINTS
 
 MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
+RATE_TOLERANCE = 1e-8  # of the rate, how flat A q is in contact: corrections are linear in what is left of it
 MAX_DOUBLINGS = 2  # of the points under a load that is not verified
 PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
 
@@ -70,8 +71,7 @@ def _solve_load(
         pairs += more
     carried[:] = state.pressure
     deformed = state.deformed.copy()
-    relative = rate_tolerance(finest.tolerance)
-    rate, more = fft.solve_rate(relative, fft.RATE_TOLERANCE * relative, finest, state)
+    rate, more = fft.solve_rate(RATE_TOLERANCE, finest, state)
     pairs += more
     if not (residual <= finest.tolerance and rate < np.inf):
         return _miss(plane, residual, pairs)
