@@ -29,6 +29,7 @@ autodoc_typehints = "none"  # the docstrings say types, shapes and units
 plot_include_source = plot_apply_rcparams = True
 plot_html_show_formats = plot_html_show_source_link = False
 plot_formats = [("png", 200)]
+plot_working_directory = str(HERE.parent)  # code names files from there, as a user of the checkout does
 
 html_theme = "furo"
 html_title = "weier"

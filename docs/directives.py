@@ -62,9 +62,9 @@ class TableOfVariables(SphinxDirective):
 
 
 class SceneKeys(SphinxDirective):
-    """Every key of a scene, a study, a profile, a figure, a range and an axis, from the schema of scenes."""
+    """Every key of a scene, a study, a profile, a trace, a figure, a range and an axis, from the schema of scenes."""
 
-    parts = ("", "study", "profile", "figure", "range", "scale_and_ends")
+    parts = ("", "study", "profile", "trace", "figure", "range", "scale_and_ends")
 
     def run(self):
         """A table for each."""

@@ -245,7 +245,7 @@ def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
     assert text.count("<table") == len(PARTS) + 2
 
 
-PARTS = ("study", "profile", "figure", "range", "scale_and_ends")
+PARTS = ("study", "profile", "trace", "figure", "range", "scale_and_ends")
 
 
 def test_each_figure_of_the_tutorial_is_drawn_by_the_code_above_it():

@@ -348,13 +348,14 @@ const choose = async (number, value) => {
   const select = find(document, "select")[number]
   select.value = value; select.dispatchEvent(new Event("change")); await pause()
 }
+// The first list, of traces, is hidden.
 const drive = async () => {
   while (!find(document, "select").length) await pause()
   const steps = [state()]
-  await choose(0, "1.5"); steps.push(state())
-  await choose(1, "3"); steps.push(state())
+  await choose(1, "1.5"); steps.push(state())
   await choose(2, "3"); steps.push(state())
-  await choose(2, "2")
+  await choose(3, "3"); steps.push(state())
+  await choose(3, "2")
   find(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(state())
   const result = document.createElement("pre"); result.id = "result"
   result.textContent = JSON.stringify(steps); document.body.append(result)

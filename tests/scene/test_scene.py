@@ -197,7 +197,7 @@ ONE_MISTAKE = [
     (product(seed=-1), "studies.one.product.seed: seed must be"),
     (product(seed={"from": 0, "to": 1, "count": 10**7}), "max_cases: .*at most 10000 cases"),
     ({"studies": {}}, "studies: this must have at least 1 entry"),
-    ({"studies": {"one": {}}}, "studies.one: one of product and cases must be given, and not none"),
+    ({"studies": {"one": {}}}, "studies.one: one of product, cases, trace must be given, and not none"),
     (
         {"figures": {"f": {"draw": "compliance", "studies": ["on"]}}},
         "figures.f.studies.0: there is no study 'on', only one: did you mean 'one'?",

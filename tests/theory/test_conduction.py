@@ -8,6 +8,7 @@ from weier.methods.fields import fields
 from weier.pipeline.solve import solve
 from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
 from weier.theory.profile import Profile
+from weier.theory.trace import Trace
 
 STEEL = {"mu_1": 80e9, "nu_1": 0.3, "rho_1": 1.4e-7}
 COPPER = {"mu_2": 45e9, "nu_2": 0.34, "rho_2": 1.7e-8}
@@ -160,3 +161,16 @@ def test_scalars_of_numpy_neither_overflow_nor_round():
     assert rough == same
     assert rough.full_contact_pressure == same.full_contact_pressure
     assert rough.resistance(1.0) == same.resistance(1.0)
+
+
+def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
+    heights = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
+    trace = Trace(heights, 1e-3, ends="periodic")
+    curve = solve(trace, [0.1, 1.0], "bem", edges="nodes")
+    own = {"lambda_0": trace.lambda_0, "g_0": trace.g_0}
+    assert interface(**own).in_si(curve).mean_pressure.units == "Pa"
+    for name in own:
+        with pytest.raises(ValueError, match=rf"{name} must be that of the trace, .* m, got 0\.5 m"):
+            interface(**own | {name: 0.5}).in_si(curve)
+    with pytest.raises(ValueError, match="g_0 must be that of the trace"):
+        interface(**own | {"g_0": 0.5}).compliance(curve.compliance)

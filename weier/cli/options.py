@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import described
 from weier.theory.loads import MAX_LOADS, checked_loads
-from weier.theory.trace import ENDS, UNITS, Trace
+from weier.theory.trace import ENDS, UNITS
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
@@ -197,8 +197,8 @@ def profile_or_trace(
     x_unit: str | None,
     height_unit: str | None,
     **series: Any,
-) -> dict[str, Any] | Trace:
-    """The parameters of a profile, or a trace, from the options that name one of the two."""
+) -> dict[str, Any]:
+    """The parameters of a profile or of a trace, as a scene has them, from the options that name one of the two."""
     of_trace = {"shortest": shortest, "length": length, "ends": ends, "x_unit": x_unit, "height_unit": height_unit}
     given: dict[str, Any] = {name: value for name, value in of_trace.items() if value is not None}
     if trace_file is None and given:
@@ -206,7 +206,7 @@ def profile_or_trace(
     if trace_file is not None:
         if foreign := [name for name, value in series.items() if value is not None]:
             raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
-        return Trace.read(trace_file, **given)
+        return {"trace": {"file": str(trace_file), **given}}
     if missing := [option for option, name in NEEDED.items() if series[name] is None]:
         raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
     return parameters(**series)

@@ -157,9 +157,13 @@ def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
-    """The curves with a name for each case: its study, D, gamma, m, seed or phases, and settings that differ."""
-    first = ("study", *PARAMETERS, "seed", "phases")
-    order = [*first, *(name for name in _labels(data) if name not in ("key", "case", *first))]
+    """The curves with a name for each case: its study, D, gamma, m, seed or phases, and settings that differ.
+
+    A trace is named by its file and its digest, which tells all the rest.
+    """
+    first = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
+    others = [name for name in _labels(data) if name not in ("key", "case", *first) and not name.startswith("trace_")]
+    order = [*first, *others]
     columns = {name: [_text(value) for value in data[name].values] for name in order if name in data.coords}
     rows = zip(*columns.values(), strict=True)
     names = [_case_name(dict(zip(columns, row, strict=True))) for row in rows]

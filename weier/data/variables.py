@@ -110,7 +110,8 @@ VARIABLES = {
         ("case",), "shortest wavelength kept of the trace", "m", least=0, content=LABEL, optional=True
     ),
     "total_amplitude": Variable(
-        ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=ALL_MEASURED
+        ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=ALL_MEASURED,
+        comment="Of a trace, the height of its highest point above the mean: its compliance in full contact.",
     ),
     "tail_amplitude": Variable(
         ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=ALL_MEASURED
@@ -119,8 +120,8 @@ VARIABLES = {
         ("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED
     ),
     "compliance": Variable(
-        CURVE, "compliance", "g_0", "h", least=0, comment=f"{DATUM}.", files=ALL_MEASURED,
-        axis="compliance $h/g_0$", plot="compliance h/g_0",
+        CURVE, "compliance", "g_0", "h", least=0, files=ALL_MEASURED,
+        comment=f"{DATUM}; of a trace, from first contact.", axis="compliance $h/g_0$", plot="compliance h/g_0",
     ),
     "resistance": Variable(
         CURVE, "specific contact resistance dh/dp", "g_0/p_0*", "R A/(M (rho_1 + rho_2))", least=0,

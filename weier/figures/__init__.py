@@ -42,6 +42,7 @@ class FigureKind(NamedTuple):
     variable : VARIABLE, which the files of that command have
     needs : NEEDS, a key of the scene that must be true
     grouped : whether a scene may say by which parameters it is drawn
+    units : whether it can be drawn in SI units
     needs_studies : whether it shows studies at all
     """
 
@@ -50,6 +51,7 @@ class FigureKind(NamedTuple):
     variable: str = ""
     needs: str = ""
     grouped: bool = False
+    units: bool = False
     needs_studies: bool = True
 
 
@@ -73,7 +75,9 @@ def _kind(module: str) -> FigureKind | None:
         return None
     command, variable, needs = (words.get(name, "") for name in ("COMMAND", "VARIABLE", "NEEDS"))
     drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return FigureKind(words["CAPTION"], command, variable, needs, "grouping" in drawn, "studies" in drawn)
+    return FigureKind(
+        words["CAPTION"], command, variable, needs, "grouping" in drawn, "interface" in drawn, "studies" in drawn
+    )
 
 
 def _text_constants(tree: ast.Module) -> dict[str, str]:
@@ -118,7 +122,8 @@ def draw(
     size : tuple of float, optional
         Width and height in inches.
     interface : Interface, optional
-        The bodies by which the axes, and the ends of x and y, are in SI units, for a kind that is `grouped`.
+        The bodies by which the axes, and the ends of x and y, are in SI units, for a kind that has `units`. Curves of
+        a trace are in units of its own length and height, whatever lambda_0 and g_0 the interface has.
     formats : collection of str
         Some of pdf, svg and png.
 
@@ -131,14 +136,13 @@ def draw(
     _check_studies(kind, studies)
     import matplotlib.style
 
-    from weier.figures.style import RC, set_axes, set_si_units
+    from weier.figures.style import RC, set_axes
 
     # The reset keeps the user's own matplotlibrc out of the figure.
-    wanted = {} if grouping == BY_DEFAULT else {"grouping": grouping}
+    wanted: dict[str, Any] = {} if grouping == BY_DEFAULT else {"grouping": grouping}
+    wanted |= {"interface": interface} if interface else {}
     with matplotlib.style.context(RC, after_reset=True):
         figure = import_module(f"weier.figures.{kind}").draw(studies, title, **wanted)
-        if interface:
-            set_si_units(figure, interface, kind)
         set_axes(figure, x, y)
         if size:
             figure.set_size_inches(*size)

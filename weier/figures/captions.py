@@ -12,7 +12,7 @@ from weier.scene import BY_DEFAULT, Grouping, Scene
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
 
 NOUNS = {name: name for name in ("D", "gamma", "m")}
-NOUNS |= {"method": "the method", "phases": "the phases", "seed": "the seed of the phases"}
+NOUNS |= {"method": "the method", "trace": "the trace", "phases": "the phases", "seed": "the seed of the phases"}
 
 
 class Caption(NamedTuple):

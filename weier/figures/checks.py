@@ -40,7 +40,15 @@ def check_figures(loaded: Scene) -> Iterator[Mistake]:
         yield from (Mistake(("figures", name, "title"), text) for text in _wrong_formula(figure.title))
 
 
-CHECKS = check_figures, claims.check_names
+def check_claims(loaded: Scene) -> Iterator[Mistake]:
+    """Claims of traces: all claims are about the series."""
+    traces = {name for name, study in loaded.studies.items() for each in study.products if "trace" in each.axes}
+    for name, studies in loaded.claims.items():
+        for study in traces.intersection(studies):
+            yield Mistake(("claims", name), f"claims are about the Weierstrass series, and {study} has a trace")
+
+
+CHECKS = check_figures, claims.check_names, check_claims
 
 
 def _wrong_keys(figure: Figure, kind: FigureKind, loaded: Scene) -> Iterator[tuple[str, str]]:
@@ -49,12 +57,14 @@ def _wrong_keys(figure: Figure, kind: FigureKind, loaded: Scene) -> Iterator[tup
         yield "studies", "this key is missing: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
         yield "draw", f"{figure.draw} needs {kind.needs}: true in the scene"
+    products = [product for name in figure.studies if name in loaded.studies
+                for product in loaded.studies[name].products]  # fmt: skip
     if kind.grouped:
-        products = [product for name in figure.studies if name in loaded.studies
-                    for product in loaded.studies[name].products]  # fmt: skip
         yield from (("", text) for text in _hidden(figure, products))
     others = " or ".join(name for name, each in kinds().items() if each.grouped)
-    if figure.interface and not kind.grouped:
+    if not kind.grouped and any("trace" in product.axes for product in products):
+        yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"
+    if figure.interface and not kind.units:
         yield "units", f"{figure.draw} has no SI units: leave them out, or draw {others}"
     if figure.interface and figure.draw == "resistance" and not figure.interface.resistance(1.0):
         yield "units", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
@@ -77,11 +87,15 @@ def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
 
 def _varying(products: Sequence[CaseProduct]) -> list[str]:
     """The parameters that have several values among the profiles of some products; phases are those of one m."""
-    found = {name: set[object]() for name in ("D", "gamma", "m")}
+    found = {name: set[object]() for name in ("D", "gamma", "m", "trace")}
     phases: dict[float, set[str]] = {}
     for product in products:
-        for name, values in found.items():
-            values |= {getattr(case.profile, name) for case in product.of_all_kinds(name)}
+        traces = product.axes.get("trace", ())
+        found["trace"].update([each["digest"] for each in traces] or [""])
+        if traces:
+            continue
+        for name in ("D", "gamma", "m"):
+            found[name].update(getattr(case.profile, name) for case in product.of_all_kinds(name))
         for case in product.of_all_kinds("m"):
             given = [json.dumps([name, value]) for name in PHASES for value in product.axes.get(name, ())] or [""]
             phases.setdefault(case.profile.m, set()).update(given if case.profile.m > 1 else [])

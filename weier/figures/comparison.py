@@ -7,6 +7,7 @@ each case has a panel if there are few, and medians are taken over the phases of
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from weier.methods.registry import names, numerical_names
 from weier.pipeline import curves
 from weier.scene import BY_DEFAULT, Grouping
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+from weier.theory.conduction import Interface
 
 LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
@@ -30,7 +32,7 @@ STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band 
 # A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
 # the resistance there.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
-PARAMETERS = ("D", "gamma", "m")
+PARAMETERS = ("D", "gamma", "m", "trace")
 EACH_CASE = Grouping(facet="case")
 
 
@@ -54,15 +56,17 @@ class Curve(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """A figure with its panels, which share their axes; limits and scales are left to the caller."""
+    """A figure with its panels, which share their axes; limits and scales are left to the caller, by the cases."""
 
     figure: Figure
     panels: Sequence[Axes]
     cases: Sequence[xr.Dataset]
 
 
-def compare(studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping) -> Comparison:
-    """The quantity in panels, colours and medians as a scene asks for them.
+def compare(
+    studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Interface | None = None
+) -> Comparison:
+    """The quantity in panels, colours and medians as a scene asks for them; in SI units if there is an interface.
 
     Raises
     ------
@@ -75,12 +79,14 @@ def compare(studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: 
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
     if grouping == BY_DEFAULT:
         grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
-    drawn = _curves(cases, quantity, grouping)
+    bodies = [_bodies(interface, case) for case in cases]
+    drawn = _curves(cases, quantity, grouping, bodies)
     values = _values(drawn, grouping.facet)
     title, shown = style.limit_panels(title, values, grouping.facet or "curves", style.MAX_GRID)
-    figure, panels = style.grid(len(shown), style.LABELS["mean_pressure"], style.LABELS[quantity])
+    labels = style.SI_LABELS if interface else style.LABELS
+    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity])
     alike = () if grouping == EACH_CASE else ("method", *PARAMETERS, "seed")
-    shared = _describe(drawn, [name for name in alike if name != grouping.facet])
+    shared = _describe(drawn, [name for name in alike if name != grouping.facet and drawn[0].parameters[name] != ""])
     handles: list[Any] = []
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [each for each in drawn if each.parameters[grouping.facet] == value]
@@ -89,23 +95,39 @@ def compare(studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: 
         own = _describe(members, [grouping.facet])
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else ",  ".join(filter(None, [own, shared])))
     _add_legend(figure, panels, _legend(drawn, grouping) + handles)
+    if interface:  # a power of ten stands beside the title
+        for axes in panels:
+            axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + TITLE_ROW * len(above))
     style.set_title(figure, "\n".join(above))
-    return Comparison(figure, panels, cases)
+    return Comparison(figure, panels, list({id(curve.case): curve.case for curve in drawn}.values()))
 
 
-def _curves(cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping) -> list[Curve]:
-    """All curves there are, in the order in which they are drawn."""
+def _bodies(interface: Interface | None, case: xr.Dataset) -> Interface | None:
+    """The bodies at the scale of a case, which a trace has itself."""
+    if interface is None or not style.trace_name(case):
+        return interface
+    return replace(interface, lambda_0=float(case["trace_length"]), g_0=float(case["trace_height"]))
+
+
+def _curves(
+    cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, bodies: Sequence[Interface | None]
+) -> list[Curve]:
+    """All curves there are, in the units of their bodies and in the order in which they are drawn."""
     numerical, found = numerical_names(), []
-    for position, case in enumerate(cases):
+    for position, (case, of) in enumerate(zip(cases, bodies, strict=True)):
+        units = (of.pressure(1.0), getattr(of, quantity)(1.0)) if of else (1.0, 1.0)
+        shown = of.in_si(case) if of else case
         parameters = _parameters(case, position)
         for method in case["solution_method"].values.tolist():
             beside = method in numerical and method != curves.numerical_method(case)
             points = beside and grouping.colour in ("", "method")
+            # A line between the loads is drawn while the resistance is the slope of the compliance.
             drawn = (lines.points if points else lines.line)(case, quantity, method)
             if drawn:
-                found.append(Curve(case, method, *drawn, points, parameters | {"method": method}))
+                loads, values = (own * unit for own, unit in zip(drawn, units, strict=True))
+                found.append(Curve(shown, method, loads, values, points, parameters | {"method": method}))
     order = _drawing_order(curve.method for curve in found)
     return sorted(found, key=lambda each: order.index(each.method))
 
@@ -116,8 +138,10 @@ def _parameters(case: xr.Dataset, position: int) -> dict[str, Hashable]:
     phase = phase[np.isfinite(phase)].round(9)
     phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
     seed = float(case.get("seed", np.nan))
-    numbers = {name: float(case[name]) for name in PARAMETERS}
-    return {"": None, "case": position, **numbers, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
+    numbers = {name: float(case[name]) for name in ("D", "gamma", "m")}
+    trace = style.trace_name(case)
+    known = {name: None if trace else value for name, value in numbers.items()} | {"trace": trace}
+    return {"": None, "case": position, **known, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
 
 
 def _values(drawn: Iterable[Curve], name: str) -> list[Hashable]:
@@ -131,7 +155,7 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     first = next(curve for curve in drawn if curve.parameters[name] == value)
     if name == "method":
         return str(style.line(first.method)["label"])
-    if name == "case":
+    if name in ("case", "trace"):
         return style.describe(first.case)
     if name in PARAMETERS:
         return style.describe(first.case, name)

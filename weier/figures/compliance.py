@@ -10,15 +10,19 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.figures.comparison import compare
 from weier.scene import BY_DEFAULT, Grouping
+from weier.theory.conduction import Interface
 
 CAPTION = (
-    "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where h = sum g_n."
+    "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where h = sum g_n, or "
+    "the height of a trace."
 )
 
 
-def draw(studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT) -> Figure:
+def draw(
+    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Interface | None = None
+) -> Figure:
     """Compliance over mean pressure by every method, up to full contact, on an axis where light loads are seen."""
-    figure, panels, cases = compare(studies, title, "compliance", grouping)
+    figure, panels, cases = compare(studies, title, "compliance", grouping, interface)
     style.set_load_axis(panels[0], cases)
     panels[0].set_ylim(bottom=0)
     return figure

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.figures.comparison import compare
 from weier.scene import BY_DEFAULT, Grouping
+from weier.theory.conduction import Interface
 
 CAPTION = (
     "Contact resistance over mean pressure. {methods} The exact curve has a step at each load at which a contact is "
@@ -17,8 +18,10 @@ CAPTION = (
 )
 
 
-def draw(studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT) -> Figure:
+def draw(
+    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Interface | None = None
+) -> Figure:
     """Resistance over mean pressure by every method, on logarithmic axes, where equal ratios are equal distances."""
-    figure, panels, cases = compare(studies, title, "resistance", grouping)
+    figure, panels, cases = compare(studies, title, "resistance", grouping, interface)
     style.set_logarithmic_axes(panels[0], cases, "resistance")
     return figure

@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.transforms import Affine2D
 
 from weier.data.variables import VARIABLES
 from weier.figures import MAX_PANELS
@@ -19,7 +18,6 @@ from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.pipeline import curves
 from weier.scene import Axis
-from weier.theory.conduction import Interface
 from weier.theory.profile import MAX_DENOMINATOR
 
 Group = TypeVar("Group")
@@ -208,23 +206,6 @@ def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
         axes.set_xlim(0, high)
 
 
-def set_si_units(figure: Figure, interface: Interface, quantity: str) -> None:
-    """Mean pressure and this quantity, which is the other axis of all panels, in Pa, and in m or ohm m^2."""
-    factors = [float(getattr(interface, name)(1.0)) for name in ("pressure", quantity)]
-    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in figure.axes]  # before any changes: panels share them
-    for axes, ends in zip(figure.axes, limits, strict=True):
-        for drawn in axes.get_lines():
-            loads, values = (np.asarray(each) for each in drawn.get_data())
-            drawn.set_data(loads * factors[0], values * factors[1])
-        for band in axes.collections:
-            band.set_transform(Affine2D().scale(*factors) + axes.transData)
-        for name, variable, own, factor in zip("xy", ("mean_pressure", quantity), ends, factors, strict=True):
-            getattr(axes, f"set_{name}lim")(*(end * factor for end in own))
-            if getattr(axes, f"get_{name}label")():
-                getattr(axes, f"set_{name}label")(SI_LABELS[variable])
-        axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")  # a power of ten, beside the title
-
-
 def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
     """The scales and ends that a scene asks for, of all panels."""
     for axes in figure.axes:
@@ -250,19 +231,24 @@ def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
 def set_logarithmic_axes(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     """Logarithmic axes from the first load to full contact; a curve that falls to 0 leaves through the lower edge."""
     low, high = curves.first_load(cases), curves.full_contact_load(cases)
-    loads = cases[0]["mean_pressure"].values
-    inside = (loads >= low) & (loads <= high)
-    curves_of_all = np.concatenate([case[quantity].values for case in cases])
     # An estimate may vanish long before the contact is full: the numerical curves set the lower end.
-    numerical = [row for case in cases if (row := curves.numerical(case, quantity)) is not None]
-    lower, upper = (
-        values[:, inside] for values in (np.array(numerical) if numerical else curves_of_all, curves_of_all)
-    )
+    rows = [(case, row) for case in cases if (row := curves.numerical(case, quantity)) is not None]
+    curves_of_all = [(case, case[quantity].values) for case in cases]
+    lower, upper = (_between(low, high, values) for values in (rows or curves_of_all, curves_of_all))
     axes.set(xscale="log", yscale="log")
     if low < high:
         axes.set_xlim(low, high)
     if (lower > 0).any():
         axes.set_ylim(lower[lower > 0].min() / LOGARITHMIC_MARGIN, upper[upper > 0].max() * LOGARITHMIC_MARGIN)
+
+
+def _between(low: float, high: float, of_cases: Sequence[tuple[xr.Dataset, np.ndarray]]) -> np.ndarray:
+    """All values of some cases, of shape (..., loads) each, at the loads between two ends."""
+    loads = [case["mean_pressure"].values for case, _ in of_cases]
+    inside = [
+        values[..., (own >= low) & (own <= high)].ravel() for own, (_, values) in zip(loads, of_cases, strict=True)
+    ]
+    return np.concatenate(inside)
 
 
 def set_title(figure: Figure, title: str) -> None:
@@ -277,7 +263,9 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
 
 
 def describe(case: xr.Dataset, *names: str) -> str:
-    """The coordinates of a case in the paper's symbols: those that are named, or all that define the series."""
+    """What tells a case from others, in the paper's symbols: the coordinates that are named, or all."""
+    if trace := trace_name(case):
+        return trace if not names or "trace" in names else ""
     values = {"D": rf"$D={float(case['D']):g}$", "gamma": rf"$\gamma={_ratio(case)}$", "m": rf"$m={_terms(case)}$"}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
@@ -287,6 +275,12 @@ def describe(case: xr.Dataset, *names: str) -> str:
     elif phase.size and np.ptp(phase) == 0:
         values["phases"] = rf"$\phi={phase[0]:.3g}$"
     return r",  ".join(text for name, text in values.items() if not names or name in names)
+
+
+def trace_name(case: xr.Dataset) -> str:
+    """The file of a trace, or else its digest; empty for a series."""
+    digest = str(case["trace_digest"].values) if "trace_digest" in case.coords else ""
+    return digest and (str(case["trace"].values).replace("$", r"\$") or f"trace {digest}")
 
 
 def _ratio(case: xr.Dataset) -> Fraction:

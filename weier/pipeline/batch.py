@@ -20,7 +20,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.progress import telling
-from weier.methods.registry import find_method, returned_by
+from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.methods.solve import solve_checked
 from weier.pipeline.bounds import first_contact, infinite_series_bounds
@@ -94,9 +94,8 @@ def solve_batch(
 
     """
     cases = list(cases)
-    methods, terms, edges = scene.layout_of(cases)  # not the scene's: other cases may change
-    labels = [case.surface.labels for case in cases if case.surface is not None]
-    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, returned_by(methods).union(*labels))
+    methods, terms, edges, optional = scene.layout_of(cases)  # not the scene's: other cases may change
+    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, optional)
     cost = dataset.blank_cost(len(cases), methods, terms)
     curves, costs = arrays(data), arrays(cost)
     solver, curves_asked = _Solver(scene.loads), sum(len(case.methods) for case in cases)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
-from weier.methods.registry import returned_by
 from weier.pipeline.batches import Solutions
 from weier.pipeline.labels import case_labels
 from weier.scene.case import Case
@@ -33,7 +32,7 @@ def read_study(solutions: Solutions, study: str) -> xr.Dataset:
 
 def read_cost(solutions: Solutions) -> xr.Dataset:
     """The seconds that each method took for each case of a scene."""
-    cases, (methods, terms, _) = list(solutions.scene.distinct), solutions.scene.layout
+    cases, (methods, terms, *_) = list(solutions.scene.distinct), solutions.scene.layout
     folder = solutions.folder.parent / "cost"
     return _filled(dataset.blank_cost(len(cases), methods, terms), solutions, cases, folder)
 
@@ -79,8 +78,8 @@ def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
 
 def _read(solutions: Solutions, cases: Sequence[Case], layout: Layout) -> xr.Dataset:
     """Some cases in memory, as wide as the layout says."""
-    methods, terms, edges = layout
-    blank = dataset.blank(len(cases), methods, solutions.scene.loads, terms, edges, returned_by(methods))
+    methods, terms, edges, optional = layout
+    blank = dataset.blank(len(cases), methods, solutions.scene.loads, terms, edges, optional)
     return _filled(blank, solutions, cases, solutions.folder)
 
 

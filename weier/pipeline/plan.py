@@ -19,6 +19,7 @@ from weier.scene import Case, Scene
 from weier.theory.arguments import shown
 from weier.theory.profile import Profile
 from weier.theory.tables import significant
+from weier.theory.trace import Trace
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,10 @@ def plan(
     wanted: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
     if isinstance(subject, Scene):
         return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
+    if isinstance(subject, Trace):
+        raise ValueError(
+            "subject must be a series to plan for, got a trace: take the one that weier.fit finds for it"
+        )
     if not isinstance(subject, Profile):
         raise ValueError(f"subject must be a weier.Profile or a scene, got {shown(subject)}")
     if mean_pressure is None:
@@ -129,7 +134,8 @@ def plan(
 
 def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:
     every = "tolerance" in wanted
-    cases = {key: case for key, case in scene.cases.items() if every or PLANNED in case.methods}
+    wished = {key: case for key, case in scene.cases.items() if every or PLANNED in case.methods}
+    cases = {key: case for key, case in wished.items() if isinstance(case.profile, Profile)}
     if not cases:
         raise ValueError(f"scene {scene.name} has no tolerance to plan for: add one, such as tolerance: 1.0e-3")
     return ScenePlan({key: plan_case(case, loads, **wanted) for key, case in cases.items()})

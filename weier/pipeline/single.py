@@ -26,8 +26,8 @@ from weier.pipeline.forecast import forecast
 from weier.pipeline.plan import plan
 from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.scene import Case, Scene
+from weier.scene.case import trace_parameters
 from weier.theory.loads import check_range
-from weier.theory.trace import Trace
 
 PROFILE = tuple(
     name
@@ -38,7 +38,7 @@ WHY = {Status.not_applicable: "does not apply", Status.not_converged: "missed it
 
 
 def solve_one(
-    profile: Mapping[str, Any] | Trace,
+    profile: Mapping[str, Any],
     loads: Array,
     methods: Sequence[str],
     settings: Mapping[str, Mapping[str, Any]],
@@ -49,8 +49,8 @@ def solve_one(
 
     Parameters
     ----------
-    profile : mapping or Trace
-        D, gamma, m and phases or seed, as in a scene; or measured heights.
+    profile : mapping
+        D, gamma, m and phases or seed, as in a scene; or `trace`, what a scene says of one.
     loads : ndarray, shape (loads,)
         Mean pressures, in p_0*.
     methods : sequence of str
@@ -66,13 +66,12 @@ def solve_one(
             f"{', '.join(methods)} only"
         )
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
-    case = _case(profile, methods, {method: own for method, own in checked.items() if own})
+    case = Case(_parameters(profile), tuple(methods), {method: own for method, own in checked.items() if own})
     case.check_ranges()
     lines = forecast(case, loads)
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
-    title = case.profile.describe() if case.surface else f"Weierstrass profile, {case.profile.describe()}"
-    text = "" if case.surface else _text(title, case, loads)  # a scene has no traces
-    scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=text)
+    title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
+    scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=_text(title, case, loads))
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
         data, cost = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
@@ -156,16 +155,15 @@ def _plain(values: Array) -> Any:
     return [_plain(value) for value in values]
 
 
-def applicable(profile: Mapping[str, Any] | Trace, methods: Sequence[str]) -> list[str]:
+def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
     """Those of some methods that apply to a profile; all of them where none does, so that they say why."""
-    surface = _case(profile, (), {}).profile
+    surface = Case(_parameters(profile), (), {}).profile
     return [method for method in methods if find_method(method).takes(surface)] or list(methods)
 
 
-def _case(profile: Mapping[str, Any] | Trace, methods: Sequence[str], settings: Mapping[str, Any]) -> Case:
-    if isinstance(profile, Trace):
-        return Case.of(profile, tuple(methods), settings)
-    return Case(profile, tuple(methods), settings)
+def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Those of a case, which has a digest of its heights."""
+    return {"trace": trace_parameters(profile["trace"], Path())} if "trace" in profile else profile
 
 
 def check_solved(data: xr.Dataset) -> None:
@@ -180,9 +178,12 @@ def _text(title: str, case: Case, loads: Array) -> str:
     """A scene file that gives the same curves."""
     # Lists of phases are one to a profile in a scene.
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
+    trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name != "digest"}
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
-    return yaml.safe_dump(scene | {"studies": {"one": {"product": product}}}, sort_keys=False)
+    return yaml.safe_dump(
+        scene | {"studies": {"one": {"trace": trace} if trace else {"product": product}}}, sort_keys=False
+    )
 
 
 TEXTS = {".json": as_json, ".csv": as_csv}  # by the end of a file's name

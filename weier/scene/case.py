@@ -7,7 +7,8 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,13 @@ from weier.methods.registry import find_method
 from weier.theory.limits import check_resolvable
 from weier.theory.phases import RandomPhases, random_phases
 from weier.theory.profile import Profile
-from weier.theory.waves import Waves
+from weier.theory.trace import Trace
 
 # The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
 MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
 MAX_GAMMA = 10**6
 MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
+KEPT_TRACES = 16  # in memory: each method of a case asks for its trace
 
 
 @dataclass(frozen=True)
@@ -32,13 +34,15 @@ class Case:
     parameters: Mapping[str, Any]
     methods: tuple[str, ...]
     settings: Mapping[str, Mapping[str, Any]]
-    surface: Waves | None = None
+    surface: Trace | None = None
 
     @classmethod
-    def of(cls, profile: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
-        """The case of a profile, or of a trace, which no parameters tell: then it keeps the surface itself."""
-        if not isinstance(profile, Profile):
-            return cls({"labels": profile.labels}, methods, settings, profile)
+    def of(
+        cls, profile: Profile | Trace, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]
+    ) -> Case:
+        """The case of a profile, or of a trace, which it keeps: its heights may stand in no file."""
+        if isinstance(profile, Trace):
+            return cls({"trace": {"file": profile.source, "digest": profile.digest}}, methods, settings, profile)
         gamma = profile.gamma
         parameters: dict[str, Any] = {"D": profile.D, "m": profile.m, "gamma": str(gamma)}
         if isinstance(profile.phases, RandomPhases):
@@ -50,7 +54,15 @@ class Case:
     @property
     def definition(self) -> str:
         """All that the numbers depend on but the loads, as text."""
-        return json.dumps([self.parameters, self.methods, self.settings], sort_keys=True)
+        return json.dumps([self._identity, self.methods, self.settings], sort_keys=True)
+
+    @property
+    def _identity(self) -> Mapping[str, Any]:
+        """The parameters; of a trace what its file holds, not where it is."""
+        if "trace" not in self.parameters:
+            return self.parameters
+        trace = self.parameters["trace"]
+        return {"trace": [Path(trace["file"]).name, trace["digest"]]}
 
     @cached_property
     def key(self) -> str:
@@ -60,7 +72,7 @@ class Case:
     @cached_property
     def curves(self) -> dict[str, str]:
         """By method, all that its curve depends on but the loads, as text."""
-        profile = json.dumps(self.parameters, sort_keys=True)
+        profile = json.dumps(self._identity, sort_keys=True)
         own = {method: json.dumps(self.settings.get(method, {}), sort_keys=True) for method in self.methods}
         return {method: f"{method} {settings} {profile}" for method, settings in own.items()}
 
@@ -75,6 +87,8 @@ class Case:
         if self.surface is not None:
             return self.surface
         p = self.parameters
+        if "trace" in p:
+            return _unchanged_trace(json.dumps(p["trace"]))
         phases = p.get("phases", 0.0)
         if "seed" in p:
             phases = random_phases(p["seed"])
@@ -94,7 +108,7 @@ class Case:
 
     def check_ranges(self) -> None:
         """Refuse a series that no computer holds."""
-        if self.surface is not None:  # whose waves were counted when it was made
+        if "trace" in self.parameters:  # whose waves were counted when it was made
             return
         profile = self.profile
         if profile.gamma > MAX_GAMMA:
@@ -106,3 +120,28 @@ class Case:
         drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
         if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
+
+
+def trace_parameters(values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """A trace of a scene in this folder, as a parameter of a case: with a digest of its heights."""
+    numbers = {name: number(name, values[name]) for name in ("shortest", "length") if name in values}
+    parameters = dict(values) | numbers | {"file": str(folder / values["file"])}
+    return parameters | {"digest": _read_trace(**parameters).digest}
+
+
+@lru_cache(maxsize=KEPT_TRACES)
+def _unchanged_trace(text: str) -> Trace:
+    """The trace of these parameters, if its file is still what it was when the scene was read."""
+    parameters = json.loads(text)
+    digest = parameters.pop("digest")
+    trace = _read_trace(**parameters)
+    if trace.digest != digest:
+        raise ValueError(f"{parameters['file']} has changed since its scene was read: run snakemake again")
+    return trace
+
+
+def _read_trace(file: str, **options: Any) -> Trace:
+    try:
+        return Trace.read(file, **options)
+    except OSError as error:
+        raise ValueError(f"{file} cannot be read: {error.strerror}") from None

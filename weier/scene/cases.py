@@ -14,10 +14,12 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from weier.kernels.arrays import Array, Indices
+from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Selection, Study, case_numbers
+from weier.theory.profile import Profile
 
 Item = TypeVar("Item")
 MAX_BATCH_CASES = 1000  # that are solved and written together: a process then takes 0.3 GB
@@ -29,11 +31,13 @@ class Layout(NamedTuple):
     methods : of all of them, in order of appearance
     terms : of the longest finite series
     edges : of contact, at most, two for each of the finest waves in a period; 0 where they are not kept
+    optional : variables that not all files have: those that the methods return, and the labels of traces
     """
 
     methods: tuple[str, ...]
     terms: int
     edges: int
+    optional: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -112,14 +116,17 @@ class Scene:
     @cached_property
     def layout(self) -> Layout:
         """What the arrays of all cases must hold."""
-        return self.layout_of([case for product in self._all.products for case in product.of_all_kinds("gamma", "m")])
+        products, kinds = self._all.products, ("gamma", "m", "trace")
+        return self.layout_of([case for product in products for case in product.of_all_kinds(*kinds)])
 
     def layout_of(self, cases: Collection[Case]) -> Layout:
         """What the arrays of some cases must hold, which is nothing that other cases need."""
         methods = dict.fromkeys(method for case in cases for method in case.methods)
         finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
         edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
-        return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges)
+        traces = [profile.labels for profile in finite if not isinstance(profile, Profile)]
+        optional = frozenset(returned_by(tuple(methods))).union(*traces)
+        return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges, optional)
 
     def study(self, name: str) -> Study:
         """The cases of a study; a SceneError if there is no such study."""

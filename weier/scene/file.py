@@ -15,8 +15,9 @@ from weier.data.variables import of_curves
 from weier.data.yaml import number, read_yaml
 from weier.kernels.arrays import Array
 from weier.methods.method import Method
-from weier.methods.registry import PLANNED, find_method, returned_by
+from weier.methods.registry import METHODS, PLANNED, find_method
 from weier.methods.settings import checked_settings
+from weier.scene.case import trace_parameters
 from weier.scene.cases import MAX_BATCH_CASES, Scene
 from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
@@ -62,7 +63,7 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     mistakes.add(mistakes_of_form(document.values))
     if not isinstance(document.values, dict):
         raise mistakes.error(path, document)
-    scene = _scene(document.values, text, path.stem, mistakes)
+    scene = _scene(document.values, text, path, mistakes)
     for check in checks:
         mistakes.add(check(scene))
     if mistakes:
@@ -77,7 +78,7 @@ def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequen
     return load(Path(folder, f"{name}.yaml"), checks)
 
 
-def _scene(raw: Raw, text: str, name: str, mistakes: Mistakes) -> Scene:
+def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
     """The scene without the parts that have mistakes."""
 
     def sound(key: str, instead: Any) -> Any:
@@ -90,11 +91,11 @@ def _scene(raw: Raw, text: str, name: str, mistakes: Mistakes) -> Scene:
     if not mistakes.within("studies"):
         mistakes.attempt(("max_cases",), partial(check_count, known, int(most)), None)
     wanted = {} if mistakes.within("max_cases") else known
-    read = {study: _study(study, raw, plan, mistakes) for study in wanted}
+    read = {study: _study(study, raw, plan, path.parent, mistakes) for study in wanted}
     _check_references(raw, known, mistakes)
     interface = mistakes.attempt(("interface",), partial(_interface, raw), None)
     scene = Scene(
-        name=name,
+        name=path.stem,
         title=sound("title", ""),
         loads=mistakes.attempt(("loads",), partial(_loads, raw), np.empty(0)),
         studies={study: cases for study, cases in read.items() if cases is not None},
@@ -148,17 +149,20 @@ def _check_setting(method: Method, name: str, value: Any) -> None:
         method.check(ONE_WAVE, **{name: value})
 
 
-def _study(name: str, raw: Raw, plan: Raw, mistakes: Mistakes) -> Study | None:
+def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> Study | None:
     """The cases of a study; None if it has mistakes, or if its methods do."""
     keys: Keys = ("studies", name)
     study = _mapping(raw["studies"], name)
     _check_settings((*keys, "settings"), study.get("settings"), mistakes)
-    axes = [_axes((*keys, *place), product, mistakes) for place, product in products(study)]
+    axes = [_axes((*keys, *place), product, folder, mistakes) for place, product in products(study)]
+    if "trace" in study:
+        given = study.get("methods", raw.get("methods", ()))
+        mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, given), None)
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
         return None
     methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
-    if plan:
+    if plan and "trace" not in study:  # there are no plans for traces
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
@@ -167,6 +171,17 @@ def _study(name: str, raw: Raw, plan: Raw, mistakes: Mistakes) -> Study | None:
         mistakes.attempt((*keys, *place), product.check, None)
     mistakes.attempt(keys, partial(_check_methods, made), None)
     return None if mistakes.within(*keys) else Study(made)
+
+
+def _check_methods_of_trace(methods: Sequence[str]) -> None:
+    """Refuse methods that rest on the series, which a trace is not."""
+    others = [name for name in methods if not find_method(name).takes_traces]
+    if others or not methods:
+        takers = ", ".join(method.name for method in METHODS if method.takes_traces)
+        raise ValueError(
+            f"methods of a trace must be some of {takers}, got {', '.join(others) or 'none'}: give its study methods "
+            "of its own, or solve the series that weier.fit finds for it"
+        )
 
 
 def _check_methods(products: Sequence[CaseProduct]) -> None:
@@ -183,12 +198,18 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
     raise ValueError(f"no method applies to any of these profiles: {told}")
 
 
-def _axes(keys: Keys, product: Raw, mistakes: Mistakes) -> dict[str, list[Any]]:
+def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
     """The values of each parameter, each sound by itself."""
     axes: dict[str, list[Any]] = {
         name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
         for name, values in product.items()
     }
+    traces = axes.get("trace", [])
+    for position, trace in enumerate(traces):
+        place = ("trace", "file", position) if len(traces) > 1 else ("trace",)
+        traces[position] = mistakes.attempt((*keys, *place), partial(trace_parameters, trace, folder), {})
+    if traces:
+        return axes
     for name, values in axes.items():
         for value in values:
             mistakes.attempt((*keys, name), partial(check_value, name, value), None)
@@ -196,10 +217,14 @@ def _axes(keys: Keys, product: Raw, mistakes: Mistakes) -> dict[str, list[Any]]:
 
 
 def _interface(raw: Raw) -> Interface | None:
-    """The two bodies of a scene, if it has them."""
+    """The two bodies of a scene, if it has them, with the scale of its series: a trace has its own."""
     if "interface" not in raw:
         return None
-    return Interface(**{name: number(name, value) for name, value in raw["interface"].items()})
+    values = {name: number(name, value) for name, value in raw["interface"].items()}
+    missing = {"lambda_0", "g_0"} - values.keys()
+    if missing and not all("trace" in _mapping(raw["studies"], study) for study in _mapping(raw, "studies")):
+        raise ValueError(f"{' and '.join(sorted(missing))} must be given, the scale of the series in m")
+    return Interface(**dict.fromkeys(missing, 1.0), **values)
 
 
 def _figure(name: str, raw: Raw, interface: Interface | None, mistakes: Mistakes) -> Figure:
@@ -271,8 +296,8 @@ def _check_references(raw: Raw, studies: Raw, mistakes: Mistakes) -> None:
 
 def _batch_size(scene: Scene, asked: int | None) -> int:
     """The most cases in a batch, which must fit into memory."""
-    methods, _, edges = scene.layout
-    variables = len(of_curves(returned_by(methods), edges=False))
+    methods, _, edges, optional = scene.layout
+    variables = len(of_curves(optional, edges=False))
     case = 8 * scene.loads.size * (len(methods) * variables + edges)
     needed = case * int(asked or 1)
     if needed > MAX_BATCH_BYTES:

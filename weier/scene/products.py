@@ -21,13 +21,21 @@ def products(study: Mapping[str, Any]) -> list[tuple[tuple[str | int, ...], Prod
     """The products of a study that are mappings, each with the keys that lead to it."""
     cases = study.get("cases")
     listed = [(("cases", number), each) for number, each in enumerate(cases if isinstance(cases, list) else [])]
-    every = [(("product",), study.get("product")), *listed]
+    every = [(("product",), study.get("product")), *listed, ((), _traces(study.get("trace")))]
     return [(keys, product) for keys, product in every if isinstance(product, dict)]
+
+
+def _traces(trace: Any) -> Product | None:
+    """A trace for each file; None where there is none."""
+    if not isinstance(trace, dict) or "file" not in trace:
+        return None
+    files = trace["file"] if isinstance(trace["file"], list) else [trace["file"]]
+    return {"trace": [{**trace, "file": file} for file in files]}
 
 
 def distinct_values(name: str, values: Any) -> list[Any]:
     """The values of one parameter, each once; a list within a list of phases are those of one profile."""
-    given = values if name == "phases" and isinstance(values, list) else axis(values)
+    given = values if name in ("phases", "trace") and isinstance(values, list) else axis(values)
     return list({json.dumps(value): value for value in given}.values())
 
 
@@ -59,7 +67,7 @@ def axis(values: Any) -> list[Any]:
 
 
 def _count(name: str, values: Any) -> int:
-    return len(values) if name == "phases" and isinstance(values, list) else _length(values)
+    return len(values) if name in ("phases", "trace") and isinstance(values, list) else _length(values)
 
 
 def _length(values: Any) -> int:

@@ -28,7 +28,7 @@ def schema() -> dict[str, Any]:
     """The JSON schema of scene files, with the names of all methods there are."""
     loaded = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
     loaded["$defs"]["method"]["enum"] = names()
-    loaded["$defs"]["parameter"]["enum"] = ["method", *loaded["$defs"]["profile"]["properties"]]
+    loaded["$defs"]["parameter"]["enum"] = ["method", *loaded["$defs"]["profile"]["properties"], "trace"]
     return loaded
 
 
@@ -99,8 +99,8 @@ def _words(error: ValidationError) -> str:
             return f"this must be {error.schema['description']}, got {shown(value)}"
         case "oneOf":
             choices = [each["required"][0] for each in wanted]
-            given = "both" if choices[0] in (value or ()) else "none"
-            return f"one of {' and '.join(choices)} must be given, and not {given}"
+            given = " and ".join(choice for choice in choices if choice in (value or ()))
+            return f"one of {', '.join(choices)} must be given, and not {given or 'none'}"
         case "not":
             return str(wanted["description"])
         case "dependentRequired":

@@ -89,6 +89,7 @@ RANGES = {
 
 
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
+SAME_SCALE = 1e-6  # relative: what a person copies of a number
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
 
 
@@ -109,7 +110,7 @@ class Interface:
     rho_1, rho_2 : float
         Resistivities, in ohm m. 0 is a perfect conductor.
     lambda_0, g_0 : float
-        Wavelength and amplitude of the coarsest wave, in m.
+        Wavelength and amplitude of the coarsest wave, in m; for a `Trace`, its own lambda_0 and g_0.
 
     Raises
     ------
@@ -181,6 +182,11 @@ class Interface:
             The same with `units` such as "Pa", and with this interface among the attributes of a Dataset. What has no
             unit stays as it is, and so does NaN, where a value is missing.
 
+        Raises
+        ------
+        ValueError
+            If this is no data of weier, or a curve of a trace whose lambda_0 and g_0 are others.
+
         Examples
         --------
         >>> import weier
@@ -191,6 +197,7 @@ class Interface:
         2.142e+07 Pa ohm m^2
         """
         if hasattr(data, "data_vars"):
+            self._check_scale(data)
             # A dataset is asked to rebuild itself, so that nothing of xarray has to be imported here.
             coordinates = {name: self._converted(data.variables[name]) for name in data.coords}
             values = {name: self._converted(data.variables[name]) for name in data.data_vars}
@@ -202,6 +209,17 @@ class Interface:
         if hasattr(data, "to_dataset"):
             return self.in_si(data.to_dataset(name="_"))["_"].rename(data.name)
         raise ValueError(f"data must be a Dataset or a DataArray of weier, got {shown(data)}")
+
+    def _check_scale(self, data: Any) -> None:
+        """Refuse curves of traces in units of another length or height than their own."""
+        for name, of_trace in (("lambda_0", "trace_length"), ("g_0", "trace_height")):
+            known = np.asarray(data.coords.get(of_trace, math.nan), float)
+            strange = known[np.abs(known / getattr(self, name) - 1) > SAME_SCALE]
+            if strange.size:
+                raise ValueError(
+                    f"{name} must be that of the trace, {strange[0]:.9g} m, got {getattr(self, name):g} m: "
+                    "take an Interface with it, for the curves of this trace alone"
+                )
 
     @property
     def _units(self) -> dict[str, tuple[float, str]]:

@@ -118,6 +118,7 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
             Section("curves", f"Curves, {cases if count > 1 else 'one case'}"),
             Section("figures", "Figures", *_figures(scene, figures)),
             _claims(data),
+            *_traces(data),
             Section("errors", "Errors", table=_errors(data)),
             Section("cost", "Cost", table=_costs(cost)),
             *_plans(data, cost),
@@ -149,6 +150,17 @@ def _claims(data: xr.Dataset) -> Section:
     if not shown:
         return Section("claims", "Claims", ["This scene checks no claims."])
     return Section("claims", "Claims", [RULE, PICTURES, MEANINGS], claims=shown)
+
+
+def _traces(data: xr.Dataset) -> list[Section]:
+    """The section that describes the traces, where there are any: it has the units of their curves."""
+    if "trace" not in data.variables:
+        return []
+    columns = [name for name, entry in VARIABLES.items() if name in data.variables and name.startswith("trace")]
+    header = [f"{VARIABLES[name].long_name}{', m' * (VARIABLES[name].unit == 'm')}" for name in columns]
+    rows = zip(*([coordinate_text(value) for value in data[name].values.tolist()] for name in columns), strict=True)
+    known = [row for row in dict.fromkeys(rows) if any(row)]
+    return [Section("traces", "Measured heights", table=Table(header, known))]
 
 
 def _errors(data: xr.Dataset) -> Table:

@@ -5,6 +5,7 @@ for (const select of selects) {
   const values = labels[select.name]
   const options = [...new Set(rows.map((row) => values[row]))]
   select.options = options
+  select.visible = options[0] !== "-" || options.length > 1
   if (!options.includes(select.value)) select.value = options[0]
   rows = rows.filter((row) => values[row] === select.value)
 }

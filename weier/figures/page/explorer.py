@@ -18,9 +18,11 @@ from weier.figures import style
 from weier.figures.page.cells import coordinate_text
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
-LABELS = ("D", "gamma", "m", "phase", "case")  # the last tells apart what is left: studies, seeds and settings
+# The last tells apart what is left: studies, seeds and settings.
+LABELS = ("trace", "D", "gamma", "m", "phase", "case")
+NONE = "-"  # what a trace or a series has no label for; a list of nothing else is hidden
 TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMALL LETTER PHI}, rad"}
-MIN_WIDTHS = {"D": 6, "gamma": 6, "m": 6, "phase": 18, "case": 18}  # of the drop-down lists, in rem
+MIN_WIDTHS = {"trace": 12, "D": 6, "gamma": 6, "m": 6, "phase": 18, "case": 18}  # of the drop-down lists, in rem
 QUANTITIES = {name: entry.plot for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE}
 LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
 MAX_POINTS = 30  # of a curve that is drawn as points
@@ -90,18 +92,21 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
     if name == "case":
         return _case_labels(data)
     if name != "phase":
-        return [f"{value:.6g}" for value in data[name].values.tolist()]
+        values = data[name].values.tolist() if name in data.variables else [""] * data.sizes["case"]
+        texts = [value if isinstance(value, str) else f"{value:.6g}" for value in values]
+        return [NONE if text in ("", "nan") else text for text in texts]
     seeds = data["seed"].values if "seed" in data.variables else np.full(data.sizes["case"], np.nan)
     return [
-        _phase_label(phase[np.isfinite(phase)], seed)
-        for phase, seed in zip(data["phases"].values, seeds, strict=True)
+        _phase_label(phase[np.isfinite(phase)], seed) if np.isfinite(D) else NONE
+        for phase, seed, D in zip(data["phases"].values, seeds, data["D"].values, strict=True)
     ]
 
 
 def _case_labels(data: xr.Dataset) -> list[str]:
     """Study, seed and settings of each case, unless they are the same for all; numbered where nothing differs."""
-    names = [name for name in data.coords if data[name].dims == ("case",) and name not in ("key", "seed", *LABELS)]
-    columns = {str(name): [coordinate_text(value) for value in data[name].values.tolist()] for name in names}
+    names = [str(name) for name in data.coords if data[name].dims == ("case",)]
+    names = [name for name in names if name not in ("key", "seed", *LABELS) and not name.startswith("trace_")]
+    columns = {name: [coordinate_text(value) for value in data[name].values.tolist()] for name in names}
     differing = {name.replace("_", " "): texts for name, texts in columns.items() if len(set(texts)) > 1}
     found = [", ".join(f"{name} {texts[case]}" for name, texts in differing.items() if texts[case])
              for case in range(data.sizes["case"])]  # fmt: skip
@@ -130,9 +135,9 @@ def _fill_options(selects: list[Select], labels: dict[str, list[str]]) -> None:
     rows = list(range(len(labels["D"])))
     for select in selects:
         values = labels[str(select.name)]
-        select.update(options=list(dict.fromkeys(values[case] for case in rows)))
+        options = list(dict.fromkeys(values[case] for case in rows))
+        select.update(options=options, visible=options != [NONE] and (select is not selects[-1] or len(options) > 1))
         rows = [case for case in rows if values[case] == select.value]
-    selects[-1].visible = len(selects[-1].options) > 1
 
 
 def _source(data: xr.Dataset, number: int, method: str) -> ColumnDataSource:

@@ -8,7 +8,7 @@ from markupsafe import Markup, escape
 
 # What a name is typeset as; a subscript and a star may follow it.
 LETTERS = {name: f"&{name};" for name in ("gamma", "lambda", "phi", "rho", "epsilon", "zeta", "xi")}
-SUBSCRIPTED = r"(?P<letter>gamma|lambda|phi|rho|epsilon|zeta|xi|[A-Za-z])_(?P<below>[0-9a-z](?![a-z]))(?P<star>\*?)"
+SUBSCRIPTED = r"(?P<letter>gamma|lambda|phi|rho|epsilon|zeta|xi|\b[A-Za-z])_(?P<below>[0-9a-z](?![a-z]))(?P<star>\*?)"
 ALONE = r"\b(?P<greek>gamma|lambda|phi|epsilon)\b|\b(?P<symbol>[DmhkRpxG])(?= ?(?:=|&lt;|&gt;)| from \d)"
 POWER = r"(?<![\w.])(?P<number>[-+]?\d+(?:\.\d+)?)e(?P<sign>[-+])0*(?P<power>\d+)\b"
 WORDS = r"\b(?P<sum>sum(?= [a-z]_))|\b(?P<infinite>inf)\b|\b(?P<pi>pi)\b"

@@ -1,0 +1,227 @@
+"""Studies of measured heights: a file beside the scene, whose content counts."""
+
+import re
+
+import numpy as np
+import pytest
+import yaml
+
+from tests.scenes import solve_scene
+from weier import Interface, Trace, plan, scene
+from weier import open as open_file
+from weier.data import dataset
+from weier.data.dataset import Status
+from weier.figures import checks, comparison, page
+from weier.figures.page import explorer
+from weier.pipeline.batches import Solutions, read_batch
+from weier.pipeline.gather import gather, read_cost, read_study
+from weier.scene import BY_DEFAULT, Case
+
+X = 1e-6 * np.arange(64)
+HEIGHTS = 1e-6 * np.cos(2 * np.pi * X / 64e-6) + 2e-7 * np.sin(2 * np.pi * X / 16e-6)
+OPTIONS = {"file": "shaft.csv", "shortest": "8e-6", "ends": "periodic"}
+BODIES = dict.fromkeys(("mu_1", "mu_2"), 8.0e10) | dict.fromkeys(("nu_1", "nu_2"), 0.3)
+BODIES |= dict.fromkeys(("rho_1", "rho_2"), 2e-7)
+SCENE = {
+    "title": "t",
+    "loads": [0.1, 1.0],
+    "methods": ["bem", "demelio"],
+    "studies": {
+        "mine": {"trace": OPTIONS, "methods": ["bem"]},
+        "series": {"product": {"D": 1.5, "gamma": 2, "m": 2}},
+    },
+    "figures": {"f": {"draw": "compliance", "studies": ["mine", "series"]}},
+}
+
+
+def write_heights(path, heights=HEIGHTS):
+    np.savetxt(path, np.column_stack([X, heights]), delimiter=",", header="x,z", comments="")
+
+
+def load(folder, **changes):
+    path = folder / "scene.yaml"
+    path.write_text(yaml.safe_dump(SCENE | changes))
+    return checks.load(path)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    write_heights(tmp_path / "shaft.csv")
+    return tmp_path
+
+
+def test_a_trace_is_read_as_by_the_library(folder):
+    (case,) = load(folder).studies["mine"]
+    expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic")
+    assert case.profile.labels == expected.labels
+
+
+def test_several_files_are_several_cases(folder):
+    write_heights(folder / "other.csv", HEIGHTS[::-1])
+    both = {"trace": OPTIONS | {"file": ["shaft.csv", "other.csv"]}, "methods": ["bem"]}
+    loaded = load(folder, studies=SCENE["studies"] | {"both": both})
+    assert [case.profile.source for case in loaded.studies["both"]] == ["shaft.csv", "other.csv"]
+    assert len(loaded.distinct) == 3  # one of them is in `mine`, too
+
+
+def test_what_the_file_holds_counts_and_not_where_it_is(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (case,), copied = load(folder).studies["mine"], elsewhere / "shaft.csv"
+    copied.write_bytes((folder / "shaft.csv").read_bytes())
+    (same,) = load(elsewhere).studies["mine"]
+    assert (same.key, same.curves) == (case.key, case.curves)
+    write_heights(copied, HEIGHTS + 1e-9 * (np.arange(64) == 5))
+    (changed,) = load(elsewhere).studies["mine"]
+    assert changed.key != case.key
+    assert set(changed.curves.values()).isdisjoint(case.curves.values())
+
+
+def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
+    """To one file and to memory."""
+    loaded = load(folder)
+    solutions = solve_scene(loaded, folder / "batches")
+    gather(solutions, folder / "contact.nc")
+    data = dataset.read(folder / "contact.nc")
+    trace = loaded.studies["mine"][0].profile
+    assert data["trace"].values.tolist() == ["shaft.csv", ""]
+    assert data["trace_digest"].values.tolist() == [trace.digest, ""]
+    assert data["trace_length"].values[0] == trace.lambda_0
+    assert np.isnan(data["trace_length"].values[1])
+    assert data["status"].values.tolist() == [[Status.solved, Status.not_requested], [Status.solved] * 2]
+    assert np.isfinite(data["compliance"].values[0, 0]).all()
+    studies = [read_study(solutions, name) for name in ("mine", "series")]
+    _, panels, _ = comparison.compare(studies, "t", "compliance", BY_DEFAULT)
+    assert "(b)  shaft.csv" in [axes.get_title() for axes in panels]
+
+
+def test_one_height_that_changes_is_solved_again(folder):
+    solve_scene(load(folder), folder / "batches")
+    before = set(folder.glob("batches/*.nc"))
+    assert set(Solutions(load(folder), folder / "batches").files()) == before
+    write_heights(folder / "shaft.csv", HEIGHTS + 1e-9 * (np.arange(64) == 5))
+    new = set(Solutions(load(folder), folder / "batches").files()) - before
+    (case,) = (case for path in new for case in read_batch(path.with_suffix(".json")).cases)
+    assert case.profile.source == "shaft.csv"
+
+
+def test_a_file_that_has_changed_since_is_not_solved_under_a_wrong_name(folder):
+    (case,) = load(folder).studies["mine"]
+    before = Case({"trace": case.parameters["trace"] | {"digest": "of before"}}, ("bem",), {})
+    with pytest.raises(ValueError, match=r"shaft\.csv has changed since its scene was read"):
+        _ = before.profile
+
+
+def mine(methods=("bem",), **options):
+    return {"studies": {"mine": {"trace": OPTIONS | options, "methods": list(methods)}}, "figures": {}}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (mine(file="none.csv"), r"studies\.mine\.trace: .*none\.csv cannot be read: No such file"),
+        (mine(file=["shaft.csv", "none.csv"]), r"studies\.mine\.trace\.file\.1: .*none\.csv cannot be read"),
+        (mine(file="scene.yaml"), r"studies\.mine\.trace: .*must have"),
+        (mine(file=5), r"studies\.mine\.trace\.file: this must be the name of a file"),
+        (mine(shortest=1.0), r"studies\.mine\.trace: shortest must lie between"),
+        (mine(ends="round"), r"studies\.mine\.trace\.ends: this must be one of mirrored"),
+        (mine(D=1.5), r"studies\.mine\.trace\.D: there is no such key"),
+        (
+            mine(methods=["bem", "demelio", "planned"]),
+            r"studies\.mine\.methods: methods of a trace must be some of .*bem.*, got demelio, planned: .*weier\.fit",
+        ),
+        (
+            {"studies": {"mine": {"trace": {}, "methods": ["bem"]}}, "figures": {}},
+            r"studies\.mine\.trace\.file: this key is missing",
+        ),
+        (
+            {"studies": {"mine": SCENE["studies"]["mine"] | SCENE["studies"]["series"]}, "figures": {}},
+            r"studies\.mine: one of product, cases, trace must be given, and not product and trace",
+        ),
+        (
+            {"figures": {"f": {"draw": "profiles", "studies": ["mine"]}}},
+            r"figures\.f\.studies: profiles is of the series alone: leave out traces, or draw compliance or",
+        ),
+        (
+            {"figures": {"f": {"draw": "compliance", "studies": ["mine", "series"], "colour": "method"}}},
+            r"figures\.f: trace varies among the curves and nothing shows it: add `facet: trace` or",
+        ),
+        (
+            {"interface": BODIES},
+            r"interface: g_0 and lambda_0 must be given, the scale of the series in m",
+        ),
+        ({"claims": {"fourth_term": ["mine"]}}, r"claims\.fourth_term: claims are about the Weierstrass series"),
+        (mine() | {"max_cases": 1} | mine(file=["a", "b"]), r"max_cases: .*at most 1 cases, got 2"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_told_with_its_line(folder, changes, message):
+    path = re.escape(str(folder / "scene.yaml"))
+    with pytest.raises(scene.SceneError, match=rf"^{path}, line \d+: {message}"):
+        load(folder, **changes)
+
+
+def test_a_tolerance_plans_for_the_series_of_a_scene_alone(folder):
+    loaded = load(folder, tolerance=1e-2)
+    assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio", "planned")]
+    assert [each.profile.D for each in plan(loaded).plans] == [1.5]
+
+
+def test_a_plan_for_a_trace_names_the_fit(folder):
+    with pytest.raises(ValueError, match=r"got a trace: take the one that weier\.fit finds"):
+        plan(Trace.read(folder / "shaft.csv"), [0.1])
+
+
+def test_figures_show_several_traces_by_colour_or_by_their_median_each_in_its_own_units(folder):
+    """In SI units, a trace has its own length and height, and the loads of a median are those of all."""
+    write_heights(folder / "other.csv", 3 * np.roll(HEIGHTS, 7) + 2e-7 * np.cos(2 * np.pi * X / 32e-6))
+    both = {"trace": OPTIONS | {"file": ["shaft.csv", "other.csv"]}}
+    figure = {"draw": "resistance", "studies": ["both"], "units": "si"}
+    figures = {"colour": figure | {"colour": "trace"}, "median": figure | {"median over": "trace"}}
+    loaded = load(folder, methods=["bem"], studies={"both": both}, figures=figures, interface=BODIES)
+    study = read_study(solve_scene(loaded, folder / "batches"), "both")
+    one = loaded.figures["colour"]
+    _, (axes,), cases = comparison.compare([study], "", "resistance", one.grouping, one.interface)
+    assert "Pa" in axes.get_xlabel()
+    traces = [case.profile for case in loaded.studies["both"]]
+    for number, (line, trace) in enumerate(zip(axes.get_lines(), traces, strict=True)):
+        own = Interface(**BODIES, lambda_0=trace.lambda_0, g_0=trace.g_0)
+        np.testing.assert_allclose(line.get_xdata()[[0, -1]], own.pressure([0.1, 1.0]), rtol=1e-12)
+        expected = own.resistance(study["resistance"].values[number, 0, [0, -1]])
+        np.testing.assert_allclose(line.get_ydata()[[0, -1]], expected, rtol=1e-12)
+        assert cases[number]["mean_pressure"].attrs["units"] == "Pa"
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["shaft.csv", "other.csv"]
+    two = loaded.figures["median"]
+    _, (axes,), _ = comparison.compare([study], "", "resistance", two.grouping, two.interface)
+    ends = [case["mean_pressure"].values for case in cases]
+    drawn = axes.get_lines()[0].get_xdata()
+    assert drawn[0] == pytest.approx(max(own[0] for own in ends))
+    assert drawn[-1] == pytest.approx(min(own[-1] for own in ends))
+
+
+def test_a_file_of_curves_names_its_traces(folder):
+    gather(solve_scene(load(folder), folder / "batches"), folder / "contact.nc")
+    with open_file(folder / "contact.nc") as data:
+        assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
+        assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
+
+
+def test_a_trace_in_memory_is_the_case_of_its_file(folder):
+    (case,) = load(folder).studies["mine"]
+    same = Case.of(Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic"), ("bem",), {})
+    assert (same.key, same.curves) == (case.key, case.curves)
+
+
+def test_a_page_lists_the_traces_and_their_units(folder):
+    solutions = solve_scene(load(folder), folder / "batches")
+    gather(solutions, folder / "contact.nc")
+    loaded = load(folder, figures={})
+    page.write(loaded, folder / "contact.nc", [], read_cost(solutions), folder / "page.html")
+    text = (folder / "page.html").read_text()
+    trace = loaded.studies["mine"][0].profile
+    for told in ("Measured heights", "shaft.csv", trace.digest, "periodic"):
+        assert f">{told}<" in text
+    with dataset.reading(folder / "contact.nc") as data:
+        selects = explorer.curve_explorer(data.load()).children[0].children
+    assert {each.name: each.value for each in selects if each.visible} == {
+        "trace": "-", "D": "1.5", "gamma": "2", "m": "2", "phase": "0",
+    }  # fmt: skip
+    assert selects[0].options == ["-", "shaft.csv"]
