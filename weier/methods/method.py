@@ -64,17 +64,17 @@ class Variant(NamedTuple):
     settings: Settings
 
 
-def applies_to_resolvable(profile: Waves) -> None:
+def applies_to_resolvable(profile: Waves, check: Callable[[Waves], None] = check_resolvable) -> None:
     """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
 
-    NotApplicableError is raised if there is no finest wave, or it fits too often into the period.
+    NotApplicableError is raised if there is no finest wave, or `check` refuses so many waves by a ValueError.
     """
     if math.isinf(profile.m):
         raise NotApplicableError(
             "m = inf has no finest wave to resolve: choose a finite m, or a method for the infinite series"
         )
     try:
-        check_resolvable(profile)
+        check(profile)
     except ValueError as error:
         raise NotApplicableError(str(error)) from None
 

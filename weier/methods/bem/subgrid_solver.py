@@ -177,11 +177,11 @@ def _solve_by_patches(profile: Profile, load: float) -> LoadSolution:
     try:
         with telling(None):
             curve, solution = patches.curve(profile, [load]), patches.solve_load(profile, load)
-    except ConvergenceError as error:
+    except (ConvergenceError, ValueError) as error:  # so many waves in so many contacts may not fit into memory
         raise ConvergenceError(
             f"neither boundary elements nor contact patches verify a solution under the mean pressure {load:.6g} "
             f'p_0*: {error}; try more points, or edges="nodes"',
-            error.residual,
+            getattr(error, "residual", np.nan),
         ) from error
     edge, unknown = solution.edges, np.full(solution.centre.size, np.nan)
     resistance = float(curve.resistance[0])

@@ -17,6 +17,7 @@ from weier.methods.patches.punch_forces import MAX_DENSE, invert_punches
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
 from weier.methods.patches.surface import surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
+from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
@@ -100,7 +101,7 @@ METHOD = Method(
     settings={
         "residual_tolerance": "relative size of the last Newton step and Chebyshev coefficients, from 1e-13 to 1e-6"
     },
-    applies=applies_to_resolvable,
+    applies=partial(applies_to_resolvable, check=check_crests),
     takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "d"),

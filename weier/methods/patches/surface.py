@@ -14,7 +14,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.crests import crest_heights, find_crests
-from weier.theory.limits import check_resolvable
+from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
 
 # Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
@@ -77,7 +77,7 @@ class Surface(NamedTuple):
 
 def surface_of(profile: Profile) -> Surface:
     """The series of a profile with a finite number of terms; ValueError if its waves are too many for a computer."""
-    check_resolvable(profile)
+    check_crests(profile)
     waves = profile.waves_per_period, profile.phase, profile.period
     return Surface(
         make_series(profile.amplitude, *waves),
