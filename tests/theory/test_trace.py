@@ -201,6 +201,7 @@ EVEN = np.arange(100.0)
         (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, got"),
         (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "positions must rise in equal steps, got nan in row 51"),
         (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, "heights must be finite, in m, got nan at position 9"),
+        ("1\n" * (10**6 + 1), {"length": 1.0}, "shaft.csv must have at most 1000000 heights, got more"),
         (rows(COS, EVEN), {"x_unit": "inch"}, "x_unit must be one of m, mm, um, nm, got 'inch'"),
         (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, nm, got 'A'"),
     ],

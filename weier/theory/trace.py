@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -265,9 +266,17 @@ def _waves(z: Array, most: float) -> Spectrum:
 def _table(path: Path) -> Array:
     """The numbers of a file, shape (rows, 1) or (rows, 2)."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        with path.open(encoding="utf-8-sig") as lines:
+            rows = _rows(path, map(str.rstrip, lines))
     except UnicodeDecodeError:
         raise ValueError(f"{path} must be a file of text with one or two columns") from None
+    if not rows:
+        raise ValueError(f"{path} must have one or two columns of numbers, got none")
+    return np.array(rows)
+
+
+def _rows(path: Path, lines: Iterable[str]) -> list[list[float]]:
+    """The numbers of each line that has some; a file of far too many is not read to its end."""
     rows: list[list[float]] = []
     for number, line in enumerate(lines, 1):
         fields = line.replace(",", " ").replace(";", " ").split()
@@ -280,9 +289,9 @@ def _table(path: Path) -> Array:
                 f"{path}, line {number}, must have as many numbers as the lines before, got {shown(line)}"
             )
         rows.append([float(field) for field in fields])
-    if not rows:
-        raise ValueError(f"{path} must have one or two columns of numbers, got none")
-    return np.array(rows)
+        if len(rows) > MAX_HEIGHTS:
+            raise ValueError(f"{path} must have at most {MAX_HEIGHTS} heights, got more: take a part, or fewer steps")
+    return rows
 
 
 def _is_number(text: str) -> bool:
