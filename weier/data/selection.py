@@ -20,7 +20,7 @@ from weier.theory.arguments import checked_number, checked_numbers, shown
 from weier.theory.profile import checked_ratio
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
+    import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 
 CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
 MAX_VALUES_IN_MESSAGE = 10  # values that a message lists

@@ -147,7 +147,7 @@ def _parameters(case: xr.Dataset, position: int) -> dict[str, Hashable]:
 def _values(drawn: Iterable[Curve], name: str) -> list[Hashable]:
     """The values of a parameter, numbers in their order and others in that of their appearance."""
     values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
-    return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]
+    return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]  # all are floats
 
 
 def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:

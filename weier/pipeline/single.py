@@ -76,8 +76,8 @@ def solve_one(
     with waiting(f"solving by {', '.join(methods)}") as show:
         data, cost = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
     if not (data["status"] == Status.solved).any():
-        missed = (data["status"] == Status.not_converged).any()
-        raise (ConvergenceError if missed else ValueError)("; ".join(failures))
+        unconverged = (data["status"] == Status.not_converged).any()
+        raise (ConvergenceError if unconverged else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
     return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
 

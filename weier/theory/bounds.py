@@ -153,8 +153,8 @@ def chord_bounds(
         that the errors allow.
     """
     p, top = np.asarray(mean_pressure, float), np.asarray(compliance, float) + np.asarray(error, float)
-    there, (h, off) = np.asarray(other, float), np.asarray(others, float)
-    run, rise = p[:, None] - there, top[:, None] - (h - off)
+    there, (h, margin) = np.asarray(other, float), np.asarray(others, float)
+    run, rise = p[:, None] - there, top[:, None] - (h - margin)
     with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
         steepest = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
         shallowest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)

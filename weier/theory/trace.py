@@ -305,9 +305,9 @@ def _is_number(text: str) -> bool:
 def _length(x: Array) -> float:
     """As many steps as there are positions, if these are even."""
     step = (x[-1] - x[0]) / max(x.size - 1, 1)
-    off = np.abs(x - x[0] - step * np.arange(x.size))
-    if not (step > 0 and off.max() <= UNEVEN * step):
-        at = int(np.argmax(off))
+    deviation = np.abs(x - x[0] - step * np.arange(x.size))
+    if not (step > 0 and deviation.max() <= UNEVEN * step):
+        at = int(np.argmax(deviation))
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} for {x[0] + at * step:g}: "
             "interpolate the heights first"

@@ -124,8 +124,8 @@ def _has_settings(method: str, free: str = "", **settings: Any) -> Callable[[Sam
 
 
 def _grid_compliance(sample: Sample) -> float:
-    missed = bem.error_model.curvature(sample.profile) * (sample.waves / sample.points) ** 2
-    return float(sample.compliance_error.max() / missed)
+    curved = bem.error_model.curvature(sample.profile) * (sample.waves / sample.points) ** 2
+    return float(sample.compliance_error.max() / curved)
 
 
 def _grid_nodes(sample: Sample) -> float:
