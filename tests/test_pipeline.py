@@ -189,9 +189,8 @@ def test_the_workflow_runs_from_any_folder(finished, tmp_path):
     assert "results/minimal/contact.nc" in jobs("--config", "scenes=minimal")
     assert "results/extremes/extremes.nc" in jobs("extremes")
     (tmp_path / "config/scenes").mkdir(parents=True)
-    (tmp_path / "config/config.yaml").write_text("scenes: own")
     (tmp_path / "config/scenes/own.yaml").write_text(SCENE)
-    command = ["snakemake", "-s", finished / "Snakefile", "-d", tmp_path, "--cores", "2"]
+    command = ["snakemake", "-s", finished / "Snakefile", "-d", tmp_path, "--cores", "2", "--config", "scenes=own"]
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -262,6 +262,13 @@ def test_all_mistakes_are_told_at_once_each_with_its_line(tmp_path):
     ]  # fmt: skip
 
 
+def test_a_slip_in_the_name_of_the_methods_is_one_mistake(tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text(yaml.safe_dump(MINIMAL).replace("methods", "method"))
+    with pytest.raises(scene.SceneError, match=r"line \d+: method: there is no such key.* did you mean 'methods'\?$"):
+        scene.load(path)
+
+
 def test_a_long_list_of_mistakes_is_cut_short(tmp_path):
     with pytest.raises(scene.SceneError, match=r"has 40 mistakes:(\n  line.*){30}\n  and 10 more$"):
         scene.load(write(tmp_path, **{f"key_{number}": 1 for number in range(40)}))

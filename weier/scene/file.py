@@ -155,15 +155,16 @@ def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> 
     study = _mapping(raw["studies"], name)
     _check_settings((*keys, "settings"), study.get("settings"), mistakes)
     axes = [_axes((*keys, *place), product, folder, mistakes) for place, product in products(study)]
-    if "trace" in study:
-        given = study.get("methods", raw.get("methods", ()))
-        mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, given), None)
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
         return None
     methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
-    if plan and "trace" not in study:  # there are no plans for traces
+    if "trace" in study:  # for which there are no plans
+        mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
+    elif plan:
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
+    if not methods:  # which the form has told of profiles
+        return None
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
     made = [CaseProduct(values, methods, own) for values in axes]
