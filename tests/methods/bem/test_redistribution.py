@@ -5,14 +5,12 @@ import pytest
 
 from weier import Profile, random_phases, solve
 from weier.methods.bem import curve, fft
-from weier.methods.bem.contacts import make_contacts
 from weier.methods.bem.edges import find_edges
 from weier.methods.bem.grid_solution import GridSolution, make_continuum
 from weier.methods.bem.grids import full_contact, grid_of, nested_grids
-from weier.methods.bem.interaction import displace, make_interaction, press
-from weier.methods.bem.local_fit import TERMS
+from weier.methods.bem.interaction import add_grid_moments, displace, make_interaction, press
 from weier.methods.bem.lone_edges import find_steps
-from weier.methods.bem.redistribution import add_grid_moments, solve_bordered
+from weier.methods.bem.redistribution import solve_bordered
 
 PERIOD, POINTS = 1.0, 2048
 PLACES = np.array([0.2, 0.3512, 0.7])
@@ -32,11 +30,9 @@ def images(x):
 def three_contacts():
     """Contacts in line, on a grid much finer than their distances."""
     profile = Profile(1.25, 5, 1)
-    contacts = make_contacts(PLACES.size, TERMS)
-    contacts.position[:] = PLACES
     grid = grid_of(nested_grids(profile, POINTS, 1e-10), 3)
     assert grid.height.size == POINTS
-    return make_interaction(contacts, PLACES.size, grid, make_continuum(profile, POINTS))
+    return make_interaction(PLACES, grid, make_continuum(profile, POINTS))
 
 
 def test_moments_displace_and_tilt_and_bend_the_surface(three_contacts):

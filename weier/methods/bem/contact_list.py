@@ -28,13 +28,14 @@ class ContactList(NamedTuple):
 
 @kernel
 def list_contacts(
-    contacts: GridContacts, used: int, forces: Redistribution, opened: Array, solution: GridSolution, period: float
+    contacts: GridContacts, forces: Redistribution, opened: Array, solution: GridSolution, period: float
 ) -> ContactList:
     """All that touch in the continuum.
 
     Two between which a gap has closed are one; gaps between two nodes, `opened` from left to right, shape (gaps, 2),
     divide one.
     """
+    used = contacts.kind.size
     room = used + opened.shape[0]
     listed = ContactList(np.empty(room), np.empty(room), np.empty(room), np.empty(room))
     count = 0

@@ -3,11 +3,12 @@
 Of a contact that has a polynomial the next two terms of it are known well, and with them what they change: that is
 all, as long as nothing else is near. Whatever contacts and gaps do to each other, and edges that stand alone, is
 measured in steps: one of an edge from a node to the next changes the compliance by D (a + b) and the resistance by
-D (docs/subgrid.md). All factors below were fitted to cover the errors of some 700 random series like those of
-`benchmarks.subgrid`, on 16 to 400 points a wave, and were checked on the families of `benchmarks.stated_errors`.
+D (docs/subgrid.md). The factors stand in `factors`.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,57 +16,54 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.contacts import CREST, WIDE, GridContacts
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.grid_solution import GridSolution
+from weier.methods.bem.factors import (
+    ALONE,
+    BIRTH_SHARE,
+    BIRTHS,
+    CANCELLED,
+    CURVATURE_ROUNDING,
+    GAP,
+    HEIGHT_SHARE,
+    IMAGES,
+    MAX_UNEVEN,
+    MOMENT,
+    MOMENTS,
+    NEAR_GAP,
+    PRESSED,
+    RATE_ROUNDING,
+    RECIPROCITY,
+    REST,
+    ROUNDING,
+    UNEVEN,
+)
+from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.local_fit import shift, slopes, value
 from weier.methods.bem.lone_edges import Steps
 from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
+from weier.methods.bem.narrow_gaps import Gaps
 from weier.methods.bem.redistribution import Redistribution
 
-# Polynomials.
-REST = 1.6  # times the next two terms of a polynomial, for all further ones
-CANCELLED = 0.25  # of terms of opposite signs
-EDGE_REST = 4.0  # in place of REST for a gap beside an edge of contact, near which the pressure is a root
-# Of the depth of a gap, over its second derivative in finest wavenumbers and over (2 pi/points a wave)^5: what
-# polynomial and aliases leave of it on one wave at 32 to 256 points.
-OPEN_DEPTH = 0.01
-# Steps, of compliance and resistance. Contacts and gaps that share an edge bear on each other by near = (narrower
-# run/both)^2; wave is 2 pi/points a wave.
-ALONE = np.array([0.08, 0.33])  # over the nodes of the narrower run, for edges without a polynomial
-# In place of one over the nodes where it is more, times s^2 and at most 3: beside a shoulder of the surface, along
-# which an edge runs fast, fewer nodes than those of the run belong to it.
-UNEVEN, MAX_UNEVEN = 2.2, 3.0
-NEAR_GAP = np.array([0.0025, 0.16])  # times near, for gaps with a polynomial
-IMAGES = np.array([0.13, 0.08])  # times near^2 for one contact and its images, load times it of the compliance
-GAP = np.array([0.012, 0.07])  # times wave^2, for the same, since polynomials stand for waves
-# Contacts that bear on each other.
-MOMENTS = 3.0  # times what second moments of contacts change
-RECIPROCITY = np.array([0.1, 1.0])  # times change of force and change of share: of h, and over the load of R
-# Births, by how far off the height of a crest may be.
-HEIGHT_SHARE = 4.0  # errors of the compliance
-# Of the resistance: times the drop that an uncertain birth makes, since other contacts give way, and times what a
-# contact between two nodes takes off.
-BIRTHS, BIRTH_SHARE = 1.2, 0.02
-PRESSED = 0.05  # of what others press it down by more than on the grid
-# Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
-# may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. A contact with a polynomial has its
-# first two moments taken off, and the other is left.
-MOMENT = np.array([0.4, 0.05])
-# Rounding, as measured.
-ROUNDING = 1e-13  # of the heights
-RATE_ROUNDING = 5e-13  # of the resistance, over wave^2: what rounding of heights does to curvatures
-CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial
+
+class Errors(NamedTuple):
+    """Errors of compliance, in g_0, and resistance, in g_0/p_0*; what they say of contacts.
+
+    uncertain : whether a contact may be one too many or too few
+    judged : False where a crest stands above the plane by more than its own error
+    """
+
+    compliance: float
+    resistance: float
+    uncertain: bool
+    judged: bool
 
 
 @kernel
-def expected_errors(
-    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, contacts: GridContacts, used: int,
-    forces: Redistribution, angle: float, period: float,
-) -> tuple[float, float, bool, bool]:  # fmt: skip
-    """Errors of compliance, in g_0, and resistance, in g_0/p_0*; whether a contact may be one too many or too few.
-
-    The last is False where a crest stands above the plane by more than its own error; `angle` is 2 pi/(points a
-    wave).
-    """
+def estimate_errors(
+    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, gaps: Gaps, contacts: GridContacts,
+    forces: Redistribution, continuum: Continuum,
+) -> Errors:  # fmt: skip
+    """How far off a corrected solution is expected to be."""
+    used, angle, period = contacts.kind.size, continuum.angle, continuum.period
     load = float(np.mean(solution.pressure))
     error, rate_error = _errors_of_the_solver(solution, load), RATE_ROUNDING / angle**2 * solution.rate
     for at in range(used):
@@ -85,7 +83,7 @@ def expected_errors(
     for at in range(used):
         if contacts.kind[at] != WIDE:
             rest = _size(contacts.height_rest[at], forces.centre[at])
-            displaced = _displacement_by_moments(contacts, used, at, solution.contact.size, period)
+            displaced = _displacement_by_moments(contacts, at, solution.contact.size, period)
             off = HEIGHT_SHARE * error + PRESSED * forces.pressed[at] + 2 * rest + displaced
             if forces.touching[at]:  # the more of the load it takes, the less another can take from it
                 off *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
@@ -98,7 +96,7 @@ def expected_errors(
                 births += BIRTH_SHARE * abs(forces.closing[at] * forces.share_change[at]) / period
             if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
                 missed += drop * displaced / forces.closing[at]
-    return error + missed, rate_error + births, uncertain, judged
+    return Errors(gaps.error[0] + error + missed, gaps.error[1] + rate_error + births, uncertain, judged)
 
 
 @kernel
@@ -204,10 +202,10 @@ def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[f
 
 
 @kernel
-def _displacement_by_moments(contacts: GridContacts, used: int, at: int, points: int, period: float) -> float:
+def _displacement_by_moments(contacts: GridContacts, at: int, points: int, period: float) -> float:
     """How far a crest may stand off by the second moments of the contacts on the grid: K''/2 of each of these."""
     off = 0.0
-    for other in range(used):
+    for other in range(contacts.kind.size):
         if other != at and contacts.kind[other] != CREST:
             apart = np.sin(np.pi / period * (contacts.position[at] - contacts.position[other]))
             share = MOMENT[0] if contacts.kind[other] == WIDE else MOMENT[1]

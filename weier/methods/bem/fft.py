@@ -342,10 +342,21 @@ def cascade(load: float, hierarchy: Hierarchy, start: Array, whole: GridState) -
 
 
 @kernel
-def resume(load: float, hierarchy: Hierarchy, whole: GridState) -> tuple[float, float, float]:
-    """Solve one load on the finest grid alone, from the pressure in `whole`, as `cascade`."""
-    _contact_from_pressure(whole)
-    plane, residual, pairs = solve_load(load, grid_of(hierarchy, hierarchy.points.size - 1), whole)
+def resume(load: float, heavier: float, pressure: Array, grid: Grid, state: GridState) -> tuple[float, float, float]:
+    """Solve one load on the finest grid alone, from the `pressure` of a heavier one; returns the same as `cascade`.
+
+    The pressure per load of the heavier one is in `state`. As the load falls the square of the pressure falls by
+    2 p q, exactly so for one contact on a parabola. Where that leaves nothing, the search begins with the pressure.
+    """
+    left = 0.0
+    for i in range(pressure.size):
+        fall = 2 * state.pressure[i] * (heavier - load)
+        state.pressure[i] = np.sqrt(max(pressure[i] * (pressure[i] - fall), 0.0))
+        left += state.pressure[i]
+    if not 0 < left < np.inf:
+        state.pressure[:] = pressure
+    _contact_from_pressure(state)
+    plane, residual, pairs = solve_load(load, grid, state)
     return plane, residual, float(pairs)
 
 

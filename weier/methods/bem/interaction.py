@@ -15,7 +15,6 @@ import numpy as np
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum
-from weier.methods.bem.contacts import GridContacts
 from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum
 from weier.methods.bem.grids import Grid
@@ -47,16 +46,16 @@ class Interaction(NamedTuple):
 
 
 @kernel
-def make_interaction(contacts: GridContacts, used: int, grid: Grid, continuum: Continuum) -> Interaction:
-    """The interaction of the first `used` contacts."""
-    points = grid.height.size
-    node, beside = np.empty(used, np.int64), np.empty(used)
-    for i in range(used):
-        place = contacts.position[i] * points / continuum.period
+def make_interaction(position: Array, grid: Grid, continuum: Continuum) -> Interaction:
+    """The interaction of contacts with these middles."""
+    points, contacts = grid.height.size, position.size
+    node, beside = np.empty(contacts, np.int64), np.empty(contacts)
+    for i in range(contacts):
+        place = position[i] * points / continuum.period
         node[i] = int(np.round(place))
         beside[i] = place - node[i]
     return Interaction(
-        _mutual(contacts.position, used if used <= MAX_DENSE else 0, continuum.period), node, beside, grid.influence,
+        _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, beside, grid.influence,
         continuum.influence, continuum.period / points, np.zeros(points), np.zeros(points),
         np.zeros(points // 2 + 1, np.complex128),
     )  # fmt: skip
@@ -132,3 +131,10 @@ def press(force: Array, interaction: Interaction) -> Array:
     for i in range(n):
         displacement[i] = effects[i, 0]
     return displacement
+
+
+@kernel
+def add_grid_moments(force: float, x: float, spacing: float, moments: Array) -> None:
+    """Add first and second moments of a nodal force, at x from where they are taken."""
+    moments[0] += force * x
+    moments[1] += force * (x**2 + HATS * spacing**2)

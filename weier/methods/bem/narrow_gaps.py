@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
-from weier.methods.bem.errors import OPEN_DEPTH
+from weier.methods.bem.edges import Edges
+from weier.methods.bem.factors import EDGE_REST, OPEN_DEPTH, REST
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.local_fit import (
+    CREST_MARGIN,
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
@@ -20,8 +22,10 @@ from weier.methods.bem.local_fit import (
     derivative,
     expansion,
     fit_window,
+    margin_of,
     remainder,
     scale_of,
+    side_margin,
     slopes,
     value,
 )
@@ -47,6 +51,95 @@ class GapCorrection(NamedTuple):
     compliance_error: float
     resistance_error: float
     uncertain: bool
+
+
+class Gaps(NamedTuple):
+    """Narrow gaps, and those between two nodes in contact.
+
+    polynomial : of each gap, whether it has one; of each contact, whether it may have one; shape (runs,)
+    edge : of the gaps with a polynomial, in lambda_0, NaN for other runs, shape (runs, 2)
+    adds : what each gap adds to compliance and resistance, or what those between its nodes add to those of a
+        contact, shape (runs, 2)
+    compliance, resistance : what gaps between nodes add where all nodes touch
+    opened : edges of those that are open, from left to right, shape (gaps, 2)
+    error : of compliance and resistance, shape (2,)
+    found : whether all between two nodes have edges, or are closed
+    uncertain : whether one may be open or closed
+    """
+
+    polynomial: Flags
+    edge: Array
+    adds: Array
+    compliance: float
+    resistance: float
+    opened: Array
+    error: Array
+    found: bool
+    uncertain: bool
+
+
+@kernel
+def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum) -> Gaps:
+    """Correct all narrow gaps, and find those that open between two nodes."""
+    runs, points = edge.size - 2, solution.pressure.size
+    polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
+    place, adds, error = np.full((runs, 2), np.nan), np.zeros((runs, 2)), np.zeros(2)
+    compliance = resistance = 0.0
+    found, uncertain = True, False
+    for run in range(runs):
+        start = edge[run + 1] % points
+        if polynomial[run] and not solution.contact[start]:
+            nodes, margin = edge[run + 2] - edge[run + 1], margin_of(edge, run)
+            gap = correct_gap(start, nodes, margin, REST, solution, grid, continuum)
+            polynomial[run] = gap.left <= gap.right
+            place[run, 0], place[run, 1] = gap.left, gap.right
+            adds[run, 0], adds[run, 1] = gap.compliance, gap.resistance
+            error[0] += gap.compliance_error
+            error[1] += gap.resistance_error
+            uncertain |= gap.uncertain
+    opened, count, run = np.empty((8, 2)), 0, -1
+    for node in range(points):
+        while run + 1 < runs and edge[run + 2] <= node:
+            run += 1
+        if not is_dip(node, solution):
+            continue
+        margin = side_margin(node, solution.contact)
+        factor = REST if margin == CREST_MARGIN else EDGE_REST
+        gap = correct_gap(node, 1, margin, factor, solution, grid, continuum)
+        if not gap.left <= gap.right:
+            found = False
+            continue
+        if gap.left < gap.right:
+            if count == opened.shape[0]:
+                opened = np.concatenate((opened, np.empty((count, 2))))
+            opened[count, 0], opened[count, 1] = gap.left, gap.right
+            count += 1
+        error[0] += gap.compliance_error
+        error[1] += gap.resistance_error
+        uncertain |= gap.uncertain
+        if runs > 0:
+            adds[run, 0] += gap.compliance
+            adds[run, 1] += gap.resistance
+        else:
+            compliance += gap.compliance
+            resistance += gap.resistance
+    return Gaps(polynomial, place, adds, compliance, resistance, opened[:count], error, found, uncertain)
+
+
+@kernel
+def narrow_runs(edge: Edges, contact: Flags, most: int) -> Flags:
+    """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others."""
+    runs = edge.size - 2
+    nodes = np.empty(runs, np.int64)
+    for run in range(runs):
+        nodes[run] = 2 * (edge[run + 2] - edge[run + 1]) + (0 if contact[edge[run + 1] % contact.size] else 1)
+    chosen = np.zeros(runs, np.bool_)
+    taken = np.zeros(runs, np.bool_)
+    for run in np.argsort(nodes, kind="mergesort"):
+        after = (run + 1) % runs
+        if nodes[run] // 2 <= most and not (taken[run] or taken[after]):
+            chosen[run] = taken[run] = taken[after] = True
+    return chosen
 
 
 @kernel

@@ -9,7 +9,9 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
-from weier.methods.bem.interaction import HATS, Interaction, displace, press
+from weier.methods.bem.grid_solution import Continuum
+from weier.methods.bem.grids import Grid
+from weier.methods.bem.interaction import Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
 from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
 
@@ -26,7 +28,7 @@ MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 class Redistribution(NamedTuple):
     """What contacts carry in the continuum, each array of shape (contacts,).
 
-    found : whether forces were found
+    found : whether forces were found that are positive, of contacts within their polynomials
     compliance, resistance : what all this adds
     touching : whether a contact of the grid still touches, or a crest does
     change, share_change : how much more force each has, and of how much more share
@@ -35,6 +37,7 @@ class Redistribution(NamedTuple):
     second, rate_second : sizes of what second moments change of compliance and resistance
     penetration, closing : by how much each that is narrow, or a crest, stands above the plane that it does not touch,
         or would without its force, in g_0, and the rate of that per mean pressure
+    displacement : of all nodes, shape (N,), by all this
     """
 
     found: bool
@@ -51,6 +54,7 @@ class Redistribution(NamedTuple):
     rate_second: Array
     penetration: Array
     closing: Array
+    displacement: Array
 
 
 class _State(NamedTuple):
@@ -73,28 +77,32 @@ class _State(NamedTuple):
 
 @kernel
 def redistribute(
-    contacts: GridContacts, used: int, plane: float, rate: float, period: float,
-    interaction: Interaction,
-) -> Redistribution:  # fmt: skip
+    contacts: GridContacts, plane: float, rate: float, grid: Grid, continuum: Continuum
+) -> Redistribution:
     """Find the forces of contacts that are to stand on one plane."""
+    period, interaction = continuum.period, make_interaction(contacts.position, grid, continuum)
+    n = contacts.kind.size
     state = _State(
-        contacts.kind[:used] != CREST, np.zeros(used), contacts.centre[:used].copy(),
-        contacts.half_width[:used].copy(), np.zeros(used), np.zeros(used), np.zeros(used),
+        contacts.kind != CREST, np.zeros(n), contacts.centre.copy(), contacts.half_width.copy(), np.zeros(n),
+        np.zeros(n), np.zeros(n),
     )  # fmt: skip
-    total = contacts.force[:used].sum()
+    total = contacts.force.sum()
     found = False
     for _ in range(MAX_ROUNDS):
         found = _equalise_heights(contacts, plane, period, interaction, state, total)
         if not found:
             break
         pressed = press(state.change, interaction)
-        for i in range(used):
+        for i in range(n):
             pressed[i] += state.lift[i]
         common = _common_height(contacts, state, pressed)
         if not _touch_and_let_go(contacts, period, common, pressed, state, total):
             break
-    for i in range(used):  # a wide contact has no law of its own that keeps its force positive
-        found &= contacts.force[i] + state.change[i] > 0 or not state.touching[i]
+    for i in range(n):
+        if state.touching[i]:  # a wide contact has no law of its own that keeps its force positive
+            found &= contacts.force[i] + state.change[i] > 0
+            reach = abs(state.centre[i]) + state.half_width[i]
+            found &= contacts.kind[i] == WIDE or reach <= contacts.limit[i]
     return _sum_up(found, contacts, plane, rate, period, interaction, state)
 
 
@@ -296,13 +304,6 @@ def _add_moments(
     moments[2] += total * middle**2 + middle * reach * odd / 2 + reach**2 * (total / 2 + even / 4)
 
 
-@kernel
-def add_grid_moments(force: float, x: float, spacing: float, moments: Array) -> None:
-    """Add first and second moments of a nodal force, at x from where they are taken."""
-    moments[0] += force * x
-    moments[1] += force * (x**2 + HATS * spacing**2)
-
-
 class _Weights(NamedTuple):
     """What reciprocity makes of each contact, with the shares of the grid as weights; each of shape (contacts,).
 
@@ -382,7 +383,7 @@ def _sum_up(
     found &= solved and released <= MAX_RELEASED * period
     return Redistribution(
         found, compliance, resistance, touching, change, faster, state.centre, state.half_width, pressed, tilt,
-        second, rate_second, penetration, closing,
+        second, rate_second, penetration, closing, interaction.displacement,
     )  # fmt: skip
 
 

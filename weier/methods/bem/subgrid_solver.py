@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from functools import cached_property
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.kernels.jit import kernel
 from weier.methods.bem import fft
 from weier.methods.bem.checks import check_residual
 from weier.methods.bem.contact_list import ContactList
 from weier.methods.bem.edges import find_edges
-from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
-from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
-from weier.methods.bem.subgrid import correct
+from weier.methods.bem.grid_solution import GridSolution, make_continuum
+from weier.methods.bem.grids import full_contact, grid_of, nested_grids
+from weier.methods.bem.narrow_gaps import find_gaps
+from weier.methods.bem.subgrid import correct_contacts
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
 from weier.theory.profile import Profile
@@ -51,92 +52,70 @@ class LoadSolution(NamedTuple):
     work: float
 
 
-@kernel
-def _solve_load(
-    load: float, heavier: float, hierarchy: Hierarchy, continuum: Continuum, start: Array, carried: Array,
-    state: fft.GridState,
-) -> LoadSolution:  # fmt: skip
-    """Solve one load on the finest grid, and correct it.
-
-    Under a load near the `heavier` one before, the search begins with the pressure that this has `carried` and its
-    rate, in `state`; else on the coarsest grid with the pressure `start`. All three are overwritten.
-    """
-    finest = grid_of(hierarchy, hierarchy.points.size - 1)
-    plane, residual, pairs = 0.0, np.inf, 0.0
-    if load > MIN_NEAR * heavier:
-        relieve(carried, state.pressure, heavier - load)
-        plane, residual, pairs = fft.resume(load, hierarchy, state)
-    if not residual <= finest.tolerance:
-        plane, residual, more = fft.cascade(load, hierarchy, start, state)
-        pairs += more
-    carried[:] = state.pressure
-    deformed = state.deformed.copy()
-    rate, more = fft.solve_rate(RATE_TOLERANCE, finest, state)
-    pairs += more
-    if not (residual <= finest.tolerance and rate < np.inf):
-        return _miss(plane, residual, pairs)
-    displacement = -state.deformed
-    solution = GridSolution(plane, rate, carried, deformed, state.pressure, displacement, state.contact)
-    added = correct(solution, finest, find_edges(state.contact, state.edge), continuum)
-    numbers = plane - added.compliance, rate + added.resistance, added.compliance_error, added.resistance_error
-    finite = (
-        np.isfinite(numbers[0]) and np.isfinite(numbers[1]) and np.isfinite(numbers[2]) and np.isfinite(numbers[3])
-    )
-    # A mean gap and a resistance are not below 0, where both are smaller than their errors.
-    return LoadSolution(
-        added.verified and finite, max(numbers[0], 0.0), max(numbers[1], 0.0), numbers[2], numbers[3], added.contacts,
-        added.uncertain, residual, pairs,
-    )  # fmt: skip
-
-
-@kernel
-def _miss(plane: float, residual: float, pairs: float) -> LoadSolution:
-    """A load that was not solved on the grid, or whose rate was not."""
-    none = ContactList(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
-    return LoadSolution(False, plane, np.nan, np.nan, np.nan, none, True, residual, pairs)
-
-
-@kernel
-def relieve(pressure: Array, per_load: Array, load: float) -> None:
-    """Make of the pressure per load the pressure after so much of the load is gone: its square falls by 2 p q.
-
-    That is exact for one contact on a parabola. Where it leaves nothing, the pressure stays.
-    """
-    left = 0.0
-    for i in range(pressure.size):
-        per_load[i] = np.sqrt(max(pressure[i] * (pressure[i] - 2 * per_load[i] * load), 0.0))
-        left += per_load[i]
-    if not 0 < left < np.inf:
-        per_load[:] = pressure
-
-
 class GridSolver:
     """One profile on one grid, and what its solution under a load leaves for the next lighter one."""
 
-    def __init__(self, profile: Profile, points: int, tolerance: float) -> None:
+    def __init__(
+        self, profile: Profile, points: int, tolerance: float, rate_tolerance: float = RATE_TOLERANCE
+    ) -> None:
         """Make the grids, and room for a solution."""
         self.hierarchy = nested_grids(profile, points, tolerance)
-        self.continuum = make_continuum(profile, points)
+        self.continuum, self.rate_tolerance = make_continuum(profile, points), rate_tolerance
+        self._grid = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
         self._state, self._carried = fft.make_grid_state(points), np.zeros(points)
         self._start, self._heavier = np.empty(0), np.inf
         # Beyond so many points the edges move by many of them from load to load.
         self._few = points <= MAX_PER_WAVE * profile.waves_per_period[-1]
 
     def solve(self, load: float) -> LoadSolution:
-        """Solve the next lighter load."""
+        """Solve the next lighter load: on the grid, its rate, and what the continuum adds to both."""
+        plane, residual, pairs = self._solve_on_grid(load)
+        if not residual <= self._grid.tolerance:
+            return _unsolved(plane, residual, pairs)
+        state, deformed = self._state, self._state.deformed.copy()
+        rate, more = fft.solve_rate(self.rate_tolerance, self._grid, state)
+        if not rate < np.inf:
+            return _unsolved(plane, residual, pairs + more)
+        solution = GridSolution(plane, rate, self._carried, deformed, state.pressure, -state.deformed, state.contact)
+        edge = find_edges(state.contact, state.edge)
+        gaps = find_gaps(solution, self._grid, edge, self.continuum)
+        added = correct_contacts(gaps, solution, self._grid, edge, self.continuum)
+        numbers = plane - added.compliance, rate + added.resistance, added.compliance_error, added.resistance_error
+        # A mean gap and a resistance are not below 0, where both are smaller than their errors.
+        return LoadSolution(
+            added.verified and all(map(isfinite, numbers)), max(numbers[0], 0.0), max(numbers[1], 0.0), *numbers[2:],
+            added.contacts, added.uncertain, residual, pairs + more,
+        )  # fmt: skip
+
+    def _solve_on_grid(self, load: float) -> tuple[float, float, float]:
+        """Plane, residual and pairs of FFTs of a load.
+
+        Under a load near the heavier one before, the search begins with what that has left; else on the coarsest
+        grid, with the pressure there of the load before, or of full contact.
+        """
+        plane, residual, pairs = 0.0, np.inf, 0.0
         if self._heavier == np.inf:
             self._start = full_contact(self.hierarchy, load)
-        found: LoadSolution = _solve_load(
-            load, self._heavier, self.hierarchy, self.continuum, self._start, self._carried, self._state
-        )
+        elif load > MIN_NEAR * self._heavier:
+            plane, residual, pairs = fft.resume(load, self._heavier, self._carried, self._grid, self._state)
+        if not residual <= self._grid.tolerance:
+            plane, residual, more = fft.cascade(load, self.hierarchy, self._start, self._state)
+            pairs += more
+        self._carried[:] = self._state.pressure
         if self._few:
             self._heavier = load
-        return found
+        return plane, residual, pairs
 
     def solve_alone(self, load: float) -> LoadSolution:
         """Solve a load independently of all others."""
         self._heavier = np.inf
         return self.solve(load)
+
+
+def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
+    """A load that was not solved on the grid, or whose rate was not."""
+    none = ContactList(*np.empty((4, 0)))
+    return LoadSolution(False, plane, np.nan, np.nan, np.nan, none, True, residual, pairs)
 
 
 class CurveSolver:

@@ -30,6 +30,7 @@ FORCE_TOLERANCE = 1e-10
 POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
 MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
+RATE_TOLERANCE = 1e-2  # of the rate there: what its corrections on so few points are off themselves
 MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
 
@@ -165,7 +166,8 @@ class Starts:
         self._grid = cache(self._make_grid)
 
     def _make_grid(self, per_wave: int) -> GridSolver:
-        return GridSolver(self.profile, per_wave * self.profile.waves_per_period[-1], _grid_tolerance(self.profile))
+        points = per_wave * self.profile.waves_per_period[-1]
+        return GridSolver(self.profile, points, _grid_tolerance(self.profile), RATE_TOLERANCE)
 
     def guesses(self, load: float) -> Iterator[InitialGuess]:
         """What to start from under this load, the most likely first."""
