@@ -20,6 +20,7 @@ ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may lea
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = (
     "What boundary elements and plans state is an estimate: the documentation says how many numbers are within it. "
+    "Contact patches state a bound, by the contact conditions that their solution violates. "
     "In the files of the trade and the extremes it is the distance from a reference."
 )
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"

@@ -8,6 +8,7 @@ from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
+from weier.methods.patches.inequalities import Violations, error_bound
 from weier.methods.patches.surface import surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
@@ -283,3 +284,64 @@ def test_two_crests_side_by_side_are_not_taken_for_one(profile, load):
 def test_a_thin_gap_under_a_light_load_is_solved_though_rounding_moves_its_edges(profile, load):
     exact, grid = patches.curve(profile, [load]), bem.curve(profile, [load], points_per_wave=64)
     assert abs(exact.compliance[0] - grid.compliance[0]) < grid.compliance_error[0]
+
+
+# A resolved curve, gaps (1.5), contacts beside a merger, a thousand waves, and twin crests.
+@pytest.mark.parametrize(
+    ("profile", "loads"),
+    [
+        (THREE_WAVES, np.geomspace(1e-6, 1.5, 12)),
+        (Profile(1.25, 5, 4, 1.0), np.geomspace(0.5, 4.0, 4)),
+        (Profile(1.02, 3, 3, (np.pi, np.pi, np.pi)), [0.19886456502870647]),
+        (Profile(1.7, 300, 2, (1.0, 2.0)), [0.3, 3.0]),
+        (Profile(1.7249, "3/2", 5, (0, 0, 9.4e-5, 0, np.pi)), [0.0057876]),
+    ],
+)
+def test_the_error_of_the_compliance_is_a_bound(profile, loads):
+    exact = patches.curve(profile, loads, 1e-12)
+    for tolerance in (1e-6, 1e-8, 1e-10):
+        found = patches.curve(profile, loads, tolerance)
+        assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error + exact.compliance_error)
+        assert np.all(found.compliance_error < 100 * tolerance)
+    assert np.all(exact.compliance_error < 1e-11)
+
+
+def test_each_condition_that_is_violated_counts_in_the_bound():
+    solution = patches.solve_load(THREE_WAVES, 0.5)
+    state, R = solution.state, solution.state.sensitivity[-1]
+    carried = error_bound(state, Violations(0.0, 0.0), 1.0)
+    assert carried < 1e-12
+    assert error_bound(state, Violations(1e-5, 1e-6), 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
+    elsewhere = state._replace(load=0.5 + 1e-4)
+    exact = patches.solve_load(THREE_WAVES, 0.5 + 1e-4)
+    off = abs(exact.mean_gap - solution.mean_gap)
+    assert off == pytest.approx(error_bound(elsewhere, Violations(0.0, 0.0), 1.0), rel=1e-2)
+
+
+def test_a_contact_beside_two_probes_that_nearly_coincide_is_found():
+    """The crest between the two others lies 5e-11 beside the middle of the gap, where a probe stands as well."""
+    profile = Profile(1.7594005594533377, 2, 3, (3.1415926505972407, np.pi, 0.0))
+    loose, tight = (patches.curve(profile, 0.26319946630327357, tolerance) for tolerance in (1e-6, 1e-12))
+    assert loose.patch_count == tight.patch_count == 3
+    assert abs(loose.compliance - tight.compliance) <= loose.compliance_error
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+def test_a_contact_that_was_just_born_is_found_at_any_tolerance(tolerance):
+    profile, load = Profile(1.0991885227757625, 6, 2, (3.1415926535897345, 0.0)), 0.08558181163342306
+    exact, found = patches.curve(profile, load, 1e-12), patches.curve(profile, load, tolerance)
+    assert found.patch_count == exact.patch_count
+    assert found.resistance == pytest.approx(exact.resistance, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        (Profile(1.2459795552394415, 10, 4, (0.0, 0.0, -0.00015656756677498004, 0.0)), 0.0009392794684103549),
+        (Profile(1.3038833346839445, 986, 2, (2.8126821861788365, 1.6687605324783774)), 0.0007448692672059101),
+        (Profile(1.192044853087892, 7, 2, (np.pi, 0.00010486036015521972)), 6.975139186520863e-07),
+    ],
+)
+def test_a_corrected_set_of_contacts_meets_the_tightest_tolerance(profile, load):
+    curve = patches.curve(profile, load, 1e-12)
+    assert curve.residual < 1e-10 * curve.indentation

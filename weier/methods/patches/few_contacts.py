@@ -14,7 +14,16 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.collocation import NewtonResult, newton_iteration
 from weier.methods.patches.defect_correction import refine
 from weier.methods.patches.fields import ContactState, complementary_residual
-from weier.methods.patches.inequalities import certify, find_negative_intervals, lowest_outside
+from weier.methods.patches.inequalities import (
+    SAMPLED_FACTOR,
+    Violations,
+    certify,
+    error_bound,
+    find_negative_intervals,
+    lowest_inside,
+    lowest_outside,
+    sample_count,
+)
 from weier.methods.patches.initial_guess import COARSE_TOLERANCE, InitialGuess, refine_density
 from weier.methods.patches.segments import coefficient_tails, estimate_node_count, increase_node_count
 from weier.methods.patches.surface import CosineSeries, Surface
@@ -24,6 +33,9 @@ MAX_NODE_ROUNDS = 6  # of adding nodes
 # Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
 # itself, and h by its square.
 MAX_TENSION = 1e-9
+# An overlap beyond this, over the approach, and so many times the residual shows that a contact is missing: tighter
+# than the tolerance, since next to its birth a contact changes dh/dp far more than h.
+MIN_OVERLAP, OVERLAP_FACTOR = 1e-12, 10.0
 
 
 def solve_few_contacts(
@@ -34,9 +46,17 @@ def solve_few_contacts(
     ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
     """
     state, steps = solve_on_segments(surface, refine_density(surface, guess, load), load, tolerance)
-    _check_inequalities(surface, state, tolerance)
-    residual = contact_residual(state, surface.series(state.dual))
-    return certify(state, residual, surface.heights.period, tolerance), steps
+    series = surface.series(state.dual)
+    worst, height, closure = contact_residual(state, series)
+    holds, outside, inside = check_inequalities(state, series, worst, tolerance)
+    if not holds:
+        raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
+    state = certify(state, max(height, closure), series.period, tolerance)
+    worst *= SAMPLED_FACTOR
+    unmet = Violations(max(closure, -inside), max(worst, -outside))
+    if not state.dual:
+        unmet = Violations(max(worst, -outside), -inside)
+    return state._replace(error=error_bound(state, unmet, series.period)), steps
 
 
 def solve_on_segments(
@@ -68,48 +88,51 @@ def solve_on_many_nodes(
         steps += r.steps
         if r.resolved:
             unknowns = r.approach, r.segments, r.phi, r.coefficient, r.sensitivity
-            return ContactState(dual, load, *unknowns, np.nan), steps
+            return ContactState(dual, load, *unknowns, np.nan, np.nan), steps
         count = increase_node_count(r.segments, r.coefficient, load, tolerance)
     raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
 
 
-def _check_inequalities(surface: Surface, state: ContactState, tolerance: float) -> None:
-    """ConvergenceError if there is overlap or tension: off the segments, or on them."""
-    if violates_inequalities(state, surface.series(state.dual), tolerance):
-        raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
-
-
 @kernel
-def violates_inequalities(state: ContactState, series: CosineSeries, tolerance: float) -> bool:
-    """Whether there is overlap or tension.
+def check_inequalities(
+    state: ContactState, series: CosineSeries, residual: float, tolerance: float
+) -> tuple[bool, float, float]:
+    """Whether there is no overlap or tension but by rounding, and the lowest value off the segments and on them.
 
-    While the nodes of a segment do not resolve its density, the inequalities are not known any better.
+    Both are 0 if they are nowhere negative. While the nodes of a segment do not resolve its density, the inequalities
+    are not known any better; and an overlap is known as well as the gap on the contacts vanishes, which is the
+    residual.
     """
     unresolved = coefficient_tails(state.segments, state.coefficient)
     outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
     scale = state.load if state.dual else abs(state.approach)
     limit = max(tolerance, outside, unresolved.max()) * scale
-    if lowest_outside(state, series, limit) < -limit:
-        return True
-    return find_negative_intervals(state, np.maximum(unresolved, max(tolerance, inside))).segment.size > 0
+    if not state.dual:
+        limit = min(limit, max(MIN_OVERLAP * scale, OVERLAP_FACTOR * residual))
+    lowest = lowest_outside(state, series, 0.0), lowest_inside(state)
+    if lowest[0] < -limit:
+        return False, lowest[0], lowest[1]
+    allowed = np.maximum(unresolved, max(tolerance, inside))
+    holds = lowest[1] == 0 or find_negative_intervals(state, allowed).segment.size == 0
+    return holds, lowest[0], lowest[1]
 
 
 @kernel
-def contact_residual(state: ContactState, series: CosineSeries) -> float:
-    """Largest violation of a contact condition on the segments, as a length in g_0.
+def contact_residual(state: ContactState, series: CosineSeries) -> tuple[float, float, float]:
+    """What is left of the equations: the largest residual on a segment, its height, and the gaps that do not close.
 
-    The gap on a contact counts as it is; in a gap, 2 r times the pressure, its displacement over the gap's width, and
-    the gap at the far end. The potentials come from closed forms at the nodes, so that neither the matrix nor the
-    collocation points are used again. Every second node is enough, since the residual varies like a polynomial with a
-    degree of the number of nodes.
+    That is the gap on a contact, in g_0. In a gap (dual), it is the pressure, in p_0*, whose height is a displacement
+    over the width; and each gap at its far end, of which all are added up. The potentials come from closed forms at
+    other points than the nodes, so that neither the matrix nor the collocation points are used again.
     """
-    segments, worst = state.segments, 0.0
+    segments, worst, height, open_gaps = state.segments, 0.0, 0.0, 0.0
     for j in range(segments.centre.size):
-        r = segments.half_width[j]
-        for q in range(segments.first_node[j], segments.first_node[j + 1], 2):
-            y = segments.centre[j] + r * segments.node[q]
-            off = abs(complementary_residual(state, series, segments.crest[j], y)) * (2 * r if state.dual else 1.0)
-            worst = max(worst, off)
+        r, first = segments.half_width[j], segments.first_node[j]
+        count = sample_count(segments.first_node[j + 1] - first)
+        for q in range(count):
+            y = segments.centre[j] + r * np.cos((q + 0.5) * (np.pi / count))
+            off = abs(complementary_residual(state, series, segments.crest[j], y))
+            worst, height = max(worst, off), max(height, off * (2 * r if state.dual else 1.0))
         if state.dual:
-            worst = max(worst, abs(0.5 * np.pi * r * state.coefficient[segments.first_node[j]]))
-    return worst
+            open_gaps += abs(0.5 * np.pi * r * state.coefficient[first])
+    return worst, height, open_gaps

@@ -56,6 +56,7 @@ class ContactState(NamedTuple):
     sensitivity : derivatives of all unknowns in the mean pressure, in the order and the units of `collocation`,
         shape (nodes + 2 segments + 1,); the last is the resistance, in g_0/p_0*
     residual : largest violation of a contact condition, in g_0; NaN before it has been computed
+    error : a bound on that of the approach by these violations, in g_0; NaN before it has been computed
     """
 
     dual: bool
@@ -66,6 +67,7 @@ class ContactState(NamedTuple):
     coefficient: Array
     sensitivity: Array
     residual: float
+    error: float
 
 
 @kernel

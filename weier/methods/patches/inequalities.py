@@ -45,6 +45,52 @@ OVERLAP_BESIDE_EDGE = 1.5  # over the move of an edge that is to grow: how far t
 MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
 MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
+# A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
+# twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
+SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
+
+
+@kernel
+def sample_count(nodes: int) -> int:
+    """Of the zeros of a Chebyshev polynomial that tell the largest residual on a segment within `SAMPLED_FACTOR`."""
+    return int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
+
+
+class Violations(NamedTuple):
+    """How far a state is from the conditions of contact.
+
+    gap : the largest gap on a contact or overlap anywhere, in g_0
+    pressure : the largest pressure in a gap or tension anywhere, in p_0*
+    """
+
+    gap: float
+    pressure: float
+
+
+def error_bound(state: ContactState, violations: Violations, period: float) -> float:
+    """How far the compliance may be off, in g_0, by the conditions of contact that a state violates.
+
+    Let D(P) be the mean gap under the mean pressure P, and g = d - z + u that of a state whose pressure p has this
+    mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -q everywhere and |p| <= q in its gaps. Then
+    D(P + q) - eps <= d <= D(P - q) + eps:
+
+    The exact u_1 and p_1 under P + q differ from u and p. Where u_1 - u is largest, p_1 - p exceeds its mean q by the
+    maximum principle, so that p_1 > 0, and this is a contact: u_1 = z - D. Then 0 = mean(u_1 - u) is at most
+    u_1 - u = d - D - g <= d - D + eps. Under P - q, where u_1 - u is smallest, p > p_1 + q >= q, so that the state is
+    in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
+
+    To first order, D(P) - D(P + q) is the resistance times q; and so it is for a load that contacts do not carry.
+    """
+    resistance = float(state.sensitivity[-1])
+    return violations.gap + resistance * (violations.pressure + abs(carried_load(state, period) - state.load))
+
+
+def carried_load(state: ContactState, period: float) -> float:
+    """The mean pressure that contacts carry, (pi/2) sum r a_0 / L; gaps are solved for under the load itself."""
+    if state.dual:
+        return state.load
+    force = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
+    return float(force) / period
 
 
 class NegativeIntervals(NamedTuple):
@@ -216,6 +262,20 @@ def find_negative_intervals(state: ContactState, tolerance: Array) -> NegativeIn
 
 
 @kernel
+def lowest_inside(state: ContactState) -> float:
+    """The lowest pressure or, dual, gap on the segments if it is negative, and else 0."""
+    lowest, first = 0.0, state.segments.first_node
+    for j in range(first.size - 1):
+        t, value = _sample_inequality(state.dual, state.coefficient[first[j] : first[j + 1]])
+        for i in range(t.size):
+            if value[i] < 0:
+                end = (1 - t[i]) * (1 + t[i])
+                here = state.segments.half_width[j] * value[i] * end**1.5 if state.dual else value[i] * np.sqrt(end)
+                lowest = min(lowest, here)
+    return lowest
+
+
+@kernel
 def negative_heights(state: ContactState, negative: NegativeIntervals) -> Array:
     """How far the gap opens in each interval of tension or, dual, how large each overlap is, in g_0.
 
@@ -296,12 +356,10 @@ def _find_zero(dual: bool, a: Array, negative: float, positive: float) -> float:
 
 
 def certify(state: ContactState, residual: float, period: float, tolerance: float) -> ContactState:
-    """The state with its residual, in g_0, if that is small and contacts carry the load, p L = (pi/2) sum r a_0."""
+    """The state with its residual, in g_0, if that is small and contacts carry the load."""
     scale = state.load * period if state.dual else state.approach
     relative = residual / scale if scale > 0 else np.inf  # no indentation: all digits were lost on the way
-    if not state.dual:
-        carried = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
-        relative = max(relative, abs(float(carried) / (state.load * period) - 1))
+    relative = max(relative, abs(carried_load(state, period) / state.load - 1))
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(
             f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
@@ -329,8 +387,12 @@ def gap_or_pressure(problem: Problem, step: Step, x: Array) -> Array:
     return np.asarray(forces.plane - 2 * total - problem.forcing(x))
 
 
-def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.float64]:
-    """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2)."""
+def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArray[np.float64], float]:
+    """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
+
+    And the lowest of all minima, of which those above -tolerance need no segment; 0 if none is negative.
+    """
+    none = np.empty((0, 2))
     right, gap = _gaps(step)
     x, gap_before = _probe_points(right, gap, problem.series, PROBES_PER_WAVE, MIN_PROBES)
     value = gap_or_pressure(problem, step, x)
@@ -343,28 +405,28 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> NDArray[np.f
     )
     some = value[lowest] < 2 * MAX_RISE * np.maximum(rise, 0) * (high - low) + tolerance
     if not np.any(some):
-        return np.empty((0, 2))
+        return none, 0.0
     brackets = _Brackets(low[some], middle[some], high[some], gap_before[lowest[some]])
-    centre, depth, curvature, interval = _minima(problem, step, brackets, tolerance)
-    apart = _is_apart(step, centre, interval)
+    centre, depth, curvature, interval = _minima(problem, step, brackets)
+    deepest = float(depth.min(initial=0.0))
+    apart = _is_apart(step, centre, interval) & (depth < -tolerance)
     if not np.any(apart):
-        return np.empty((0, 2))
+        return none, deepest
     centre, depth, curvature, interval = centre[apart], depth[apart], curvature[apart], interval[apart]
-    room = _room(step, centre, interval)
-    widening = NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH
-    half_width = widening * np.sqrt(-2 * depth / np.maximum(curvature, -depth / room**2))
-    half_width = np.minimum(half_width, MAX_NEW_WIDTH * room)
-    return np.stack([centre - half_width, centre + half_width], axis=1)
+    reach = np.sqrt(-2 * depth / np.maximum(curvature, -depth / _room(step, centre, interval) ** 2))
+    alone = _is_alone(centre, depth, reach, interval)
+    centre, reach, room = centre[alone], reach[alone], _room(step, centre[alone], interval[alone])
+    half_width = np.minimum((NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
+    return np.stack([centre - half_width, centre + half_width], axis=1), deepest
 
 
-def _minima(
-    problem: Problem, step: Step, brackets: _Brackets, tolerance: float
-) -> tuple[Array, Array, Array, Indices]:
-    """Position, value, curvature and gap of minima below -tolerance, by Newton's method on differences.
+def _minima(problem: Problem, step: Step, brackets: _Brackets) -> tuple[Array, Array, Array, Indices]:
+    """Position, value, curvature and gap of negative minima, by Newton's method on differences.
 
-    Brackets whose minimum is above for certain are left out as soon as that is known.
+    Brackets whose minimum is above for certain are left out as soon as that is known. The lowest point that was seen
+    counts: where crests stand side by side, differences tell of neither.
     """
-    stencil = FIRST_STENCIL * (brackets.high - brackets.low)
+    stencil, lowest = FIRST_STENCIL * (brackets.high - brackets.low), np.full((3, brackets.middle.size), np.inf)
     for refinement in range(1, REFINEMENTS + 1):
         low, middle, high, interval = brackets
         points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
@@ -372,16 +434,26 @@ def _minima(
         value[order] = gap_or_pressure(problem, step, points.ravel()[order])
         below, here, above = value.reshape(-1, 3).T
         slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
+        lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
         shift = -slope / np.where(curvature > 0, curvature, np.inf)
         shift = np.clip(middle + shift, low + 1.01 * stencil, high - 1.01 * stencil) - middle
-        fall = -0.5 * np.minimum(shift * slope, 0)
-        margin = MAX_FALL * fall if refinement < REFINEMENTS else fall
-        some = (here - margin < -tolerance) | ((curvature <= 0) & (refinement < REFINEMENTS))
+        margin = -0.5 * MAX_FALL * np.minimum(shift * slope, 0)
+        some = np.minimum(here - margin, lowest[1]) < 0
+        some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
         brackets = _Brackets(low[some], (middle + shift)[some], high[some], interval[some])
-        stencil = STENCIL_RATIO * stencil[some]
+        stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]
         if not np.any(some):
             break
-    return brackets.middle, (here - fall)[some], curvature[some], brackets.interval
+    return lowest[0], lowest[1], lowest[2], brackets.interval
+
+
+def _is_alone(centre: Array, depth: Array, reach: Array, interval: Indices) -> Flags:
+    """Whether no deeper minimum lies within the same overlap, which reaches so far from each."""
+    near = (np.diff(centre) < np.maximum(reach[:-1], reach[1:])) & (np.diff(interval) == 0)
+    hidden = np.zeros(centre.size, bool)
+    hidden[:-1] |= near & (depth[:-1] > depth[1:])
+    hidden[1:] |= near & (depth[1:] >= depth[:-1])
+    return ~hidden
 
 
 def _is_apart(step: Step, centre: Array, interval: Indices) -> Flags:

@@ -31,11 +31,16 @@ from weier.methods.patches.fields import ContactState, complementary_residual
 from weier.methods.patches.inequalities import (
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
+    SAMPLED_FACTOR,
     NegativeIntervals,
+    Violations,
     certify,
+    error_bound,
     find_missing,
     find_negative_intervals,
+    lowest_inside,
     negative_heights,
+    sample_count,
 )
 from weier.methods.patches.initial_guess import InitialGuess
 from weier.methods.patches.punches import (
@@ -63,7 +68,7 @@ ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9  # over the pressure of a contact: befor
 RATE_REDUCTION = 1e-8  # of the residual of the resistance, an energy: its error is far smaller
 MAX_TAIL = 0.3  # height of the last coefficients, over the target: with more, a contact needs nodes
 MORE_NODES, AT_LEAST_MORE = 1.3, 2
-OTHER_NODES = 7  # that a contact has more when the solution is checked
+GAP_SAMPLES = 2  # over those of a contact: the zeros of U_m lie within pi/(m+1) of the ends, twice those of T_m
 MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
 DIRECT_SUMS = 40  # points at which the solution is checked without fast sums
@@ -146,7 +151,7 @@ def _solve_to(problem: Problem, guess: InitialGuess, tolerance: float, scale: fl
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage is fine else None)
             continue
         state = contact_state(problem, step)
-        added, keep = _corrections(problem, step, state, _limits(problem, stage, stage is fine))
+        added, keep, outside = _corrections(problem, step, state, _limits(problem, stage, stage is fine))
         if not np.all(keep) or len(added) > 0:
             moved = False
             counts = step.punches.node_count.astype(float) if stage is fine else None
@@ -156,8 +161,9 @@ def _solve_to(problem: Problem, guess: InitialGuess, tolerance: float, scale: fl
             now = next_guess(problem, step, stage)
         else:
             residual = _residuals_at_other_nodes(problem, step)
-            if not np.any(short := (residual > allowed) & (step.punches.node_count < MAX_NODES)):
-                return _checked_state(problem, step, state, float(residual.max()), tolerance), steps
+            height = residual * _height_of_residual(step)
+            if not np.any(short := (height > allowed) & (step.punches.node_count < MAX_NODES)):
+                return _checked_state(problem, step, state, residual, outside, tolerance), steps
             counts = np.where(short, _increase(step.punches.node_count), step.punches.node_count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -223,8 +229,8 @@ def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
 
 def _corrections(
     problem: Problem, step: Step, state: ContactState, limits: _Limits
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Segments to add, shape (added, 2), and which of those that are there stay as they are."""
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], float]:
+    """Segments to add, shape (added, 2), which of those there stay, and the lowest that `find_missing` saw."""
     negative = find_negative_intervals(state, np.maximum(_tails(step), limits.inside))
     if not limits.at_edges:
         within = np.maximum(np.abs(negative.start), np.abs(negative.end)) < MAX_INNER
@@ -232,8 +238,8 @@ def _corrections(
     negative = negative.select(negative_heights(state, negative) > limits.opening)
     keep = np.ones(step.punches.centre.size, bool)
     keep[negative.segment] = False
-    missing = find_missing(problem, step, limits.outside)
-    return np.concatenate([_cut_segments(step, negative), missing]), keep
+    missing, lowest = find_missing(problem, step, limits.outside)
+    return np.concatenate([_cut_segments(step, negative), missing]), keep, lowest
 
 
 def _tails(step: Step) -> Array:
@@ -268,41 +274,57 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
     for rule, _, node in punches.groups:
         phi[node] = step.a[node] @ chebyshev_rule(rule.node.size, True).polynomial[:, ::-1]  # which ascend
     approach = (0.0 if problem.dual else series.maximum) - step.forces.plane
-    return ContactState(problem.dual, problem.load, approach, segments, phi, step.a, np.zeros(1), np.nan)
+    return ContactState(problem.dual, problem.load, approach, segments, phi, step.a, np.zeros(1), np.nan, np.nan)
+
+
+def _height_of_residual(step: Step) -> Array:
+    """Of a residual of 1 on each segment: of a pressure in a gap (dual) its displacement over the width."""
+    r = step.punches.half_width
+    return 2 * r if step.punches.dual else np.ones(r.size)
 
 
 def _residuals_at_other_nodes(problem: Problem, step: Step) -> Array:
-    """The largest gap on each contact, without sign, at other nodes than those solved at, in g_0.
-
-    A pressure in a gap (dual) counts by its displacement over the gap's width.
-    """
+    """The largest gap on each contact, without sign, in g_0, or pressure in each gap (dual), at other nodes."""
     punches, r = step.punches, step.punches.half_width
-    count, everyone = punches.node_count + OTHER_NODES, np.arange(punches.centre.size)
+    count, everyone = other_node_counts(punches.node_count, punches.dual), np.arange(punches.centre.size)
     other = make_punches(punches.centre, r, count, punches.period, problem.dual)
     b = expansion_of_regular_part(punches, step.a)
     force = transfer_forces(punches, b, everyone, r, count)
     tree = other.matrix.tree
     off = displacement(other, force) - problem.forcing(tree.origin, tree.offset)
     off += 0.0 if problem.dual else step.forces.plane
-    return np.asarray(np.maximum.reduceat(np.abs(off), other.first_node[:-1])) * (2 * r if problem.dual else 1.0)
+    return np.asarray(np.maximum.reduceat(np.abs(off), other.first_node[:-1]))
+
+
+@kernel
+def other_node_counts(node_count: Indices, dual: bool) -> Indices:
+    """So many that the largest residual there tells the largest anywhere within `SAMPLED_FACTOR`."""
+    count = np.empty_like(node_count)
+    for j in range(count.size):
+        count[j] = (GAP_SAMPLES if dual else 1) * sample_count(node_count[j])
+    return count
 
 
 def _checked_state(
-    problem: Problem, step: Step, state: ContactState, residual: float, tolerance: float
+    problem: Problem, step: Step, state: ContactState, residual: Array, outside: float, tolerance: float
 ) -> ContactState:
-    """The state with resistance and residual; ConvergenceError if it fails a check."""
+    """The state with resistance, residual and error; ConvergenceError if it fails a check."""
     punches, period, dual = step.punches, step.punches.period, problem.dual
-    sample = _sample_of(state)
+    height, sample = _height_of_residual(step), _sample_of(state)
     direct = np.abs(_residuals_by_direct_sums(state, problem.series, sample))
-    direct *= 2 * np.repeat(punches.half_width, punches.node_count)[sample] if dual else 1.0
-    closure = 0.5 * np.pi * punches.half_width * step.a[punches.first_node[:-1]] if dual else np.zeros(1)
-    residual = max(residual, float(direct.max()), float(np.abs(closure).max()))
-    state = certify(state, residual, period, tolerance)
+    worst = SAMPLED_FACTOR * max(float(residual.max()), float(direct.max()))
+    direct = direct * np.repeat(height, punches.node_count)[sample]
+    closure = float(np.abs(0.5 * np.pi * punches.half_width * step.a[punches.first_node[:-1]]).sum()) if dual else 0.0
+    state = certify(state, max(float((residual * height).max()), float(direct.max()), closure), period, tolerance)
     none = np.zeros(punches.position.size)
     bounds = Bounds(RATE_REDUCTION, 0.0, np.inf)
     rate = solve_forces_on_contacts(punches, none + float(dual), period, none, bounds)
-    resistance = rate.plane if dual else -rate.plane
-    return state._replace(sensitivity=np.array([resistance]))
+    state = state._replace(sensitivity=np.array([rate.plane if dual else -rate.plane]))
+    inside = lowest_inside(state)
+    unmet = Violations(max(closure, -inside), max(worst, -outside))
+    if not dual:
+        unmet = Violations(max(worst, -outside), -inside)
+    return state._replace(error=error_bound(state, unmet, period))
 
 
 def _sample_of(state: ContactState) -> Indices:

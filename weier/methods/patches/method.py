@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums
@@ -31,8 +30,8 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
 
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
-    """What the residual leaves of the compliance, in g_0."""
-    return RESIDUAL_FACTOR * float(solved.residual.max(initial=0.0))
+    """The largest bound on the error of the compliance, in g_0."""
+    return float(solved.compliance_error.max(initial=0.0))
 
 
 def _seconds(profile: Profile, loads: Array) -> float:
@@ -82,13 +81,12 @@ def _patches(task: Task, tolerance: float) -> Segment:
 
 def _solve(profile: Profile, tolerance: float, loads: Array) -> SegmentSolution:
     exact = curve(profile, loads, tolerance)
-    compliance_error = RESIDUAL_FACTOR * exact.residual + COMPLIANCE_ROUNDING * profile.total_amplitude
     resistance_error = error_model.error(tolerance, RESISTANCE) * np.maximum(exact.resistance, 1)
     partial_contact = exact.patch_count > 0
     return SegmentSolution(
         exact.compliance,
         exact.resistance,
-        np.where(partial_contact, compliance_error, 0),
+        np.where(partial_contact, exact.compliance_error, 0),
         np.where(partial_contact, resistance_error, 0),
     )
 

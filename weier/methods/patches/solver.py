@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
 from weier.kernels.jit import kernel
+from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import few_contacts, many_contacts
 from weier.methods.patches.chebyshev import evaluate_expansion
 from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
-from weier.methods.patches.initial_guess import InitialGuess, Starts
+from weier.methods.patches.inequalities import certify
+from weier.methods.patches.initial_guess import InitialGuess, Starts, transfer_density
 from weier.methods.patches.segments import distances_to_next
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
 from weier.methods.progress import count_load
@@ -24,6 +26,7 @@ from weier.theory.profile import Profile
 
 TOLERANCE = 1e-10
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
+UNSETTLED = 100  # times the tolerance to which sets of contacts are corrected, where that one fails
 MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
 
 
@@ -31,6 +34,7 @@ class Curve(NamedTuple):
     """Exact curves over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
+    compliance_error : a bound on its error, in g_0, by the conditions that the solution violates where it is sampled
     indentation : the same from first contact, in g_0, with full relative accuracy at light loads
     resistance : dh/dp, in g_0/p_0*
     contact_fraction : length in contact per length
@@ -41,6 +45,7 @@ class Curve(NamedTuple):
     """
 
     compliance: Array
+    compliance_error: Array
     indentation: Array
     resistance: Array
     contact_fraction: Array
@@ -131,15 +136,16 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     check_tolerance(tolerance)
     surface = surface_of(profile)
     starts = Starts(profile, surface, tolerance)
-    rows, edges = np.empty((loads.size, 7)), []
+    rows, edges = np.empty((loads.size, 8)), []
     for i, load in enumerate(loads):
         state, steps = solve_state(starts, float(load))
         rows[i] = *_curve_point(surface, state), steps
         edges.append(make_solution(surface, state, load).edges)
         count_load()
-    compliance, indentation, resistance, fraction, count, residual, work = rows.T
+    compliance, error, indentation, resistance, fraction, count, residual, work = rows.T
     return Curve(
         compliance,
+        error,
         indentation,
         resistance,
         fraction,
@@ -157,16 +163,20 @@ def _pad_with_nan(edges: list[Array]) -> Array:
     return table
 
 
-def _curve_point(surface: Surface, state: ContactState | None) -> tuple[float, float, float, float, int, float]:
-    """Compliance, indentation, resistance, contact fraction, number of contacts and residual."""
+def _curve_point(
+    surface: Surface, state: ContactState | None
+) -> tuple[float, float, float, float, float, int, float]:
+    """Compliance and its error, indentation, resistance, contact fraction, number of contacts and residual."""
     total, top = surface.total_amplitude, surface.heights.maximum
+    rounding = COMPLIANCE_ROUNDING * total
     if state is None:
-        return total, top, 0.0, 1.0, 0, 0.0
+        return total, rounding, top, 0.0, 1.0, 0, 0.0
     share = float(2 * state.segments.half_width.sum() / surface.heights.period)
     count, resistance = state.segments.centre.size, float(state.sensitivity[-1])
+    error = state.error + rounding
     if state.dual:
-        return total + state.approach, top + state.approach, resistance, 1 - share, count, state.residual
-    return total - top + state.approach, state.approach, resistance, share, count, state.residual
+        return total + state.approach, error, top + state.approach, resistance, 1 - share, count, state.residual
+    return total - top + state.approach, error, state.approach, resistance, share, count, state.residual
 
 
 def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
@@ -204,8 +214,37 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 def _solvers(guess: InitialGuess) -> list[Callable[..., tuple[ContactState, int]]]:
     """What to solve a guess by: a dense matrix if it has few segments, and what corrects a wrong set of them."""
     if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
-        return [few_contacts.solve_few_contacts, many_contacts.solve_many_contacts]
+        return [few_contacts.solve_few_contacts, _solve_corrected]
     return [many_contacts.solve_many_contacts]
+
+
+def _solve_corrected(
+    surface: Surface, guess: InitialGuess, load: float, tolerance: float
+) -> tuple[ContactState, int]:
+    """A few contacts that need not be right: their set is corrected tightly, whatever the tolerance.
+
+    What is asked for beyond that is left to a dense matrix; and so is a set whose fast sums do not settle to that.
+    """
+    failure = ConvergenceError("")
+    for corrected in (many_contacts.MIN_TOLERANCE, UNSETTLED * many_contacts.MIN_TOLERANCE):
+        try:
+            state, steps = many_contacts.solve_many_contacts(surface, guess, load, corrected)
+            if corrected > min(tolerance, many_contacts.MIN_TOLERANCE):
+                state, more = _solve_finer(surface, state, tolerance)
+                steps += more
+            return state, steps
+        except ConvergenceError as error:
+            failure = error
+    raise failure
+
+
+def _solve_finer(surface: Surface, state: ContactState, tolerance: float) -> tuple[ContactState, int]:
+    """The state on the same contacts by a dense matrix, or as it is where rounding keeps that from converging."""
+    try:
+        guess = transfer_density(surface, state)
+        return few_contacts.solve_few_contacts(surface, guess, state.load, tolerance)
+    except ConvergenceError:
+        return certify(state, state.residual, surface.heights.period, tolerance), 0
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
