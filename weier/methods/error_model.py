@@ -13,9 +13,9 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 
-# A solution whose gap on the contacts is nowhere larger than its residual is exact for a surface that differs from the
-# given one by so much. By the bounds theorem its compliance is off by that at most; twice allows for what lies between
-# the points at which the residual is known.
+# A solution whose gap on the contacts is nowhere larger than its residual is exact for a surface that differs by so
+# much from the given one. By the bounds theorem its compliance is off by that at most; twice allows for what lies
+# between the points at which the residual is known.
 RESIDUAL_FACTOR = 2.0
 COMPLIANCE_ROUNDING = 1e-14  # of the total amplitude
 RESISTANCE_ROUNDING = 1e-12  # of itself; also of the compliance while planning
