@@ -67,6 +67,11 @@ def test_bodies_that_lack_a_value_are_refused(run, folder, text):
     assert "Traceback" not in err
 
 
+def test_a_missing_file_of_bodies_is_named_in_a_sentence(run):
+    code, _, err = run("table", "curve.nc", "--si", "nowhere.yaml")
+    assert (code, err) == (1, "weier: nowhere.yaml cannot be read or written: No such file or directory\n")
+
+
 def test_a_file_that_is_no_table_is_refused_at_once(run):
     code, _, err = run("table", "curve.nc", "curves.txt")
     assert code == 2

@@ -47,6 +47,7 @@ def cli() -> None:
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
     weier plan -D 1.25 --gamma 5 -m 3 --tolerance 1e-4         methods that reach a tolerance
     weier solve -D 1.25 --gamma 5 -m 3 --method planned        curves within a tolerance
+    weier solve --trace shaft.csv --loads 0.01:1:5             measured heights
     weier table results/paper/contact.nc curves.csv            curves for a spreadsheet
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
 
@@ -107,6 +108,8 @@ def main() -> None:
 
 def _told(error: Exception) -> str:
     """An error in one line, but for that of a scene, which has a line for each mistake."""
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.filename} cannot be read or written: {error.strerror}"
     from weier.scene import SceneError  # only now, since it takes half a second
 
     return str(error) if isinstance(error, SceneError) else " ".join(str(error).split())
