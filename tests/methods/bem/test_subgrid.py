@@ -239,7 +239,9 @@ def test_the_remainder_of_a_polynomial_is_known_to_a_tenth():
     wave = np.cos(ratio * s + 1.0)
     values = np.concatenate([wave[None], local_fit.next_terms(s, local_fit.DEGREE)])
     fitted = local_fit.fit_polynomials(s, values, local_fit.DEGREE)
-    rest = local_fit.remainder(fitted[0], fitted[1:], local_fit.DEGREE, ratio).sum(axis=0)
+    terms = np.empty((2, local_fit.TERMS + 2))
+    local_fit.remainder(fitted[0], fitted[1:], local_fit.DEGREE, ratio, terms)
+    rest = terms.sum(axis=0)
     missed = np.cos(ratio * middle + 1.0) - [local_fit.value(fitted[0], x) for x in middle]
     said = np.array([local_fit.value(rest, x) for x in middle])
     assert np.abs(missed).max() > 1e-9

@@ -61,7 +61,7 @@ def list_contacts(
             count = 1
         else:
             count = _divide(listed, count, opened[gap], solution, period)
-    order = np.argsort(listed.left[:count] - period * np.floor(listed.left[:count] / period))
+    order = np.argsort(listed.left[:count] - period * np.floor(listed.left[:count] / period), kind="mergesort")
     left = listed.left[order]
     turns = period * np.floor(left / period)
     return ContactList(left - turns, listed.right[order] - turns, listed.force[order], listed.share[order])

@@ -10,6 +10,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
+from weier.methods.bem.grids import copy_values
 from weier.methods.bem.interaction import add_grid_moments
 from weier.methods.bem.local_fit import (
     EDGE,
@@ -199,9 +200,10 @@ def enter_polynomials(
     scale, degree, following = scale_of(whole), continuum.windows.degree[whole], continuum.windows.following[whole]
     contacts.scale[at] = scale * spacing
     contacts.centre[at], contacts.half_width[at] = centre, half_width
-    contacts.height[at], contacts.rate[at] = fitted[0], fitted[1]
-    contacts.height_rest[at] = remainder(fitted[0], following, degree, scale * continuum.angle)
-    contacts.rate_rest[at] = remainder(fitted[1], following, degree, scale * continuum.angle)
+    copy_values(fitted[0], contacts.height[at])
+    copy_values(fitted[1], contacts.rate[at])
+    remainder(fitted[0], following, degree, scale * continuum.angle, contacts.height_rest[at])
+    remainder(fitted[1], following, degree, scale * continuum.angle, contacts.rate_rest[at])
 
 
 @kernel

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum, backward, forward
 from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
-from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, refine
+from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, copy_values, grid_of, refine
 from weier.methods.bem.local_fit import EDGE
 from weier.methods.progress import count_load
 
@@ -328,7 +328,7 @@ def cascade(load: float, hierarchy: Hierarchy, start: Array, whole: GridState) -
         points = hierarchy.points[level]
         state = leading_part(whole, points)
         if level == 0:
-            state.pressure[:] = start
+            copy_values(start, state.pressure)
         else:
             refine(hierarchy.points[level - 1], state.pressure, state.residual)
             for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
@@ -337,7 +337,7 @@ def cascade(load: float, hierarchy: Hierarchy, start: Array, whole: GridState) -
         plane, residual, here = solve_load(load, grid_of(hierarchy, level), state)
         pairs += here * points / hierarchy.points[finest]
         if level == 0:
-            start[:] = state.pressure
+            copy_values(state.pressure, start)
     return plane, residual, pairs
 
 
@@ -354,7 +354,7 @@ def resume(load: float, heavier: float, pressure: Array, grid: Grid, state: Grid
         state.pressure[i] = np.sqrt(max(pressure[i] * (pressure[i] - fall), 0.0))
         left += state.pressure[i]
     if not 0 < left < np.inf:
-        state.pressure[:] = pressure
+        copy_values(pressure, state.pressure)
     _contact_from_pressure(state)
     plane, residual, pairs = solve_load(load, grid, state)
     return plane, residual, float(pairs)
@@ -390,7 +390,6 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
     return solution
 
 
-@kernel
 def _solve_one(
     load: float, hierarchy: Hierarchy, pressure: Array, with_resistance: bool, state: GridState
 ) -> tuple[float, float, int, int, float, float]:

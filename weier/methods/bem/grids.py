@@ -162,13 +162,20 @@ def _between(before: float, here: float, after: float, later: float, share: floa
 
 
 @kernel
+def copy_values(source: Array, target: Array) -> None:
+    """Copy an array into one of its size; for `target[:] = source`, numba compiles a message with both shapes."""
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@kernel
 def refine(coarse: int, p: Array, finer: Array) -> None:
     """Carry the pressure from `coarse` nodes, the first of p, to all nodes of p; `finer` is a working array."""
     for node in range(p.size):
         i, rest = node * coarse // p.size, node * coarse % p.size
         before, here, after, later = p[(i - 1) % coarse], p[i], p[(i + 1) % coarse], p[(i + 2) % coarse]
         finer[node] = _between(before, here, after, later, rest / p.size) if rest else here
-    p[:] = finer
+    copy_values(finer, p)
 
 
 @kernel
@@ -197,4 +204,4 @@ def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> Non
         finer[i] = p[i] * _westergaard(sine * sine, xi)
         highest = max(highest, finer[i])
     if highest > 0:
-        p[:] = finer
+        copy_values(finer, p)

@@ -53,8 +53,8 @@ def next_terms(s: Array, degree: int) -> Array:
 
 
 @kernel
-def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) -> Array:
-    """What a fit of this degree leaves of an odd and an even term beyond it, as polynomials, shape (2, TERMS + 2).
+def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float, rest: Array) -> None:
+    """Write what a fit of this degree leaves of an odd and an even term beyond it, polynomials, into `rest`.
 
     The terms are of T_(degree + 1) and T_(degree + 2), less what the fit makes of them, `fitted_next`. Their
     coefficients are those of a wave: they alternate, and fall by `ratio`^2/(4 k (k + 1)) from one of a parity to the
@@ -62,7 +62,6 @@ def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) 
     tells, as where waves cancel in it, counts as large as that.
     """
     coefficients = expansion(polynomial, 0.0, 1.0)
-    rest = np.empty((2, TERMS + 2))
     for j in range(2):
         last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
         fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
@@ -70,10 +69,10 @@ def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float) 
         size = max(last, fall * before / slower) if slower > 0 else last
         if slower * last > fall * before:
             fall = min(slower * last / before, 1.0)
-        rest[j] = _CHEBYSHEV[degree + 1 + j]
-        rest[j, :TERMS] -= fitted_next[j]
-        rest[j] *= -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
-    return rest
+        factor = -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
+        for k in range(TERMS + 2):
+            fitted = fitted_next[j, k] if k < TERMS else 0.0
+            rest[j, k] = (_CHEBYSHEV[degree + 1 + j, k] - fitted) * factor
 
 
 @kernel

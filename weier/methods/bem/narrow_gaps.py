@@ -17,6 +17,7 @@ from weier.methods.bem.local_fit import (
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
+    TERMS,
     added_by_triangles,
     average_under_triangle,
     derivative,
@@ -97,7 +98,7 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
             error[0] += gap.compliance_error
             error[1] += gap.resistance_error
             uncertain |= gap.uncertain
-    opened, count, run = np.empty((8, 2)), 0, -1
+    opened, count, run = np.empty((points, 2)), 0, -1
     for node in range(points):
         while run + 1 < runs and edge[run + 2] <= node:
             run += 1
@@ -110,8 +111,6 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
             found = False
             continue
         if gap.left < gap.right:
-            if count == opened.shape[0]:
-                opened = np.concatenate((opened, np.empty((count, 2))))
             opened[count, 0], opened[count, 1] = gap.left, gap.right
             count += 1
         error[0] += gap.compliance_error
@@ -218,7 +217,8 @@ def _errors_of_depth(
     They are much where few nodes are in the window, or an edge of contact is near it.
     """
     scale, following = scale_of(whole), continuum.windows.following[whole]
-    rest = remainder(nodal_pressure, following, continuum.windows.degree[whole], scale * continuum.angle)
+    rest = np.empty((2, TERMS + 2))
+    remainder(nodal_pressure, following, continuum.windows.degree[whole], scale * continuum.angle, rest)
     least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
     per_load = value(rate, least)
     if bend <= 0 or per_load <= 0:
