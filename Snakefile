@@ -18,7 +18,11 @@ from weier.data.files import bring_to_present, check_writable, remove_leftovers
 from weier.pipeline.digests import PICTURES, TABLES, digest_of_program
 
 
-configfile: str((CONFIG if (CONFIG / "config.yaml").exists() else CHECKOUT / "config") / "config.yaml")
+configfile:
+    str(
+        (CONFIG if (CONFIG / "config.yaml").exists() else CHECKOUT / "config")
+        / "config.yaml"
+    )
 
 
 validate(config, "config/config.schema.json")

@@ -5,6 +5,7 @@ if "paper" in drawn_together():
 
     rule docs:
         input:
+            list(rules.figures_paper.output),  # of a named input, Snakemake forgets the rule
             scene=scene_file("paper"),
             pages=in_checkout(
                 *(
@@ -13,7 +14,6 @@ if "paper" in drawn_together():
                     for path in sorted(CHECKOUT.joinpath("docs").rglob(f"*.{kind}"))
                 )
             ),
-            figures=rules.figures_paper.output,
         output:
             "results/docs/index.html",
         log:

@@ -13,8 +13,8 @@ for name in scene_names():
         name:
             f"page_{name}"
         input:
+            list(getattr(rules, f"figures_{name}").output),  # of a named input, Snakemake forgets the rule
             contact=f"results/{name}/contact.nc",
-            figures=getattr(rules, f"figures_{name}").output,
         output:
             f"results/{name}/page.html",
         log:

@@ -103,6 +103,12 @@ def test_one_figure_needs_only_its_cases(checkout):
     assert jobs == {"solve": 1, "figure": 1}
 
 
+def test_a_page_and_all_products_need_the_same_job_for_all_figures(checkout):
+    for targets in (["pages"], ["all", "pages"]):
+        jobs = planned(checkout, *targets)
+        assert {name: count for name, count in jobs.items() if name.startswith("fig")} == {"figures_test": 1}
+
+
 @pytest.fixture(scope="module")
 def finished(checkout):
     run(checkout)
