@@ -79,11 +79,11 @@ def applies_to_resolvable(profile: Waves, check: Callable[[Waves], None] = check
         raise NotApplicableError(str(error)) from None
 
 
-def _applies_to_all(profile: Profile) -> None:
+def _applies_to_all(profile: Waves) -> None:
     """Refuse nothing."""
 
 
-def _take_all(profile: Profile, **settings: Any) -> None:
+def _take_all(profile: Waves, **settings: Any) -> None:
     """Refuse nothing."""
 
 
@@ -99,7 +99,7 @@ def _default_variant(profile: Profile) -> Iterable[tuple[str, Settings]]:
     return [("", {})]
 
 
-def _instantaneous(profile: Profile, loads: Array) -> float:
+def _instantaneous(profile: Waves, loads: Array) -> float:
     return 0.0
 
 
@@ -175,7 +175,7 @@ class Method:
     candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
     runs_others: bool = False
     solution_error: Callable[[Profile, Any], float] | None = None
-    seconds: Callable[[Profile, Array], float] = _instantaneous
+    seconds: Callable[..., float] = _instantaneous
     reference: Callable[[Profile, Array], Reference | None] | None = None
 
     @property

@@ -17,6 +17,7 @@ from weier.pipeline.plan import plan
 from weier.scene import Case, Scene
 from weier.theory.profile import Profile
 from weier.theory.tables import significant
+from weier.theory.waves import Waves
 
 LONG = 30.0  # seconds, above which a solve is announced
 MAX_SECONDS = 1e5  # a day: who means it chooses settings of the method, whose cost is not known
@@ -79,9 +80,9 @@ def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: 
     return lines
 
 
-def _memory(method: Method, profile: Profile, loads: Array) -> str:
+def _memory(method: Method, profile: Waves, loads: Array) -> str:
     """What a plan expects of the method, where it offers itself to plans."""
-    if not find_method(PLANNED).takes(profile):
+    if not (isinstance(profile, Profile) and find_method(PLANNED).takes(profile)):
         return ""
     offers = [
         offer.memory
@@ -91,8 +92,8 @@ def _memory(method: Method, profile: Profile, loads: Array) -> str:
     return f" and {significant(min(offers) / 1e6, 2)} MB" if offers else ""
 
 
-def _cheaper(profile: Profile, loads: Array) -> str:
-    if not find_method(PLANNED).takes(profile):
+def _cheaper(profile: Waves, loads: Array) -> str:
+    if not (isinstance(profile, Profile) and find_method(PLANNED).takes(profile)):
         return "choose fewer loads, or a larger shortest wavelength"
     try:
         found = plan(profile, loads)

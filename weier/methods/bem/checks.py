@@ -10,7 +10,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.theory.arguments import checked_number, shown
 from weier.theory.limits import check_points, check_resolvable
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 POINTS_PER_WAVE = {"subgrid": 32, "nodes": 64}  # of the finest wave, by default: docs/subgrid.md says why
 MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # fewer were not measured; fewer do not show the wave
@@ -35,7 +35,7 @@ def checked_edges(edges: str | None, solver: str) -> str:
 
 
 def checked_points(
-    profile: Profile, points: int | None = None, edges: str = "nodes", points_per_wave: int | None = None
+    profile: Waves, points: int | None = None, edges: str = "nodes", points_per_wave: int | None = None
 ) -> int:
     """Points in one period: so many, or so many for each of the finest waves, or the default.
 

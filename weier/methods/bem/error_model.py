@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESIDUAL_FACTOR
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 Number = TypeVar("Number", float, Array)
 
@@ -40,17 +40,17 @@ START_PAIRS = 15  # as many take as long as a start
 BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
 
 
-def compliance_error(profile: Profile, points: int) -> float:
+def compliance_error(profile: Waves, points: int) -> float:
     """Error of h on `points` nodes, in g_0, with edges of contact on nodes: COMPLIANCE sum g_n (waves_n/points)^2."""
     return COMPLIANCE * _missed(profile, points)
 
 
-def solution_error(profile: Profile, points: int, residual: Number) -> Number:
+def solution_error(profile: Waves, points: int, residual: Number) -> Number:
     """Error of h of a solution with these residuals, in g_0, of their shape: that of the grid, and what they add."""
     return compliance_error(profile, points) + RESIDUAL_FACTOR * residual
 
 
-def fewest_points(profile: Profile, error: float) -> int:
+def fewest_points(profile: Waves, error: float) -> int:
     """Fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
     needed = math.sqrt(COMPLIANCE * curvature(profile) / error)
     needed = min(max(needed, MIN_POINTS_PER_WAVE), MAX_POINTS_PER_WAVE)
@@ -58,7 +58,7 @@ def fewest_points(profile: Profile, error: float) -> int:
     return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
 
 
-def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) -> Array:
+def stated_error(profile: Waves, points: int, quantity: str, contacts: Array) -> Array:
     """Error that a solution with edges between the nodes states at most loads with so many contacts, of their shape.
 
     It is in g_0 of a compliance, in the larger of itself and 1 of a resistance.
@@ -72,7 +72,7 @@ def stated_error(profile: Profile, points: int, quantity: str, contacts: Array) 
     return np.asarray(lone * share / per_wave)
 
 
-def curvature(profile: Profile) -> float:
+def curvature(profile: Waves) -> float:
     """Sum g_n (waves_n/waves of the finest)^2, in g_0: the largest curvature, in that of the finest wave."""
     share = np.array(
         [waves / profile.waves_per_period[-1] for waves in profile.waves_per_period]
@@ -80,7 +80,7 @@ def curvature(profile: Profile) -> float:
     return float(np.sum(profile.amplitude * share**2))
 
 
-def _missed(profile: Profile, points: int) -> float:
+def _missed(profile: Waves, points: int) -> float:
     return curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
 
 

@@ -11,7 +11,7 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.local_fit import MAX_MARGIN, Windows, make_windows
 from weier.theory.halfplane import eigenvalues
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 MAX_NARROW = 256  # nodes of a contact or gap with a polynomial; the next edge is then too far to matter
 
@@ -60,7 +60,7 @@ class Continuum(NamedTuple):
     period: float
 
 
-def make_continuum(profile: Profile, points: int) -> Continuum:
+def make_continuum(profile: Waves, points: int) -> Continuum:
     """Tables for a profile on a grid."""
     narrow = min(points // (2 * profile.waves_per_period[-1]) + 1, MAX_NARROW)
     period, nodes = float(profile.period), narrow + 2 * MAX_MARGIN

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.jit import kernel
 from weier.theory.halfplane import eigenvalues, influence_coefficients
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 Array = NDArray[np.float64]
 
@@ -76,14 +76,14 @@ class Grid(NamedTuple):
     self_influence: float
 
 
-def nested_grids(profile: Profile, points: int, tolerance: float) -> Hierarchy:
+def nested_grids(profile: Waves, points: int, tolerance: float) -> Hierarchy:
     """Grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
 
     An odd number is followed by one that the FFT likes, of at least half as many.
 
     Parameters
     ----------
-    profile : Profile
+    profile : Profile or Trace
         With a finite number of terms.
     points : int
         Nodes of the finest grid, which carries all waves.
@@ -113,7 +113,7 @@ def _half(points: int) -> int:
     return points // 2 if points % 2 == 0 else int(scipy.fft.next_fast_len((points + 1) // 2, real=True))
 
 
-def _accuracy(profile: Profile, points: int, terms: int) -> float:
+def _accuracy(profile: Waves, points: int, terms: int) -> float:
     return float(COARSE_ACCURACY * profile.amplitude[terms - 1] * (profile.waves_per_period[terms - 1] / points) ** 2)
 
 
