@@ -303,7 +303,7 @@ def test_the_error_of_the_compliance_is_a_bound(profile, loads):
         found = patches.curve(profile, loads, tolerance)
         assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error + exact.compliance_error)
         assert np.all(found.compliance_error < 100 * tolerance)
-    assert np.all(exact.compliance_error < 1e-11)
+    assert np.all(exact.compliance_error < 1e-10)  # rounding, times what may lie between samples of many contacts
 
 
 def test_each_condition_that_is_violated_counts_in_the_bound():

@@ -31,7 +31,6 @@ from weier.methods.patches.fields import ContactState, complementary_residual
 from weier.methods.patches.inequalities import (
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
-    SAMPLED_FACTOR,
     NegativeIntervals,
     Violations,
     certify,
@@ -40,7 +39,6 @@ from weier.methods.patches.inequalities import (
     find_negative_intervals,
     lowest_inside,
     negative_heights,
-    sample_count,
 )
 from weier.methods.patches.initial_guess import InitialGuess
 from weier.methods.patches.punches import (
@@ -68,7 +66,7 @@ ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9  # over the pressure of a contact: befor
 RATE_REDUCTION = 1e-8  # of the residual of the resistance, an energy: its error is far smaller
 MAX_TAIL = 0.3  # height of the last coefficients, over the target: with more, a contact needs nodes
 MORE_NODES, AT_LEAST_MORE = 1.3, 2
-GAP_SAMPLES = 2  # over those of a contact: the zeros of U_m lie within pi/(m+1) of the ends, twice those of T_m
+OTHER_NODES = 7  # that a contact has more when the solution is checked
 MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
 DIRECT_SUMS = 40  # points at which the solution is checked without fast sums
@@ -286,7 +284,7 @@ def _height_of_residual(step: Step) -> Array:
 def _residuals_at_other_nodes(problem: Problem, step: Step) -> Array:
     """The largest gap on each contact, without sign, in g_0, or pressure in each gap (dual), at other nodes."""
     punches, r = step.punches, step.punches.half_width
-    count, everyone = other_node_counts(punches.node_count, punches.dual), np.arange(punches.centre.size)
+    count, everyone = punches.node_count + OTHER_NODES, np.arange(punches.centre.size)
     other = make_punches(punches.centre, r, count, punches.period, problem.dual)
     b = expansion_of_regular_part(punches, step.a)
     force = transfer_forces(punches, b, everyone, r, count)
@@ -296,13 +294,16 @@ def _residuals_at_other_nodes(problem: Problem, step: Step) -> Array:
     return np.asarray(np.maximum.reduceat(np.abs(off), other.first_node[:-1]))
 
 
-@kernel
-def other_node_counts(node_count: Indices, dual: bool) -> Indices:
-    """So many that the largest residual there tells the largest anywhere within `SAMPLED_FACTOR`."""
-    count = np.empty_like(node_count)
-    for j in range(count.size):
-        count[j] = (GAP_SAMPLES if dual else 1) * sample_count(node_count[j])
-    return count
+def _largest_over_sampled(node_count: Indices, dual: bool) -> Array:
+    """What the largest residual anywhere on each segment may be, over that at the other nodes.
+
+    For contacts by Ehlich and Zeller, as where there are few. The zeros of U_m leave the ends of a gap out, where the
+    residual times sin(theta) is 0: what bounds that bounds the residual after Schur, times its degree and 1.
+    """
+    degree, count = node_count + 2.0, node_count + OTHER_NODES
+    if dual:
+        return np.asarray((degree + 1) / np.cos(0.5 * np.pi * (degree + 1) / (count + 1)))
+    return np.asarray(1 / np.cos(0.5 * np.pi * degree / count))
 
 
 def _checked_state(
@@ -312,7 +313,8 @@ def _checked_state(
     punches, period, dual = step.punches, step.punches.period, problem.dual
     height, sample = _height_of_residual(step), _sample_of(state)
     direct = np.abs(_residuals_by_direct_sums(state, problem.series, sample))
-    worst = SAMPLED_FACTOR * max(float(residual.max()), float(direct.max()))
+    largest = residual * _largest_over_sampled(punches.node_count, dual)
+    worst = max(float(largest.max()), float(direct.max()))
     direct = direct * np.repeat(height, punches.node_count)[sample]
     closure = float(np.abs(0.5 * np.pi * punches.half_width * step.a[punches.first_node[:-1]]).sum()) if dual else 0.0
     state = certify(state, max(float((residual * height).max()), float(direct.max()), closure), period, tolerance)
