@@ -118,7 +118,7 @@ def mine(methods=("bem",), **options):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (mine(file="none.csv"), r"studies\.mine\.trace: .*none\.csv cannot be read: No such file"),
+        (mine(file="none.csv"), r"studies\.mine\.trace\.file: .*none\.csv cannot be read: there is no such file"),
         (mine(file=["shaft.csv", "none.csv"]), r"studies\.mine\.trace\.file\.1: .*none\.csv cannot be read"),
         (mine(file="scene.yaml"), r"studies\.mine\.trace: .*must have"),
         (mine(file=5), r"studies\.mine\.trace\.file: this must be the name of a file"),
@@ -227,3 +227,11 @@ def test_a_page_lists_the_traces_and_their_units(folder):
         "trace": "-", "D": "1.5", "gamma": "2", "m": "2", "phase": "0",
     }  # fmt: skip
     assert selects[0].options == ["-", "shaft.csv"]
+
+
+def test_all_mistakes_of_a_trace_are_told_at_once(folder):
+    with pytest.raises(scene.SceneError, match="has 3 mistakes") as caught:
+        load(folder, **mine(["archard"], file=["shaft.csv", "none.csv"], lenght=1.0))
+    assert "trace.lenght: there is no such key" in str(caught.value)
+    assert "trace.file.1: " in str(caught.value)
+    assert "mine.methods: methods of a trace" in str(caught.value)

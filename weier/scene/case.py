@@ -129,6 +129,13 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return parameters | {"digest": _read_trace(**parameters).digest}
 
 
+def check_file(values: Mapping[str, Any], folder: Path) -> None:
+    """Refuse a trace whose file is not there."""
+    path = folder / values["file"]
+    if not path.is_file():
+        raise ValueError(f"{path} cannot be read: there is no such file")
+
+
 @lru_cache(maxsize=KEPT_TRACES)
 def _unchanged_trace(text: str) -> Trace:
     """The trace of these parameters, if its file is still what it was when the scene was read."""

@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, PLANNED, find_method
 from weier.methods.settings import checked_settings
-from weier.scene.case import trace_parameters
+from weier.scene.case import check_file, trace_parameters
 from weier.scene.cases import MAX_BATCH_CASES, Scene
 from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
@@ -155,13 +155,13 @@ def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> 
     study = _mapping(raw["studies"], name)
     _check_settings((*keys, "settings"), study.get("settings"), mistakes)
     axes = [_axes((*keys, *place), product, folder, mistakes) for place, product in products(study)]
+    methods = tuple(study.get("methods", raw.get("methods", ())))
+    if "trace" in study and not mistakes.within("methods"):
+        mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
         return None
-    methods = tuple(study.get("methods", raw.get("methods", ())))
     settings = study.get("settings", raw.get("settings", {}))
-    if "trace" in study:  # for which there are no plans
-        mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
-    elif plan:
+    if plan and "trace" not in study:  # there are no plans for traces
         methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
     if not methods:  # which the form has told of profiles
         return None
@@ -205,16 +205,25 @@ def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[st
         name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
         for name, values in product.items()
     }
-    traces = axes.get("trace", [])
-    for position, trace in enumerate(traces):
-        place = ("trace", "file", position) if len(traces) > 1 else ("trace",)
-        traces[position] = mistakes.attempt((*keys, *place), partial(trace_parameters, trace, folder), {})
-    if traces:
-        return axes
+    if "trace" in axes:
+        return {"trace": _traces(keys, axes["trace"], folder, mistakes)}
     for name, values in axes.items():
         for value in values:
             mistakes.attempt((*keys, name), partial(check_value, name, value), None)
     return axes
+
+
+def _traces(keys: Keys, traces: Sequence[Raw], folder: Path, mistakes: Mistakes) -> list[Any]:
+    """The traces of a study, each file found whatever else is wrong, and read where nothing is."""
+    places = [(*keys, "trace", "file", *([position] if len(traces) > 1 else [])) for position in range(len(traces))]
+    for place, trace in zip(places, traces, strict=True):
+        mistakes.attempt(place, partial(check_file, trace, folder), None)
+    if mistakes.within(*keys, "trace"):
+        return []
+    return [
+        mistakes.attempt(place if len(traces) > 1 else (*keys, "trace"), partial(trace_parameters, trace, folder), {})
+        for place, trace in zip(places, traces, strict=True)
+    ]
 
 
 def _interface(raw: Raw) -> Interface | None:

@@ -27,7 +27,7 @@ ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth sur
 # A step is a difference of more than half of all heights that is ten times as large as the three on either side.
 STEP_SHARE, STEP_RATIO, STEP_NEIGHBOURS = 0.5, 10.0, 3
 UNEVEN = 0.01  # of a step: the digits that files give of positions
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}  # micro sign and Greek mu
 
 
 class Spectrum(NamedTuple):
@@ -135,7 +135,7 @@ class Trace(Waves):
             Of the trace, in m, if there is one column.
         shortest, ends
             As of a trace.
-        x_unit, height_unit : "m", "mm", "um" or "nm"
+        x_unit, height_unit : "m", "mm", "um" (also with the letter mu) or "nm"
             What the file has positions and heights in.
 
         Raises
