@@ -106,7 +106,7 @@ def test_the_next_node_closes_as_fast_as_far_from_other_edges():
     assert abs(ratio[1]) < abs(ratio[0]) / 3
 
 
-def test_several_contacts_state_errors_within_one_order():
+def test_stated_errors_of_several_contacts_are_true_and_at_most_thirty_times_too_wide():
     """The median over loads where contacts bear on each other: 13 and 19 on random series."""
     wider = []
     for seed, D in ((1, 1.25), (2, 1.6), (3, 1.4)):
