@@ -12,19 +12,14 @@ import functools
 import signal
 import threading
 from collections.abc import Callable
+from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-
-class _Kernel(threading.local):
-    """Whether a thread runs one, and whether Ctrl-C came meanwhile."""
-
-    runs = interrupted = False
-
-
-_KERNEL = _Kernel()
+COMPILER = "weier.kernels.compiler"  # is all Python, and is interrupted like it
+_NOTED: list[bool] = []
 
 
 def interruptible(solve: Callable[Given, Result]) -> Callable[Given, Result]:
@@ -46,17 +41,19 @@ def interruptible(solve: Callable[Given, Result]) -> Callable[Given, Result]:
 
 def run_kernel(compiled: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """Call compiled code, and raise afterwards what came meanwhile."""
-    _KERNEL.runs = True
     try:
         return compiled(*arguments)
     finally:
-        _KERNEL.runs = False
-        if _KERNEL.interrupted:
-            _KERNEL.interrupted = False
+        if _NOTED and threading.current_thread() is threading.main_thread():
+            _NOTED.clear()
             raise KeyboardInterrupt
 
 
-def _raise_or_note(*_: object) -> None:
-    if not _KERNEL.runs:
-        raise KeyboardInterrupt
-    _KERNEL.interrupted = True
+def _raise_or_note(number: int, frame: FrameType | None) -> None:
+    caller = frame.f_back if frame is not None else None  # in run_kernel itself, compiled code has returned
+    while caller is not None and caller.f_globals.get("__name__") != COMPILER:
+        if caller.f_code is run_kernel.__code__:
+            _NOTED.append(True)
+            return
+        caller = caller.f_back
+    raise KeyboardInterrupt

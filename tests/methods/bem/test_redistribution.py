@@ -1,15 +1,13 @@
-"""How contacts displace each other, forces on one plane, and the next order of edges that stand alone."""
+"""How contacts displace each other, and forces on one plane."""
 
 import numpy as np
 import pytest
 
 from weier import Profile, random_phases, solve
-from weier.methods.bem import curve, fft
-from weier.methods.bem.edges import find_edges
-from weier.methods.bem.grid_solution import GridSolution, make_continuum
-from weier.methods.bem.grids import full_contact, grid_of, nested_grids
+from weier.methods.bem import curve
+from weier.methods.bem.grid_solution import make_continuum
+from weier.methods.bem.grids import grid_of, nested_grids
 from weier.methods.bem.interaction import add_grid_moments, displace, make_interaction, press
-from weier.methods.bem.lone_edges import find_steps
 from weier.methods.bem.redistribution import solve_bordered
 
 PERIOD, POINTS = 1.0, 2048
@@ -83,30 +81,7 @@ def test_the_grid_has_moments_of_triangles():
     assert moments == pytest.approx([3 * weight @ x**k for k in (1, 2)], rel=1e-6)
 
 
-def grid_solution(profile, load, nodes):
-    """A converged solution on the grid, with its rate."""
-    hierarchy = nested_grids(profile, nodes, 1e-12)
-    state = fft.make_grid_state(nodes)
-    plane, _, _ = fft.cascade(load, hierarchy, full_contact(hierarchy, load), state)
-    pressure, deformed = state.pressure.copy(), state.deformed.copy()
-    finest = grid_of(hierarchy, hierarchy.points.size - 1)
-    rate, _ = fft.solve_rate(1e-6, finest, state)
-    return GridSolution(plane, rate, pressure, deformed, state.pressure, -state.deformed, state.contact)
-
-
-def test_the_next_node_closes_as_fast_as_far_from_other_edges():
-    """With half a wave in contact q is as large at the next step, and the constant is right to a node of many."""
-    profile = Profile(D=1.5, gamma=2, m=1, phases=0.7)
-    ratio = []
-    for nodes in (1024, 4096):
-        solution = grid_solution(profile, 0.5, nodes)
-        edge = find_edges(solution.contact, np.zeros(nodes + 2, int))
-        ratio.append(find_steps(solution, edge, 1.0).stiffer.mean())
-    assert np.abs(ratio) == pytest.approx([0, 0], abs=2e-3)
-    assert abs(ratio[1]) < abs(ratio[0]) / 3
-
-
-def test_stated_errors_of_several_contacts_are_true_and_at_most_thirty_times_too_wide():
+def test_several_contacts_state_errors_within_one_order():
     """The median over loads where contacts bear on each other: 13 and 19 on random series."""
     wider = []
     for seed, D in ((1, 1.25), (2, 1.6), (3, 1.4)):

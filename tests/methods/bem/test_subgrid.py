@@ -380,11 +380,17 @@ def test_a_load_that_is_not_verified_is_solved_more_finely(monkeypatch):
     np.testing.assert_allclose(found.resistance, exact.resistance, rtol=1e-12)
     assert found.patch_count.tolist() == exact.patch_count.tolist()
     assert np.all(found.compliance_error <= 1e-9)
+    lists = bem.contacts(profile, load, 160), bem.contacts(profile, load, 1280)
+    for p, by_patches, on_grid in zip(load, *lists, strict=True):
+        assert by_patches.force.sum() == pytest.approx(p, rel=1e-9)
+        assert by_patches.share.sum() == pytest.approx(1, rel=1e-5)
+        np.testing.assert_allclose(by_patches.force, on_grid.force, atol=1e-6)
+        np.testing.assert_allclose(by_patches.share, on_grid.share, atol=1e-3)
 
     def failing(*arguments):
         raise ConvergenceError("nothing", 1.0)
 
-    monkeypatch.setattr(patches, "curve", failing)
+    monkeypatch.setattr(patches, "solve_load", failing)
     with pytest.raises(ConvergenceError, match=r"neither .* nor contact patches .* pressure 0\.3 p_0"):
         curve(profile, load, points=160)
 
@@ -452,15 +458,11 @@ def test_errors_hold_near_full_contact_at_any_tolerance(tolerance):
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error + 1e-9)
 
 
-@pytest.mark.parametrize("edges", ["nodes", "subgrid"])
-def test_without_resistance_no_work_is_done_for_it(edges):
-    """On nodes its rate is not solved for; between them the compliance needs it, too."""
+def test_without_resistance_the_compliance_is_the_same():
     profile, loads = Profile(1.25, 5, 2, 1.0), np.array([0.01, 0.3])
-    one, other = (curve(profile, loads, resistance=wanted, edges=edges) for wanted in (True, False))
+    one, other = (curve(profile, loads, resistance=wanted) for wanted in (True, False))
     assert other.compliance.tolist() == one.compliance.tolist()
-    assert np.all(np.isfinite(one.resistance))
     assert np.all(np.isnan(other.resistance))
-    assert np.all(other.work < one.work) if edges == "nodes" else np.all(other.work == one.work)
 
 
 def test_both_numbers_cost_30_pairs():
@@ -596,7 +598,7 @@ def test_errors_hold_on_fine_grids_where_residuals_are_much_of_them(per_wave, to
     found = curve(profile, loads, points=per_wave * 25, tolerance=tolerance)
     assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
-    assert found.compliance_error.max() < 2 * tolerance + 3e-7 * (64 / per_wave) ** 2
+    assert found.compliance_error.max() < 2 * tolerance + 5e-7 * (64 / per_wave) ** 2
 
 
 @pytest.mark.parametrize(
@@ -650,6 +652,16 @@ def test_a_loose_residual_leaves_the_rate_close(profile, loads, per_wave, tolera
     assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error)
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error)
     assert np.all(np.abs(found.compliance - exact.compliance) < 1e-6)
+
+
+@pytest.mark.parametrize("per_wave", [16, 32, 64, 128])
+def test_errors_hold_where_one_contact_is_wider_than_the_finest_wave(per_wave):
+    """The surface below its edges bends as it does below those of half a wave, however many nodes it has."""
+    phases = (3.14209553878739, 1.21675091822362e-13, 0.0, 0.0, 4.933789570550747e-11)
+    profile, load = Profile(1.023236712623454, 2, 5, phases), [0.17202102646778333]
+    exact, found = patches.curve(profile, load), curve(profile, load, points_per_wave=per_wave)
+    assert abs(found.compliance - exact.compliance) <= found.compliance_error
+    assert abs(found.resistance - exact.resistance) <= found.resistance_error
 
 
 @pytest.mark.parametrize("per_wave", [16, 32, 64])

@@ -1,8 +1,7 @@
 """Boundary elements (Section 5.1): N equal elements, linear pressure, periodic images, mean pressure removed."""
 
-from weier.methods.bem.checks import checked_points
 from weier.methods.bem.fields import Field, field
 from weier.methods.bem.method import METHOD
-from weier.methods.bem.solver import Contacts, Curve, contacts, curve
+from weier.methods.bem.solver import Contacts, Curve, checked_points, contacts, curve
 
 __all__ = ["METHOD", "Contacts", "Curve", "Field", "checked_points", "contacts", "curve", "field"]

@@ -152,9 +152,9 @@ def add_contact(
     margin = margin_of(edge, run)
     if not polynomial or nodes + 2 * margin < MIN_POLYNOMIAL or not contacts.share[at] > 0:
         return False
-    whole = nodes + 2 * margin
-    offset, scale = continuum.windows.offset[whole], scale_of(whole)
-    seen = np.empty((2, continuum.windows.fitted[whole]))  # z as this contact sees it, and A q of the others
+    window = nodes + 2 * margin
+    offset, scale = continuum.windows.offset[window], scale_of(window)
+    seen = np.empty((2, continuum.windows.fitted[window]))  # z as this contact sees it, and A q of the others
     for i in range(seen.shape[1]):
         node = (start - margin + offset[i]) % points
         seen[0, i], seen[1, i] = solution.deformed[node], solution.displacement[node]
@@ -162,7 +162,7 @@ def add_contact(
             influence = continuum.influence[abs(offset[i] - margin - j)]
             seen[0, i] += influence * force[j]
             seen[1, i] -= influence * share[j]
-    fitted = fit_window(continuum.windows, whole, seen)
+    fitted = fit_window(continuum.windows, window, seen)
     height, rate = fitted[0], fitted[1]
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
     limit = ((nodes - 1) / 2 + MAX_BEYOND) / scale
@@ -179,7 +179,7 @@ def add_contact(
     smoothing = added_by_triangles(rate, nodes, scale)
     contacts.kind[at], contacts.limit[at] = NARROW, limit
     contacts.origin[at] = contacts.position[at]
-    enter_polynomials(fitted, whole, centre, width, continuum, spacing, contacts, at)
+    enter_polynomials(fitted, window, centre, width, continuum, spacing, contacts, at)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
     for i in range(nodes):
         x = (i - (nodes - 1) / 2) * spacing
@@ -193,11 +193,11 @@ def add_contact(
 
 @kernel
 def enter_polynomials(
-    fitted: Array, whole: int, centre: float, half_width: float, continuum: Continuum, spacing: float,
+    fitted: Array, window: int, centre: float, half_width: float, continuum: Continuum, spacing: float,
     contacts: GridContacts, at: int,
 ) -> None:  # fmt: skip
     """Enter what was fitted in the window of a contact: heights, rates of others, and the next two terms of each."""
-    scale, degree, following = scale_of(whole), continuum.windows.degree[whole], continuum.windows.following[whole]
+    scale, degree, following = scale_of(window), continuum.windows.degree[window], continuum.windows.following[window]
     contacts.scale[at] = scale * spacing
     contacts.centre[at], contacts.half_width[at] = centre, half_width
     copy_values(fitted[0], contacts.height[at])
@@ -218,8 +218,7 @@ def place_edge(
     gap = run - 1 if begins else run
     position = gap_edge[gap, 1] if begins else gap_edge[gap, 0]
     if alone:
-        nodes = min(edge[run + 2] - node, node - edge[run])
-        compliance, resistance = correct_edge(steps, run, nodes, float(np.mean(solution.pressure)))
+        compliance, resistance = correct_edge(steps, run)
         contacts.edge_compliance[which] += compliance
         contacts.edge_resistance[which] += resistance
         contacts.edge_drop[which] += steps.drop[run]
@@ -277,18 +276,18 @@ def add_crests(
         if not crest[node]:
             continue
         margin = side_margin(node, solution.contact)
-        whole = 1 + 2 * margin
-        scale = scale_of(whole)
-        seen = np.empty((2, whole))
-        for j in range(whole):
+        window = 1 + 2 * margin
+        scale = scale_of(window)
+        seen = np.empty((2, window))
+        for j in range(window):
             near = (node - margin + j) % points
             seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
-        fitted = fit_window(continuum.windows, whole, seen)
+        fitted = fit_window(continuum.windows, window, seen)
         top = highest(fitted[0], 0.0, 1 / scale)
         contacts.kind[used], contacts.run[used] = CREST, run
         contacts.position[used] = (node + top * scale) * spacing
         contacts.origin[used] = node * spacing
         contacts.limit[used] = 1.0
-        enter_polynomials(fitted, whole, top, 0.0, continuum, spacing, contacts, used)
+        enter_polynomials(fitted, window, top, 0.0, continuum, spacing, contacts, used)
         used += 1
     return used

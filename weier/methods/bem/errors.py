@@ -14,28 +14,9 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
+from weier.methods.bem import factors
 from weier.methods.bem.contacts import CREST, WIDE, GridContacts
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.factors import (
-    ALONE,
-    BIRTH_SHARE,
-    BIRTHS,
-    CANCELLED,
-    CURVATURE_ROUNDING,
-    GAP,
-    HEIGHT_SHARE,
-    IMAGES,
-    MAX_UNEVEN,
-    MOMENT,
-    MOMENTS,
-    NEAR_GAP,
-    PRESSED,
-    RATE_ROUNDING,
-    RECIPROCITY,
-    REST,
-    ROUNDING,
-    UNEVEN,
-)
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.local_fit import shift, slopes, value
 from weier.methods.bem.lone_edges import Steps
@@ -65,42 +46,41 @@ def estimate_errors(
     """How far off a corrected solution is expected to be."""
     used, angle, period = contacts.kind.size, continuum.angle, continuum.period
     load = float(np.mean(solution.pressure))
-    error, rate_error = _errors_of_the_solver(solution, load), RATE_ROUNDING / angle**2 * solution.rate
+    of_edges = _errors_of_edges(solution, edge, steps, polynomial, angle, load)
+    compliance, resistance = _error_of_the_solver(solution, load) + of_edges[0], of_edges[1]
     for at in range(used):
         if not forces.touching[at]:
             continue
-        error += MOMENTS * forces.second[at]
-        rate_error += MOMENTS * forces.rate_second[at]
+        compliance += factors.MOMENTS * forces.second[at]
+        resistance += factors.MOMENTS * forces.rate_second[at]
         if contacts.kind[at] != WIDE:
-            off, rate_off = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
-            shifted = abs(forces.share_change[at] * forces.change[at]) / period
-            error += REST * off + RECIPROCITY[0] * shifted
-            rate_error += REST * rate_off + RECIPROCITY[1] * shifted / load
-    off, rate_off = _errors_of_edges(solution, edge, steps, polynomial, angle, load)
-    error, rate_error = error + off, rate_error + rate_off
+            of_rest = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
+            compliance += factors.REST * of_rest[0]
+            resistance += factors.REST * of_rest[1]
+            shifted = factors.RECIPROCITY * abs(forces.share_change[at] * forces.change[at]) / period
+            compliance += shifted
+            resistance += shifted / load
     births = missed = 0.0
     uncertain, judged = False, True
     for at in range(used):
         if contacts.kind[at] != WIDE:
             rest = _size(contacts.height_rest[at], forces.centre[at])
             displaced = _displacement_by_moments(contacts, at, solution.contact.size, period)
-            off = HEIGHT_SHARE * error + PRESSED * forces.pressed[at] + 2 * rest + displaced
+            height = factors.HEIGHT_SHARE * compliance + factors.REST * rest + displaced
             if forces.touching[at]:  # the more of the load it takes, the less another can take from it
-                off *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
+                height *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
             else:
-                judged &= forces.penetration[at] <= off
-            uncertain |= abs(forces.penetration[at]) <= off
-            drop = _uncertain_birth(contacts, forces, at, off, period)
-            births += BIRTHS * drop
-            if contacts.kind[at] == CREST:
-                births += BIRTH_SHARE * abs(forces.closing[at] * forces.share_change[at]) / period
+                judged &= forces.penetration[at] <= height
+            uncertain |= abs(forces.penetration[at]) <= height
+            drop = _uncertain_birth(contacts, forces, at, height, period)
+            births += drop
             if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
                 missed += drop * displaced / forces.closing[at]
-    return Errors(gaps.error[0] + error + missed, gaps.error[1] + rate_error + births, uncertain, judged)
+    return Errors(gaps.error[0] + compliance + missed, gaps.error[1] + resistance + births, uncertain, judged)
 
 
 @kernel
-def _errors_of_the_solver(solution: GridSolution, load: float) -> float:
+def _error_of_the_solver(solution: GridSolution, load: float) -> float:
     """What residuals leave of the compliance.
 
     The residual of the heights, and that of the rate times the load: the correction is the mean, weighted by the
@@ -113,7 +93,7 @@ def _errors_of_the_solver(solution: GridSolution, load: float) -> float:
             flatness = max(flatness, abs(solution.rate - solution.displacement[i]))
         else:
             residual = max(residual, solution.deformed[i] - solution.plane)
-    return residual + flatness * load + ROUNDING * abs(solution.plane)
+    return residual + flatness * load + factors.ROUNDING * abs(solution.plane)
 
 
 @kernel
@@ -133,7 +113,8 @@ def _errors_of_edges(
     if _is_lone_with_polynomial(solution, edge, polynomial):  # only its images bear on it
         nodes = min(edge[2] - edge[1], edge[3] - edge[2])
         change = (nodes / solution.pressure.size) ** 4 * steps.drop.sum()
-        return IMAGES[0] * change * mean_pressure, IMAGES[1] * change
+        return factors.IMAGES * change * mean_pressure, factors.IMAGES * change
+    half_wave = np.pi / angle  # in nodes: the surface below a wider run bends as much
     for run in range(edge.size - 2):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
         narrower = min(here, before)
@@ -143,23 +124,17 @@ def _errors_of_edges(
         change = steps.drop[run] * min(steps.load[run], mean_pressure), steps.drop[run]  # no older than the load
         for quantity in range(2):
             if polynomial[gap]:
-                errors[quantity] += (NEAR_GAP[quantity] * near + GAP[quantity] * angle**2) * change[quantity]
+                share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
+                errors[quantity] += share * change[quantity]
             elif not polynomial[contact]:
-                uneven = min(UNEVEN * steps.longer[run] ** 2, MAX_UNEVEN)
-                errors[quantity] += ALONE[quantity] * max(1 / narrower, uneven) * change[quantity]
+                errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
     return errors[0], errors[1]
 
 
 @kernel
 def _size(polynomials: Array, s: float) -> float:
-    """The sum of two terms at s, with a share of each in case that their signs are others."""
-    return _of_two(value(polynomials[0], s), value(polynomials[1], s))
-
-
-@kernel
-def _of_two(one: float, other: float) -> float:
-    """The size of such a sum."""
-    return abs(one + other) + CANCELLED * (abs(one) + abs(other))
+    """The sizes of two terms at s, together."""
+    return abs(value(polynomials[0], s)) + abs(value(polynomials[1], s))
 
 
 @kernel
@@ -178,18 +153,18 @@ def _errors_of_the_polynomial(
     even, even_change = _means_of_the_rest(contacts.height_rest[at, 1], centre, half_width)
     odd_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 0], centre, half_width)
     even_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 1], centre, half_width)
-    off = abs(share) * _of_two(odd, even) + abs(force) * _of_two(odd_rate, even_rate)
-    rate_off = 2 * abs(share) * _of_two(odd_rate, even_rate)
+    compliance = abs(share) * (abs(odd) + abs(even)) + abs(force) * (abs(odd_rate) + abs(even_rate))
+    resistance = 2 * abs(share) * (abs(odd_rate) + abs(even_rate))
     wider = force_per_half_width(contacts.height[at], centre, half_width)
     if wider > 0:
-        rate_off += share**2 * _of_two(odd_change, even_change) / wider
+        resistance += share**2 * (abs(odd_change) + abs(even_change)) / wider
     _, bend, twist = slopes(contacts.height[at], centre)
     if bend < 0:
         slope = abs(forces.tilt[at]) * contacts.scale[at]
         for j in range(2):
             slope += abs(slopes(contacts.height_rest[at, j], centre)[0])
-        rate_off += share**2 * (abs(twist) * slope / bend**2 - CURVATURE_ROUNDING * height / bend)
-    return off / period, rate_off / period
+        resistance += share**2 * (abs(twist) * slope / bend**2 - factors.CURVATURE_ROUNDING * height / bend)
+    return compliance / period, resistance / period
 
 
 @kernel
@@ -203,22 +178,22 @@ def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[f
 
 @kernel
 def _displacement_by_moments(contacts: GridContacts, at: int, points: int, period: float) -> float:
-    """How far a crest may stand off by the second moments of the contacts on the grid: K''/2 of each of these."""
-    off = 0.0
+    """How far the second moments of contacts on the grid may displace a crest: K''/2 of each of these."""
+    displacement = 0.0
     for other in range(contacts.kind.size):
         if other != at and contacts.kind[other] != CREST:
+            share = factors.MOMENT[0] if contacts.kind[other] == WIDE else factors.MOMENT[1]
             apart = np.sin(np.pi / period * (contacts.position[at] - contacts.position[other]))
-            share = MOMENT[0] if contacts.kind[other] == WIDE else MOMENT[1]
-            off += share * contacts.force[other] * (np.pi / points / apart) ** 2
-    return off
+            displacement += share * contacts.force[other] * (np.pi / points / apart) ** 2
+    return displacement
 
 
 @kernel
-def _uncertain_birth(contacts: GridContacts, forces: Redistribution, at: int, off: float, period: float) -> float:
+def _uncertain_birth(contacts: GridContacts, forces: Redistribution, at: int, height: float, period: float) -> float:
     """By how much the resistance would differ if a crest stood so much higher or lower."""
     bend = -slopes(contacts.height[at], forces.centre[at])[1]
-    higher = _drop(contacts, forces, at, forces.penetration[at] + off, bend, period)
-    return higher - _drop(contacts, forces, at, forces.penetration[at] - off, bend, period)
+    higher = _drop(contacts, forces, at, forces.penetration[at] + height, bend, period)
+    return higher - _drop(contacts, forces, at, forces.penetration[at] - height, bend, period)
 
 
 @kernel

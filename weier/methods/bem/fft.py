@@ -317,16 +317,16 @@ def _contact_from_pressure(state: GridState) -> None:
 
 
 @kernel
-def cascade(load: float, hierarchy: Hierarchy, start: Array, whole: GridState) -> tuple[float, float, float]:
+def cascade(load: float, hierarchy: Hierarchy, start: Array, fine: GridState) -> tuple[float, float, float]:
     """Solve one load on every grid, coarse to fine: plane H, residual, pairs of FFTs, each grid's by its size.
 
-    `start` is the pressure to begin with on the coarsest grid, and becomes its solution; `whole` that of the finest.
+    `start` is the pressure to begin with on the coarsest grid, and becomes its solution; `fine` that of the finest.
     """
     pairs = 0.0
     finest = hierarchy.points.size - 1
     for level in range(finest + 1):
         points = hierarchy.points[level]
-        state = leading_part(whole, points)
+        state = leading_part(fine, points)
         if level == 0:
             copy_values(start, state.pressure)
         else:

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.methods.bem import fft
-from weier.methods.bem.checks import check_residual, check_tolerance, checked_points
 from weier.methods.bem.grids import full_contact, nested_grids
-from weier.methods.bem.solver import full_contact_load, full_contact_pressure
+from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load, full_contact_pressure
+from weier.methods.bem.subgrid_solver import check_residual
 from weier.theory.loads import checked_load
 from weier.theory.profile import Profile
 

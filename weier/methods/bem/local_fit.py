@@ -157,29 +157,29 @@ def make_windows(most: int) -> Windows:
         np.zeros(most + 1, np.int64), np.zeros(most + 1, np.int64), np.zeros((most + 1, MAX_FITTED), np.int64),
         np.zeros((most + 1, MAX_FITTED, TERMS)), np.zeros((most + 1, 2, TERMS)),
     )  # fmt: skip
-    for whole in range(2, most + 1):
-        fitted = min(whole, MAX_FITTED)
+    for window in range(2, most + 1):
+        fitted = min(window, MAX_FITTED)
         degree = min(DEGREE, fitted - 1)
         for i in range(fitted):
-            windows.offset[whole, i] = (i * (whole - 1) + (fitted - 1) // 2) // (fitted - 1)
-        s = windows.offset[whole, :fitted] / scale_of(whole) - 1
-        windows.fitted[whole], windows.degree[whole] = fitted, degree
-        windows.coefficient[whole, :fitted] = fit_polynomials(s, np.eye(fitted), degree)
-        windows.following[whole] = fit_polynomials(s, next_terms(s, degree), degree)
+            windows.offset[window, i] = (i * (window - 1) + (fitted - 1) // 2) // (fitted - 1)
+        s = windows.offset[window, :fitted] / scale_of(window) - 1
+        windows.fitted[window], windows.degree[window] = fitted, degree
+        windows.coefficient[window, :fitted] = fit_polynomials(s, np.eye(fitted), degree)
+        windows.following[window] = fit_polynomials(s, next_terms(s, degree), degree)
     return windows
 
 
 @kernel
-def scale_of(whole: int) -> float:
+def scale_of(window: int) -> float:
     """The nodes in one s of a window of so many."""
-    return (whole - 1) / 2
+    return (window - 1) / 2
 
 
 @kernel
-def fit_window(windows: Windows, whole: int, values: Array) -> Array:
+def fit_window(windows: Windows, window: int, values: Array) -> Array:
     """Least-squares polynomials, shape (k, TERMS), of values at the nodes of a window, shape (k, fitted)."""
     polynomials = np.zeros((values.shape[0], TERMS))
-    coefficient = windows.coefficient[whole]
+    coefficient = windows.coefficient[window]
     for j in range(values.shape[0]):
         for i in range(values.shape[1]):
             for k in range(TERMS):

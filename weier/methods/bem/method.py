@@ -10,8 +10,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.checks import checked_edges, checked_points
-from weier.methods.bem.solver import Curve, curve
+from weier.methods.bem.solver import Curve, checked_edges, checked_points, curve
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_points

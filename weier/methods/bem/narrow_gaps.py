@@ -168,9 +168,9 @@ def correct_gap(
         if not solution.contact[node]:
             gap[i] = solution.plane - solution.deformed[node]
             opening[i] = solution.displacement[node] - solution.rate  # per mean pressure
-    whole = nodes + 2 * margin
-    offset, scale = continuum.windows.offset[whole], scale_of(whole)
-    seen = np.empty((3, continuum.windows.fitted[whole]))  # pressure that closes this gap, its rate, and z
+    window = nodes + 2 * margin
+    offset, scale = continuum.windows.offset[window], scale_of(window)
+    seen = np.empty((3, continuum.windows.fitted[window]))  # pressure that closes this gap, its rate, and z
     for i in range(seen.shape[1]):
         node = (start - margin + offset[i]) % points
         seen[0, i], seen[1, i], seen[2, i] = (solution.pressure[node], solution.per_load[node], grid.height[node])
@@ -178,14 +178,14 @@ def correct_gap(
             stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
             seen[0, i] -= stiffness * gap[j]
             seen[1, i] -= stiffness * opening[j]
-    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, whole, seen)
+    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, window, seen)
     pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
     rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
         return _edges_not_found()
-    off, rate_off, uncertain = _errors_of_depth(
-        nodal_pressure, pressure, rate, nodes, whole, factor, grid.tolerance, continuum, spacing
+    compliance_error, resistance_error, uncertain = _errors_of_depth(
+        nodal_pressure, pressure, rate, nodes, window, factor, grid.tolerance, continuum, spacing
     )
     grid_mixed = grid_energy = mixed = energy = 0.0
     smoothing = added_by_triangles(rate, nodes, scale)
@@ -203,40 +203,45 @@ def correct_gap(
     middle = (start + (nodes - 1) / 2 + centre * scale) * spacing
     compliance, resistance = ((grid_mixed - mixed) / continuum.period, (grid_energy - energy) / continuum.period)
     return GapCorrection(
-        compliance, resistance, middle - half_length, middle + half_length, off, rate_off, uncertain
+        compliance, resistance, middle - half_length, middle + half_length, compliance_error, resistance_error,
+        uncertain,
     )  # fmt: skip
 
 
 @kernel
 def _errors_of_depth(
-    nodal_pressure: Array, pressure: Array, rate: Array, nodes: int, whole: int, factor: float, grid_tolerance: float,
-    continuum: Continuum, spacing: float,
+    nodal_pressure: Array, pressure: Array, rate: Array, nodes: int, window: int, factor: float,
+    grid_tolerance: float, continuum: Continuum, spacing: float,
 ) -> tuple[float, float, bool]:  # fmt: skip
     """Errors of both numbers by `factor` times the next two terms of the pressure; whether these may close the gap.
 
     They are much where few nodes are in the window, or an edge of contact is near it.
     """
-    scale, following = scale_of(whole), continuum.windows.following[whole]
+    scale, following = scale_of(window), continuum.windows.following[window]
     rest = np.empty((2, TERMS + 2))
-    remainder(nodal_pressure, following, continuum.windows.degree[whole], scale * continuum.angle, rest)
+    remainder(nodal_pressure, following, continuum.windows.degree[window], scale * continuum.angle, rest)
     least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
     per_load = value(rate, least)
     if bend <= 0 or per_load <= 0:
         return 0.0, 0.0, False
-    off = factor * (abs(value(rest[0], least)) + abs(value(rest[1], least)))
-    off += OPEN_DEPTH * continuum.angle**3 * bend / scale**2  # times the square of the wavenumber
-    off += grid_tolerance * continuum.angle / (2 * np.pi * spacing)  # heights are off by a wave as high as that
-    if depth <= -off:
+    pressure_error = factor * (abs(value(rest[0], least)) + abs(value(rest[1], least)))
+    pressure_error += OPEN_DEPTH * continuum.angle**3 * bend / scale**2  # times the square of the wavenumber
+    pressure_error += (
+        grid_tolerance * continuum.angle / (2 * np.pi * spacing)
+    )  # heights are off by a wave as high as that
+    if depth <= -pressure_error:
         return 0.0, 0.0, False
-    resistance = (2 * np.pi * per_load * scale * spacing) ** 2 * off / (bend * continuum.period)
-    return resistance * (max(depth, 0.0) + off) / per_load, resistance, abs(depth) <= off
+    resistance = (2 * np.pi * per_load * scale * spacing) ** 2 * pressure_error / (bend * continuum.period)
+    return resistance * (max(depth, 0.0) + pressure_error) / per_load, resistance, abs(depth) <= pressure_error
 
 
 @kernel
 def _edges_of_gap(pressure: Array, nodes: int, scale: float) -> tuple[float, float, bool]:
     """Centre and half width of a gap of so many nodes; 0 if the continuum has none there; whether this is known."""
     centre, half_width, found = gap_edges(pressure, 0.0, ((nodes + 1) / 2 - EDGE) / scale)
-    if not found:  # from the parabola at the least pressure instead, which few nodes may see far off their middle
+    if (
+        not found
+    ):  # from the parabola at the least pressure instead, which few nodes may see far pressure_error their middle
         least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
         if depth <= 0:
             return least, 0.0, bend > 0

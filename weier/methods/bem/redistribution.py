@@ -33,7 +33,7 @@ class Redistribution(NamedTuple):
     touching : whether a contact of the grid still touches, or a crest does
     change, share_change : how much more force each has, and of how much more share
     centre, half_width : of contacts with polynomials and of crests, in s
-    pressed, tilt : displacement by what others carry more than on the grid, or elsewhere, and its slope
+    tilt : slope of the displacement by what others carry more than on the grid, or elsewhere
     second, rate_second : sizes of what second moments change of compliance and resistance
     penetration, closing : by how much each that is narrow, or a crest, stands above the plane that it does not touch,
         or would without its force, in g_0, and the rate of that per mean pressure
@@ -48,7 +48,6 @@ class Redistribution(NamedTuple):
     share_change: Array
     centre: Array
     half_width: Array
-    pressed: Array
     tilt: Array
     second: Array
     rate_second: Array
@@ -92,11 +91,11 @@ def redistribute(
         found = _equalise_heights(contacts, plane, period, interaction, state, total)
         if not found:
             break
-        pressed = press(state.change, interaction)
+        displacement = press(state.change, interaction)
         for i in range(n):
-            pressed[i] += state.lift[i]
-        common = _common_height(contacts, state, pressed)
-        if not _touch_and_let_go(contacts, period, common, pressed, state, total):
+            displacement[i] += state.lift[i]
+        common = _common_height(contacts, state, displacement)
+        if not _touch_and_let_go(contacts, period, common, displacement, state, total):
             break
     for i in range(n):
         if state.touching[i]:  # a wide contact has no law of its own that keeps its force positive
@@ -148,22 +147,24 @@ def _equalise_heights(
     for _ in range(MAX_STEPS):
         if not _heights(contacts, plane, period, state):
             return False
-        pressed = press(state.change, interaction)
+        displacement = press(state.change, interaction)
         for i in range(n):
-            right[i] = state.excess[i] - contacts.self_compliance[i] * state.change[i] - pressed[i] - state.lift[i]
+            right[i] = (
+                state.excess[i] - contacts.self_compliance[i] * state.change[i] - displacement[i] - state.lift[i]
+            )
         step, _, found = solve_bordered(state.slope, right, state.touching, -state.change.sum(), interaction)
         if not found:
             return False
-        largest, done, gone = 0.0, True, False
+        largest, done, released = 0.0, True, False
         for i in range(n):
             if state.touching[i]:
                 if contacts.kind[i] != WIDE:
                     step[i] = max(step[i], -MAX_LOSS * (contacts.force[i] + state.change[i]))
                 state.change[i] += step[i]
-                gone |= _has_let_go(contacts, i, state.change[i], total)
+                released |= _has_let_go(contacts, i, state.change[i], total)
                 largest = max(largest, abs(step[i]))
                 done &= (abs(step[i]) - CLOSE * total) * state.slope[i] <= ROUNDING * abs(state.excess[i])
-        if done or gone:  # a contact without force is let go before the others are solved for
+        if done or released:  # a contact without force is let go before the others are solved for
             return True
         if not largest < np.inf:
             return False
@@ -190,9 +191,9 @@ def solve_bordered(
     for i in range(n):
         if touching[i]:
             x[i] = total / (slope[i] * weight)
-    pressed = press(x, interaction)
+    displacement = press(x, interaction)
     for i in range(n):
-        rest[i] = right[i] - slope[i] * x[i] - pressed[i]
+        rest[i] = right[i] - slope[i] * x[i] - displacement[i]
     common = energy = first = 0.0
     for step in range(MAX_GRADIENTS):
         last, common = energy, 0.0
@@ -224,13 +225,13 @@ def solve_bordered(
 
 
 @kernel
-def _common_height(contacts: GridContacts, state: _State, pressed: Array) -> float:
+def _common_height(contacts: GridContacts, state: _State, displacement: Array) -> float:
     """Height at which all that touch have come to stand."""
     common = weight = 0.0
     for i in range(state.change.size):
         if state.touching[i]:
             own = contacts.self_compliance[i] * state.change[i]
-            common += contacts.share[i] * (state.excess[i] - own - pressed[i])
+            common += contacts.share[i] * (state.excess[i] - own - displacement[i])
             weight += contacts.share[i]
     return common / weight if weight > 0 else np.nan
 
@@ -243,7 +244,7 @@ def _has_let_go(contacts: GridContacts, at: int, change: float, total: float) ->
 
 @kernel
 def _touch_and_let_go(
-    contacts: GridContacts, period: float, plane: float, pressed: Array, state: _State, total: float
+    contacts: GridContacts, period: float, plane: float, displacement: Array, state: _State, total: float
 ) -> bool:
     """Release contacts without force, and let crests touch that stand above the plane; whether anything changed."""
     changed = False
@@ -257,7 +258,7 @@ def _touch_and_let_go(
                 changed = True
         elif contacts.kind[i] == CREST:
             top = state.centre[i] if state.half_width[i] == 0 else contacts.centre[i]
-            above = value(contacts.height[i], top) - pressed[i] - plane
+            above = value(contacts.height[i], top) - displacement[i] - plane
             bend = -slopes(contacts.height[i], top)[1]
             if above > CLOSE * abs(plane) and bend > 0:
                 state.touching[i] = changed = True
@@ -268,40 +269,30 @@ def _touch_and_let_go(
 
 
 @kernel
+def _moments(
+    polynomial: Array, total: Array, sign: float, on_grid: Array, contacts: GridContacts, state: _State
+) -> Array:
+    """First and second moments of the pressure that the continuum has more than the grid, shape (contacts, 3).
+
+    On each contact the pressure carries `total` and, with a sign of 1, displaces the surface by the polynomial but
+    for a constant; with one of -1 it takes it off: of shares, that of what the rates of others have bent.
+    """
+    moments = np.zeros((total.size, 3))
+    for i in range(total.size):
+        if state.touching[i] and contacts.kind[i] == NARROW:
+            coefficient = expansion(polynomial[i], state.centre[i], state.half_width[i])
+            odd, even = sign * coefficient[1], sign * coefficient[2]
+            middle, reach = contacts.scale[i] * state.centre[i], contacts.scale[i] * state.half_width[i]
+            moments[i, 1] = total[i] * middle + reach * odd / 4 - on_grid[i, 0]
+            second = total[i] * middle**2 + middle * reach * odd / 2 + reach**2 * (total[i] / 2 + even / 4)
+            moments[i, 2] = second - on_grid[i, 1]
+    return moments
+
+
+@kernel
 def _moments_of_force(contacts: GridContacts, state: _State) -> Array:
-    """First and second moments of force that the continuum has more than the grid, shape (contacts, 3)."""
-    moments = np.zeros((state.change.size, 3))
-    for i in range(state.change.size):
-        if state.touching[i] and contacts.kind[i] == NARROW:
-            height = expansion(contacts.height[i], state.centre[i], state.half_width[i])
-            total = contacts.force[i] + state.change[i]
-            _add_moments(moments[i], total, height[1], height[2], contacts, state, i)
-            moments[i, 1] -= contacts.force_moments[i, 0]
-            moments[i, 2] -= contacts.force_moments[i, 1]
-    return moments
-
-
-@kernel
-def _moments_of_share(contacts: GridContacts, state: _State) -> Array:
-    """Moments of the shares: of what presses flat again what the rates of others have bent."""
-    moments = np.zeros((state.change.size, 3))
-    for i in range(state.change.size):
-        if state.touching[i] and contacts.kind[i] == NARROW:
-            rate = expansion(contacts.rate[i], state.centre[i], state.half_width[i])
-            _add_moments(moments[i], contacts.share[i], -rate[1], -rate[2], contacts, state, i)
-            moments[i, 1] -= contacts.share_moments[i, 0]
-            moments[i, 2] -= contacts.share_moments[i, 1]
-    return moments
-
-
-@kernel
-def _add_moments(
-    moments: Array, total: float, odd: float, even: float, contacts: GridContacts, state: _State, at: int
-) -> None:
-    """Add moments of a pressure that carries `total` and presses flat what has these coefficients of T_1 and T_2."""
-    middle, reach = contacts.scale[at] * state.centre[at], contacts.scale[at] * state.half_width[at]
-    moments[1] += total * middle + reach * odd / 4
-    moments[2] += total * middle**2 + middle * reach * odd / 2 + reach**2 * (total / 2 + even / 4)
+    """Those of the pressure."""
+    return _moments(contacts.height, contacts.force + state.change, 1.0, contacts.force_moments, contacts, state)
 
 
 class _Weights(NamedTuple):
@@ -328,26 +319,26 @@ def _sum_up(
     n = state.change.size
     touching, change = state.touching, state.change
     weights, shape = _weigh(contacts, rate, period, state)
-    of_share = _moments_of_share(contacts, state)
+    of_share = _moments(contacts.rate, contacts.share, -1.0, contacts.share_moments, contacts, state)
     by_shares = displace(of_share, interaction)
-    faster, released, solved = _changes_of_shares(contacts, period, state, weights, by_shares, interaction)
+    share_change, released, solved = _changes_of_shares(contacts, period, state, weights, by_shares, interaction)
     of_force = _moments_of_force(contacts, state)
     for i in range(n):
-        of_force[i, 0], of_share[i, 0] = change[i], faster[i]
+        of_force[i, 0], of_share[i, 0] = change[i], share_change[i]
     moved_shares = displace(of_share, interaction)
     moved = displace(of_force, interaction)  # the last product: its displacement of all nodes is looked at later
     compliance, resistance = shape / period, 0.0
     second, rate_second, closing, penetration = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    pressed, tilt = np.zeros(n), np.zeros(n)
+    tilt = np.zeros(n)
     for i in range(n):
         share, own, tilted = contacts.share[i], contacts.self_compliance[i], by_shares[i, 0]
         mixed = of_force[i, 1] * by_shares[i, 1] + of_force[i, 2] * by_shares[i, 2]
         energy = of_share[i, 1] * by_shares[i, 1] + of_share[i, 2] * by_shares[i, 2]
         compliance += mixed / period
         resistance += energy / period
-        pressed[i], tilt[i] = abs(moved[i, 0]), moved[i, 1]
+        tilt[i] = moved[i, 1]
         force_spread = _spread(of_force[i], contacts.force[i] + change[i])
-        share_spread = _spread(of_share[i], share + faster[i])
+        share_spread = _spread(of_share[i], share + share_change[i])
         images = 2 / 15 * (np.pi / period) ** 4
         by_share = abs(moved_shares[i, 2]) + images * share_spread
         second[i] = (force_spread * by_share + share_spread * abs(moved[i, 2])) / period
@@ -363,9 +354,9 @@ def _sum_up(
                 period - released
             )
             more = weights.own[i] * share + weights.others[i]
-            resistance += (more * (share + faster[i]) + weights.others[i] * share + tilted * faster[i]) / (
-                period - released
-            )
+            resistance += (
+                more * (share + share_change[i]) + weights.others[i] * share + tilted * share_change[i]
+            ) / (period - released)
         else:
             compliance -= (share * (moved[i, 0] + own * change[i]) - tilted * change[i]) / (period - released)
             resistance -= share * (moved_shares[i, 0] + tilted - own * share) / (period - released)
@@ -382,7 +373,7 @@ def _sum_up(
             closing[i] = rate + resistance - value(contacts.rate[i], top) - moved_shares[i, 0]
     found &= solved and released <= MAX_RELEASED * period
     return Redistribution(
-        found, compliance, resistance, touching, change, faster, state.centre, state.half_width, pressed, tilt,
+        found, compliance, resistance, touching, change, share_change, state.centre, state.half_width, tilt,
         second, rate_second, penetration, closing, interaction.displacement,
     )  # fmt: skip
 
@@ -430,23 +421,23 @@ def _changes_of_shares(
 ) -> tuple[Array, float, bool]:
     """How much more of a load each carries, shares released, and whether these were found."""
     n = state.change.size
-    slope, right, gone = np.ones(n), np.zeros(n), np.zeros(n)
+    slope, right, lost = np.ones(n), np.zeros(n), np.zeros(n)
     released = 0.0
     for i in range(n):
         share = contacts.share[i]
         if not state.touching[i]:
             released += share
-            gone[i] = share
+            lost[i] = share
             continue
         slope[i] = contacts.self_compliance[i] + weights.own[i]
         if contacts.kind[i] == CREST:
             slope[i] = punch_compliance(state.half_width[i] * contacts.scale[i], period)
         right[i] = weights.closing[i] - weights.own[i] * share - weights.others[i] - by_shares[i, 0]
     if released > 0:  # what they carried on the grid is carried by the others
-        pressed = press(gone, interaction)
+        displacement = press(lost, interaction)
         for i in range(n):
-            right[i] += pressed[i]
-    faster, _, found = solve_bordered(slope, right, state.touching, released, interaction)
+            right[i] += displacement[i]
+    share_change, _, found = solve_bordered(slope, right, state.touching, released, interaction)
     for i in range(n):
-        faster[i] -= gone[i]
-    return faster, released, found
+        share_change[i] -= lost[i]
+    return share_change, released, found

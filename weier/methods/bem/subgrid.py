@@ -47,7 +47,7 @@ def correct_contacts(gaps: Gaps, solution: GridSolution, grid: Grid, edge: Edges
     crests again, until no more of them may touch.
     """
     points = solution.pressure.size
-    steps = find_steps(solution, edge, continuum.period)
+    steps = find_steps(solution, edge)
     crest = np.zeros(points, np.bool_)
     crests = find_crests(solution.plane, solution, np.zeros(points), crest)
     for _ in range(MAX_ROUNDS):

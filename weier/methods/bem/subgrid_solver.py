@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cached_property
 from math import isfinite
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import fft
-from weier.methods.bem.checks import check_residual
 from weier.methods.bem.contact_list import ContactList
 from weier.methods.bem.edges import find_edges
 from weier.methods.bem.grid_solution import GridSolution, make_continuum
@@ -22,10 +22,15 @@ from weier.methods.progress import count_load, telling
 from weier.theory.profile import Profile
 from weier.theory.waves import MAX_POINTS
 
+if TYPE_CHECKING:
+    from weier.methods import patches
+
 MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
 RATE_TOLERANCE = 1e-8  # of the rate, how flat A q is in contact: corrections are linear in what is left of it
 MAX_DOUBLINGS = 2  # of the points under a load that is not verified
+QUADRATURE_NODES = 64  # of each contact of patches
+SHARE_STEP = 1e-6  # of the load, for a difference of the forces of patches, which are known to 1e-12
 PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
 
 
@@ -155,16 +160,59 @@ def _solve_by_patches(profile: Profile, load: float) -> LoadSolution:
 
     try:
         with telling(None):
-            curve, solution = patches.curve(profile, [load]), patches.solve_load(profile, load)
+            solution = patches.solve_load(profile, load)
+            left, right = solution.edges.T
+            contacts = ContactList(left, right, forces_of(solution), _shares(profile, solution))
     except (ConvergenceError, ValueError) as error:  # so many waves in so many contacts may not fit into memory
         raise ConvergenceError(
             f"neither boundary elements nor contact patches verify a solution under the mean pressure {load:.6g} "
             f'p_0*: {error}; try more points, or edges="nodes"',
             getattr(error, "residual", np.nan),
         ) from error
-    edge, unknown = solution.edges, np.full(solution.centre.size, np.nan)
-    resistance = float(curve.resistance[0])
+    assert solution.state is not None  # in full contact nothing is solved
+    resistance, residual = float(solution.state.sensitivity[-1]), solution.state.residual
     return LoadSolution(
-        True, solution.mean_gap, resistance, float(curve.residual[0]), PATCHES_RESISTANCE * max(resistance, 1.0),
-        ContactList(edge[:, 0], edge[:, 1], unknown, unknown), False, float(curve.residual[0]), 0.0,
+        True, solution.mean_gap, resistance, residual, PATCHES_RESISTANCE * max(resistance, 1.0), contacts, False,
+        residual, 0.0,
     )  # fmt: skip
+
+
+def forces_of(solution: patches.Solution) -> Array:
+    """Forces of the contacts of patches, by quadrature that is exact for roots at both edges times polynomials."""
+    angle = np.pi * np.arange(1, QUADRATURE_NODES + 1) / (QUADRATURE_NODES + 1)
+    x = solution.centre[:, None] + solution.half_width[:, None] * np.cos(angle)
+    pressure = solution.pressure(x.ravel()).reshape(x.shape)
+    return np.asarray(solution.half_width * (pressure @ np.sin(angle)) * np.pi / (QUADRATURE_NODES + 1))
+
+
+def _shares(profile: Profile, solution: patches.Solution) -> Array:
+    """Shares of one more load, by the forces under a load nearby with as many contacts; NaN where there is none."""
+    from weier.methods import patches
+
+    forces = forces_of(solution)
+    for step in (SHARE_STEP, -SHARE_STEP):
+        with suppress(ConvergenceError):
+            other = patches.solve_load(profile, solution.mean_pressure * (1 + step))
+            if other.centre.size == solution.centre.size:
+                return (forces_of(other) - forces) / (other.mean_pressure - solution.mean_pressure)
+    return np.full(solution.centre.size, np.nan)
+
+
+def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
+    """Refuse a solution with a residual above the tolerance, in g_0, or without one.
+
+    Raises
+    ------
+    ConvergenceError
+        With the first such residual and its load.
+
+    """
+    missed = np.flatnonzero(~(residual <= tolerance))
+    if missed.size:
+        worst = missed[0]
+        raise ConvergenceError(
+            f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
+            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
+            "residual_tolerance",
+            float(residual[worst]),
+        )
