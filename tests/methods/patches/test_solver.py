@@ -326,6 +326,33 @@ def test_a_contact_beside_two_probes_that_nearly_coincide_is_found():
     assert abs(loose.compliance - tight.compliance) <= loose.compliance_error
 
 
+# The minimum of the gap is narrow, and beside the crest: probes see nothing of it, and differences over their
+# distances little. The load, and the contacts that boundary elements find on 128 points a wave.
+@pytest.mark.parametrize(
+    ("profile", "load", "contacts"),
+    [
+        (Profile(1.1613856409079433, "5/2", 4, (0, np.pi, 3.1416018016584557, np.pi)), 0.002084083173835998, 3),
+        (Profile(1.9114697804879395, "2", 7, (0, 0, *4 * [np.pi], 3.1415926535879355)), 0.10618670080719707, 4),
+        (Profile(1.1369860985013425, "11/3", 2, (0, 1.0280190854269363e-05)), 0.004170824264919964, 2),
+        (Profile(1.625151661743045, "11/3", 2, (0, 3.1415926535947984)), 0.01875830183793605, 4),
+        (Profile(1.9480076505165251, 8, 3, (5.602835668827205e-09, 0, np.pi)), 0.031069906278546635, 4),
+        (
+            Profile(
+                1.4971078338476118, 3, 7, (5.246513605799116, 4.620953514526198, 2.140217448529063, 4.131525865138026,
+                                           2.822872572360879, 5.501677211714507, 2.0443309484727927),
+            ),
+            7.679964705543523,
+            459,
+        ),
+    ],
+)  # fmt: skip
+def test_a_small_contact_beside_its_crest_is_found(profile, load, contacts):
+    exact, grid = patches.curve(profile, load), bem.curve(profile, load, points_per_wave=64)
+    assert exact.patch_count == contacts
+    assert abs(exact.compliance - grid.compliance) <= grid.compliance_error
+    assert abs(exact.resistance - grid.resistance) <= grid.resistance_error
+
+
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_a_contact_that_was_just_born_is_found_at_any_tolerance(tolerance):
     profile, load = Profile(1.0991885227757625, 6, 2, (3.1415926535897345, 0.0)), 0.08558181163342306

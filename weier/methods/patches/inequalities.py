@@ -37,8 +37,8 @@ SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or 
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
 END_DISTANCE = 1e-6  # from the end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits here, as many as the limit has
-MAX_RISE = 0.1  # curvature times the square of the distance of probes: a minimum may lie so far below the lowest one
-FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 3, 4  # of the distance of probes
+# Of the distance of probes. A stencil of h finds a minimum to h^2 of the wavenumber, so that the last is within 1e-8.
+FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces; with sqrt(2) it would carry nothing
 NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
 OVERLAP_BESIDE_EDGE = 1.5  # over the move of an edge that is to grow: how far the gap beside it is negative
@@ -403,7 +403,8 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
     rise = (value[lowest + 1] - value[lowest]) / (high - middle) - (value[lowest] - value[lowest - 1]) / (
         middle - low
     )
-    some = value[lowest] < 2 * MAX_RISE * np.maximum(rise, 0) * (high - low) + tolerance
+    bend, farthest = 2 * np.maximum(rise, 0) / (high - low), 0.5 * np.maximum(high - middle, middle - low)
+    some = value[lowest] < 0.5 * MAX_FALL * bend * farthest**2 + tolerance
     if not np.any(some):
         return none, 0.0
     brackets = _Brackets(low[some], middle[some], high[some], gap_before[lowest[some]])
@@ -436,8 +437,10 @@ def _minima(problem: Problem, step: Step, brackets: _Brackets) -> tuple[Array, A
         slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
         lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
         shift = -slope / np.where(curvature > 0, curvature, np.inf)
-        shift = np.clip(middle + shift, low + 1.01 * stencil, high - 1.01 * stencil) - middle
-        margin = -0.5 * MAX_FALL * np.minimum(shift * slope, 0)
+        inner = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)  # the last takes its middle
+        shift = np.clip(middle + shift, low + inner, high - inner) - middle
+        # The stencil tells slopes less well than a minimum must be known: it may be as far off as that is wide.
+        margin = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
         some = np.minimum(here - margin, lowest[1]) < 0
         some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
         brackets = _Brackets(low[some], (middle + shift)[some], high[some], interval[some])
