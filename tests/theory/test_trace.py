@@ -156,11 +156,12 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
         (np.ones(50), 1.0, {}, "heights must be rough, got 50 times 1 m"),
         (np.arange(50.0), 1.0, {}, "heights must be rough, got none with waves of 0.04 m or longer"),
         (COS, 1.0, {"shortest": 0.9, "ends": "periodic"}, "heights must be rough, got none with waves of 0.9 m"),
+        ("shaft.csv", 1.0, {}, r"heights must be numbers, got 'shaft.csv': weier.Trace.read takes a file"),
+        (COS / 10 + np.arange(100) // 34, 1.0, {}, "heights must not jump, got a step of"),
         (STEP, 1.0, {}, r"heights must not jump, got a step of .* m behind x = 0.59 m: cut the trace there"),
         (np.arange(50.0), 1.0, {"ends": "periodic"}, "heights must not jump, got a step of -49 m behind x = 0.98 m"),
         (np.broadcast_to(0.0, 10**7), 1.0, {}, "heights must be 16 to 1000000 numbers, got 10000000"),
         (COS[None], 1.0, {}, r"heights must be one list, in m, got an array of shape \(1, 100\)"),
-        ("heights", 1.0, {}, "heights must be a number or an array of numbers, got the text 'heights'"),
         (COS, 0.0, {}, "length must be positive and finite, in m, got 0.0"),
         (
             COS,
@@ -199,11 +200,13 @@ EVEN = np.arange(100.0)
         (rows(COS, EVEN), {"length": 1.0}, "shaft.csv has positions: length must be left out"),
         (rows(COS, EVEN**2), {}, "positions must rise in equal steps, got"),
         (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, got"),
+        (rows(COS, EVEN[::-1]), {}, "positions must rise in equal steps, got 0 in the last row behind 99"),
+        ("1,\n2,\n", {"length": 1.0}, "shaft.csv, line 1, must have one or two numbers, got '1,'"),
         (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "positions must rise in equal steps, got nan in row 51"),
         (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, "heights must be finite, in m, got nan at position 9"),
         ("1\n" * (10**6 + 1), {"length": 1.0}, "shaft.csv must have at most 1000000 heights, got more"),
         (rows(COS, EVEN), {"x_unit": "inch"}, "x_unit must be one of m, mm, um, .*nm, got 'inch'"),
-        (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, nm, got 'A'"),
+        (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, .*nm, got 'A'"),
     ],
 )
 def test_a_file_that_is_no_trace_is_refused_in_one_sentence(file, text, more, says):

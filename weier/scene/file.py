@@ -201,12 +201,12 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
 
 def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
     """The values of each parameter, each sound by itself."""
+    if "trace" in product:
+        return {"trace": _traces(keys, distinct_values("trace", product["trace"]), folder, mistakes)}
     axes: dict[str, list[Any]] = {
         name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
         for name, values in product.items()
     }
-    if "trace" in axes:
-        return {"trace": _traces(keys, axes["trace"], folder, mistakes)}
     for name, values in axes.items():
         for value in values:
             mistakes.attempt((*keys, name), partial(check_value, name, value), None)

@@ -24,8 +24,8 @@ MAX_WAVES = 100_000  # of the shortest in a period: 3.2 million nodes
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
 ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
-# A step is a difference of more than half of all heights that is ten times as large as the three on either side.
-STEP_SHARE, STEP_RATIO, STEP_NEIGHBOURS = 0.5, 10.0, 3
+# A step is a difference of more than a fifth of all heights that is ten times as large as the three on either side.
+STEP_SHARE, STEP_RATIO, STEP_NEIGHBOURS = 0.2, 10.0, 3
 UNEVEN = 0.01  # of a step: the digits that files give of positions
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}  # micro sign and Greek mu
 
@@ -91,6 +91,8 @@ class Trace(Waves):
         ends: str = MIRRORED,
         source: str = "",
     ) -> None:
+        if isinstance(heights, str | Path):
+            raise ValueError(f"heights must be numbers, got {shown(heights)}: weier.Trace.read takes a file")
         z = _checked_heights(heights)
         self.lambda_0 = checked_number("length", length, "be positive and finite, in m", lambda x: 0 < x < math.inf)
         if not isinstance(source, str):
@@ -113,6 +115,10 @@ class Trace(Waves):
                 f"shortest must leave at most {MAX_WAVES} of the finest waves in a period, got {self.shortest:g} m, "
                 f"which leaves {finest}: take a larger one, or a part of the trace"
             )
+
+    def __repr__(self) -> str:
+        """The trace in a few words."""
+        return f"<{self.describe()}>"
 
     @classmethod
     def read(
@@ -282,7 +288,7 @@ def _rows(path: Path, lines: Iterable[str]) -> list[list[float]]:
         fields = line.replace(",", " ").replace(";", " ").split()
         if not fields or fields[0].startswith("#") or (number == 1 and not _is_number(fields[0])):
             continue
-        if len(fields) > 2 or not all(map(_is_number, fields)):
+        if len(fields) > 2 or line.rstrip()[-1] in ",;" or not all(map(_is_number, fields)):
             raise ValueError(f"{path}, line {number}, must have one or two numbers, got {shown(line)}")
         if rows and len(fields) != len(rows[0]):
             raise ValueError(
@@ -305,8 +311,10 @@ def _is_number(text: str) -> bool:
 def _length(x: Array) -> float:
     """As many steps as there are positions, if these are even."""
     step = (x[-1] - x[0]) / max(x.size - 1, 1)
+    if step <= 0:
+        raise ValueError(f"positions must rise in equal steps, got {x[-1]:g} in the last row behind {x[0]:g}")
     deviation = np.abs(x - x[0] - step * np.arange(x.size))
-    if not (step > 0 and deviation.max() <= UNEVEN * step):
+    if not deviation.max() <= UNEVEN * step:  # NaN, too
         at = int(np.argmax(deviation))
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} for {x[0] + at * step:g}: "

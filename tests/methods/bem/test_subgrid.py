@@ -458,11 +458,15 @@ def test_errors_hold_near_full_contact_at_any_tolerance(tolerance):
     assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error + 1e-9)
 
 
-def test_without_resistance_the_compliance_is_the_same():
+@pytest.mark.parametrize("edges", ["nodes", "subgrid"])
+def test_without_resistance_no_work_is_done_for_it(edges):
+    """On nodes its rate is not solved for; between them the compliance needs it, too."""
     profile, loads = Profile(1.25, 5, 2, 1.0), np.array([0.01, 0.3])
-    one, other = (curve(profile, loads, resistance=wanted) for wanted in (True, False))
+    one, other = (curve(profile, loads, resistance=wanted, edges=edges) for wanted in (True, False))
     assert other.compliance.tolist() == one.compliance.tolist()
+    assert np.all(np.isfinite(one.resistance))
     assert np.all(np.isnan(other.resistance))
+    assert np.all(other.work < one.work) if edges == "nodes" else np.all(other.work == one.work)
 
 
 def test_both_numbers_cost_30_pairs():
