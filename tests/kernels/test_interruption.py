@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from weier.kernels.interruption import interruptible, run_kernel
+from weier.kernels.interruption import COMPILER, interruptible, run_kernel
 
 PATIENCE = 120  # seconds
 
@@ -26,7 +26,7 @@ def short():
     return weier.solve(weier.Profile(D=1.25, gamma=5, m=2), [0.1, 0.5], {method!r}).compliance.values
 
 before = short()
-weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), [0.5], {method!r})  # compiles what many contacts take
+weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), [1e-3, 0.5, 4], {method!r})  # compiles what many contacts take
 print("ready", flush=True)
 try:
     weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), np.geomspace(1e-3, 4, 100), {method!r}{settings})
@@ -132,3 +132,18 @@ def test_ctrl_c_is_raised_once_the_kernel_has_returned():
     assert run_kernel(lambda: 1, ()) == 1
     with pytest.raises(KeyboardInterrupt):  # and at once elsewhere
         interruptible(lambda: signal.raise_signal(signal.SIGINT))()
+
+
+def test_ctrl_c_where_llvm_calls_back_is_raised_after_the_kernel():
+    """An exception that is raised there is printed and lost."""
+    calls = []
+
+    def _raw_object_cache_notify():
+        signal.raise_signal(signal.SIGINT)
+        calls.append("went on")
+
+    compiler = {"__name__": COMPILER, "notify": _raw_object_cache_notify}  # where it would else be raised at once
+    exec("def compiled(): notify()", compiler)
+    with pytest.raises(KeyboardInterrupt):
+        interruptible(run_kernel)(compiler["compiled"], ())
+    assert calls == ["went on"]

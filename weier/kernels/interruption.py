@@ -19,6 +19,7 @@ Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
 COMPILER = "weier.kernels.compiler"  # is all Python, and is interrupted like it
+CALLBACK = "_raw_object_cache"  # of llvmlite, which LLVM calls when it has made code: there exceptions are lost
 _NOTED: list[bool] = []
 
 
@@ -50,6 +51,9 @@ def run_kernel(compiled: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 
 def _raise_or_note(number: int, frame: FrameType | None) -> None:
+    if frame is not None and frame.f_code.co_name.startswith(CALLBACK):
+        _NOTED.append(True)
+        return
     caller = frame.f_back if frame is not None else None  # in run_kernel itself, compiled code has returned
     while caller is not None and caller.f_globals.get("__name__") != COMPILER:
         if caller.f_code is run_kernel.__code__:
