@@ -48,6 +48,7 @@ def estimate_errors(
     load = float(np.mean(solution.pressure))
     of_edges = _errors_of_edges(solution, edge, steps, polynomial, angle, load)
     compliance, resistance = _error_of_the_solver(solution, load) + of_edges[0], of_edges[1]
+    resistance += factors.RATE_ROUNDING / angle**2 * solution.rate
     for at in range(used):
         if not forces.touching[at]:
             continue
@@ -57,9 +58,9 @@ def estimate_errors(
             of_rest = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
             compliance += factors.REST * of_rest[0]
             resistance += factors.REST * of_rest[1]
-            shifted = factors.RECIPROCITY * abs(forces.share_change[at] * forces.change[at]) / period
-            compliance += shifted
-            resistance += shifted / load
+            shifted = abs(forces.share_change[at] * forces.change[at]) / period
+            compliance += factors.RECIPROCITY[0] * shifted
+            resistance += factors.RECIPROCITY[1] * shifted / load
     births = missed = 0.0
     uncertain, judged = False, True
     for at in range(used):
@@ -114,7 +115,7 @@ def _errors_of_edges(
         nodes = min(edge[2] - edge[1], edge[3] - edge[2])
         change = (nodes / solution.pressure.size) ** 4 * steps.drop.sum()
         return factors.IMAGES * change * mean_pressure, factors.IMAGES * change
-    half_wave = np.pi / angle  # in nodes: the surface below a wider run bends as much
+    quarter_wave = 0.5 * np.pi / angle  # in nodes: the surface below a wider run bends as much
     for run in range(edge.size - 2):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
         narrower = min(here, before)
@@ -127,7 +128,7 @@ def _errors_of_edges(
                 share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
                 errors[quantity] += share * change[quantity]
             elif not polynomial[contact]:
-                errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
+                errors[quantity] += factors.ALONE[quantity] / min(narrower, quarter_wave) * change[quantity]
     return errors[0], errors[1]
 
 

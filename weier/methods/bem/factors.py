@@ -15,14 +15,14 @@ EDGE_REST = 4.0  # in place of REST for a gap beside an edge of contact, near wh
 # polynomial and aliases leave of it on one wave at 32 to 256 points.
 OPEN_DEPTH = 0.01
 # Steps, of compliance and resistance: an edge that moves by a node changes them by D (a + b) and D.
-# Over the nodes of the narrower run, or of half of a finest wave where these are fewer: edges without a polynomial.
+# Over the nodes of the narrower run, or of a quarter of a finest wave where these are fewer: edges alone.
 ALONE = np.array([0.2, 0.9])
 GAP = np.array([0.012, 0.035])  # times (2 pi/points a wave)^2, for gaps with a polynomial, which stands for waves
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
 IMAGES = 0.13  # times (narrower run/both)^4, for one contact and its images
 # Contacts that bear on each other.
 MOMENTS = 3.0  # times what second moments of contacts change
-RECIPROCITY = 0.1  # times change of force and change of share, of the compliance, and over the load of R
+RECIPROCITY = np.array([0.1, 1.0])  # times changes of force and of share: of h, and over the load of R
 # Births, by how far off the height of a crest may be.
 HEIGHT_SHARE = 5.0  # errors of the compliance
 # Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
@@ -31,4 +31,5 @@ HEIGHT_SHARE = 5.0  # errors of the compliance
 MOMENT = np.array([0.6, 0.08])
 # Rounding.
 ROUNDING = 1e-13  # of the heights
+RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
 CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial
