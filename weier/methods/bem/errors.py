@@ -115,7 +115,7 @@ def _errors_of_edges(
         nodes = min(edge[2] - edge[1], edge[3] - edge[2])
         change = (nodes / solution.pressure.size) ** 4 * steps.drop.sum()
         return factors.IMAGES * change * mean_pressure, factors.IMAGES * change
-    quarter_wave = 0.5 * np.pi / angle  # in nodes: the surface below a wider run bends as much
+    half_wave = np.pi / angle  # in nodes: the surface below a wider run bends as much
     for run in range(edge.size - 2):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
         narrower = min(here, before)
@@ -128,7 +128,7 @@ def _errors_of_edges(
                 share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
                 errors[quantity] += share * change[quantity]
             elif not polynomial[contact]:
-                errors[quantity] += factors.ALONE[quantity] / min(narrower, quarter_wave) * change[quantity]
+                errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
     return errors[0], errors[1]
 
 

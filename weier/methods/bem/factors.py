@@ -15,7 +15,7 @@ EDGE_REST = 4.0  # in place of REST for a gap beside an edge of contact, near wh
 # polynomial and aliases leave of it on one wave at 32 to 256 points.
 OPEN_DEPTH = 0.01
 # Steps, of compliance and resistance: an edge that moves by a node changes them by D (a + b) and D.
-# Over the nodes of the narrower run, or of a quarter of a finest wave where these are fewer: edges alone.
+# Over the nodes of the narrower run, or of half of a finest wave where these are fewer: edges without a polynomial.
 ALONE = np.array([0.2, 0.9])
 GAP = np.array([0.012, 0.035])  # times (2 pi/points a wave)^2, for gaps with a polynomial, which stands for waves
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
