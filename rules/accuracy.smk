@@ -1,5 +1,5 @@
 from weier.methods.registry import names
-from weier.pipeline.digests import MEASURED, PICTURES, digest_of_program
+from weier.kernels.digests import MEASURED, PICTURES, digest_of_program
 
 # What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
 for study, figure in {

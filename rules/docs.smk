@@ -1,4 +1,4 @@
-from weier.pipeline.digests import EVERYTHING, digest_of_program
+from weier.kernels.digests import EVERYTHING, digest_of_program
 
 # The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
 if "paper" in drawn_together():

@@ -1,4 +1,4 @@
-from weier.pipeline.digests import PICTURES, digest_of_program
+from weier.kernels.digests import PICTURES, digest_of_program
 
 
 # One HTML page a scene, to look through: snakemake --cores 2 pages --config scenes=paper

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from weier.data import dataset
-from weier.kernels.sources import PACKAGE
+from weier.kernels.digests import PACKAGE
 
 SCENE = """
 title: test

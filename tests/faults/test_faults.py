@@ -1,6 +1,5 @@
 """What a run survives: after each fault the next one ends with the same bytes, or says in one sentence what to do."""
 
-import importlib.util
 import os
 import re
 import shutil
@@ -17,10 +16,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.marks import compiled
 from weier.data import dataset
-from weier.kernels import jit
-from weier.kernels.sources import PACKAGE
+from weier.kernels.digests import PACKAGE
 
 SCENE = """
 title: test
@@ -345,34 +342,3 @@ def test_a_clock_that_goes_back_within_a_run(checkout, undisturbed, tmp_path):
     assert snakemake.returncode != 0
     assert "clock skew" in (tmp_path / "said").read_text()
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
-
-
-KERNEL = """
-from weier.kernels.jit import kernel
-
-@kernel
-def square(x):
-    return x * x
-"""
-
-
-@compiled
-@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
-@pytest.mark.parametrize("size", [0, 99])
-def test_a_damaged_cache_of_compiled_kernels(tmp_path, monkeypatch, suffix, size):
-    """numba alone would stop at it in every later run."""
-    monkeypatch.setattr(jit, "folder", lambda: tmp_path / "cache")
-    (tmp_path / "kernels.py").write_text(KERNEL)
-    assert compiled_and_cached(tmp_path) == (9.0, 0)
-    (damaged,) = (tmp_path / "cache").rglob(f"*.{suffix}")
-    damaged.write_bytes(damaged.read_bytes()[:size])
-    assert compiled_and_cached(tmp_path) == (9.0, 0)
-    assert compiled_and_cached(tmp_path) == (9.0, 1)
-
-
-def compiled_and_cached(folder):
-    """A kernel's answer in a program of its own, and how often it came from the cache."""
-    spec = importlib.util.spec_from_file_location("kernels", folder / "kernels.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.square(3.0), sum(module.square.compiled.stats.cache_hits.values())

@@ -2,18 +2,19 @@
 
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 from threading import Thread
-from time import perf_counter
+from time import perf_counter, time
 
+import numba
 import numpy as np
 import pytest
-from numba import types
-from numba.core.codegen import JITCodeLibrary
 
 from tests.marks import compiled
 from weier.kernels import jit
+from weier.kernels.digests import KERNELS, PACKAGE
 
 PATIENCE = 120  # seconds
 
@@ -31,29 +32,28 @@ print(value())
 
 def test_the_folder_follows_sources_and_user(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    folder = jit.cache_folder()
-    assert folder.parent == tmp_path
-    source = tmp_path / "kernels.py"
-    source.write_text("one")
-    monkeypatch.setattr(jit, "kernel_sources", lambda: [source])
-    one = jit.cache_folder()
-    source.write_text("two")
-    assert len({folder, one, jit.cache_folder()}) == 3
+    names = set()
+    for sources in ("one", "two", "two"):
+        monkeypatch.setattr(jit, "digest_of_program", lambda *_, sources=sources: sources)
+        folder = jit.cache_folder.__wrapped__()
+        assert folder.parent == tmp_path
+        names.add(folder.name)
+    assert len(names) == 2
 
 
 def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     """numba alone returns the old constant; the folder's name brings a fresh compilation."""
     package = tmp_path / "weier"
     package.mkdir()
-    (package / "kernels").mkdir()
-    for name in ("__init__.py", "kernels/__init__.py"):
-        (package / name).touch()
-    for path in (jit.PACKAGE / "kernels").glob("[a-z]*.py"):
+    for name in ("", "kernels", "theory"):
+        (package / name).mkdir(exist_ok=True)
+        (package / name / "__init__.py").touch()
+    for path in (PACKAGE / "kernels").glob("[a-z]*.py"):
         (package / "kernels" / path.name).write_text(path.read_text())
-    (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier import constants"))
+    (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier.theory import constants"))
 
     def run(value):
-        (package / "constants.py").write_text(f"VALUE = {value}\n")
+        (package / "theory" / "constants.py").write_text(f"VALUE = {value}\n")
         environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1"}
         program = [sys.executable, "-m", "weier.main"]
         done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
@@ -64,25 +64,23 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     assert len(list((tmp_path / "cache").iterdir())) == 2
 
 
-@compiled
-def test_seconds_of_compiling_are_those_of_the_thread_that_waits(folders):
-    module, seconds = load(folders[0]), []
-
-    def call():
-        before, start = jit.compiling_seconds(), perf_counter()
-        module.product(module.Pair(np.ones(3), np.ones(3)))
-        seconds.append((jit.compiling_seconds() - before, perf_counter() - start))
-
-    elsewhere = Thread(target=call)
-    elsewhere.start()
-    elsewhere.join()
-    call()
-    (compiling, whole), (again, _) = seconds
-    assert 0.5 * whole < compiling < whole
-    assert again == 0
+def test_kernels_are_made_of_the_folders_that_name_the_cache():
+    inside = tuple(f"weier.{folder}" for folder in KERNELS)
+    for path in (path for folder in KERNELS for path in (PACKAGE / folder).rglob("*.py")):
+        text = path.read_text()
+        if "\n@kernel" in text:
+            imported = re.findall(r"^(?:from|import) (weier\S*)", text, re.MULTILINE)
+            assert [name for name in imported if not name.startswith(inside)] == [], path
 
 
-KERNELS = """
+def test_nothing_private_of_numba_is_used():
+    private = ["numba.core", "numba.np", "llvmlite", "_numba_type_", "_overload_func", "PyThreadState"]
+    for path in (PACKAGE.parent / "weier").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert [name for name in private if name in text] == [], path
+
+
+PROGRAM_OF_KERNELS = """
 from typing import NamedTuple
 import numpy as np
 from weier.kernels.jit import kernel
@@ -100,69 +98,70 @@ def offset(pair):
     return pair.one[0]
 
 @kernel
-def count(steps):
-    total = 0
-    for _ in range(steps):
-        total = increment(total)
-    return total
-
-@kernel
-def increment(total):
-    return total + 1
+def wrong(pair):
+    return pair.neither
 """
 
 
-def load(folder):
-    """The module of kernels in a folder, as a program of its own would have it."""
-    spec = importlib.util.spec_from_file_location("some_kernels", folder / "some_kernels.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["some_kernels"] = module  # where numba looks for the type of a tuple
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty cache."""
+    folder = tmp_path / "weier-new"
+    monkeypatch.setattr(jit, "cache_folder", lambda: folder)
+    monkeypatch.setattr(jit, "LISTENERS", [])
+    return folder
 
 
 @pytest.fixture
-def folders(tmp_path, monkeypatch):
-    """Two copies of one module of kernels, and an empty cache."""
-    monkeypatch.setattr(jit, "folder", lambda: tmp_path / "cache")
-    monkeypatch.delitem(sys.modules, "some_kernels", raising=False)
-    for name in ("checkout", "installed"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "some_kernels.py").write_text(KERNELS)
-    yield tmp_path / "checkout", tmp_path / "installed"
-    sys.modules.pop("some_kernels", None)
+def load(tmp_path, monkeypatch):
+    """The module of kernels, as each program has it anew."""
+    source = tmp_path / "some_kernels.py"
+    source.write_text(PROGRAM_OF_KERNELS)
+
+    def program():
+        spec = importlib.util.spec_from_file_location("some_kernels", source)
+        module = importlib.util.module_from_spec(spec)
+        monkeypatch.setitem(sys.modules, "some_kernels", module)  # where numba looks for the type of a tuple
+        spec.loader.exec_module(module)
+        return module
+
+    return program
+
+
+def call(module, kernel="product"):
+    return getattr(module, kernel)(module.Pair(np.ones(3), np.ones(3)))
+
+
+def hits(kernel):
+    return sum(kernel.compiled.stats.cache_hits.values())
 
 
 @compiled
-def test_two_copies_of_the_same_sources_share_a_cache(folders):
-    hits = []
-    for folder in folders:
-        module = load(folder)
-        assert module.product(module.Pair(np.ones(3), np.ones(3))) == 4.0
-        hits.append(sum(module.product.compiled.stats.cache_hits.values()))
-    assert hits == [0, 1]
+def test_seconds_of_compiling_are_those_of_the_thread_that_compiles(cache, load):
+    module, seconds = load(), []
+
+    def measured():
+        before, start = jit.compiling_seconds(), perf_counter()
+        call(module)
+        seconds.append((jit.compiling_seconds() - before, perf_counter() - start))
+
+    elsewhere = Thread(target=measured)
+    elsewhere.start()
+    elsewhere.join()
+    measured()
+    (compiling, whole), (again, _) = seconds
+    assert 0.5 * whole < compiling < whole
+    assert again == 0
 
 
 @compiled
-def test_a_kernel_inside_another_is_not_cached_by_itself_and_can_still_be_called(folders):
-    module = load(folders[0])
-    pair = module.Pair(np.ones(3), np.ones(3))
-    module.product(pair)
-    cached = {path.name.partition("-")[0] for path in (folders[0].parent / "cache").rglob("*.nbc")}
-    assert cached == {"some_kernels.product"}
-    assert module.offset(pair) == 1.0
-
-
-@compiled
-def test_a_kernel_inside_another_becomes_machine_code_there_alone(folders, monkeypatch):
-    translated, translate = [], JITCodeLibrary._finalize_final_module
-    monkeypatch.setattr(
-        JITCodeLibrary, "_finalize_final_module", lambda self: (translated.append(self.name), translate(self))
-    )
-    module = load(folders[0])
-    module.product(module.Pair(np.ones(3), np.ones(3)))
-    assert "product" in translated
-    assert "offset" not in translated
+def test_a_kernel_is_loaded_from_the_cache_with_those_that_it_calls(cache, load):
+    for expected in (0, 1):
+        module = load()
+        assert call(module) == 4.0
+        assert hits(module.product) == expected
+    assert [path.name for path in cache.iterdir()] == ["some_kernels.product"]
+    assert call(module, "offset") == 1.0  # may be called by itself
 
 
 WAITER = """
@@ -170,47 +169,87 @@ import sys
 from pathlib import Path
 from weier.kernels import jit
 
-jit.folder = lambda: Path(sys.argv[1])
-import some_kernels
-print(some_kernels.count(3), sum(some_kernels.count.compiled.stats.cache_hits.values()))
+jit.cache_folder = lambda: Path(sys.argv[1])
+import numpy as np, some_kernels
+value = some_kernels.product(some_kernels.Pair(np.ones(3), np.ones(3)))
+print(value, sum(some_kernels.product.compiled.stats.cache_hits.values()))
 """
 
 
 @compiled
-def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(folders):
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(jit.PACKAGE.parent), str(folders[0])])}
-    command = [sys.executable, "-c", WAITER, str(folders[0].parent / "cache")]
+def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(cache, load):
+    load()
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), str(cache.parent)])}
+    command = [sys.executable, "-c", WAITER, str(cache)]
     started = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(3)]
     said = sorted(process.communicate(timeout=PATIENCE)[0] for process in started)
-    assert said == ["3 0\n", "3 1\n", "3 1\n"]
+    assert said == ["4.0 0\n", "4.0 1\n", "4.0 1\n"]
 
 
 @compiled
-def test_a_kernel_inside_another_is_compiled_once_for_all_integers(folders):
-    module = load(folders[0])
-    assert module.count(5) == 5
-    assert list(module.increment._numba_type_.dispatcher.overloads) == [(types.int64,)]
-
-
-@compiled
-def test_compiling_is_announced_for_what_python_calls(folders, monkeypatch):
+def test_compiling_is_announced_for_what_python_calls(cache, load):
     said = []
-    monkeypatch.setattr(jit, "LISTENERS", [])
     jit.announce_compiling(said.append)
-    module = load(folders[0])
+    module = load()
     assert said == []
-    module.product(module.Pair(np.ones(3), np.ones(3)))
+    call(module)
     assert said == ["some_kernels"]  # not for the kernel inside
-    module.product(module.Pair(np.ones(2), np.ones(2)))
+    call(module)
+    call(load())
     assert said == ["some_kernels"]
 
 
+def closed(cache, load):
+    cache.touch()
+
+
+def cut_short(suffix, bytes_left):
+    def damage(cache, load):
+        call(load())
+        for path in cache.rglob(f"*.{suffix}"):
+            path.write_bytes(path.read_bytes()[:bytes_left])
+
+    return damage
+
+
 @compiled
-def test_a_cache_that_cannot_be_made_stops_nothing(folders, monkeypatch):
-    (folders[0] / "file").touch()
-    monkeypatch.setattr(jit, "folder", lambda: folders[0] / "file" / "cache")
-    module = load(folders[0])
-    assert module.product(module.Pair(np.ones(3), np.ones(3))) == 4.0
+@pytest.mark.parametrize(
+    "damage", [closed, cut_short("nbi", 0), cut_short("nbi", 60), cut_short("nbc", 0), cut_short("nbc", 1000)]
+)
+def test_a_closed_or_torn_cache_is_told_of_and_stops_nothing(cache, load, damage):
+    damage(cache, load)
+    with pytest.warns(RuntimeWarning, match="compiled for this run alone"):
+        assert call(load()) == 4.0
+    if damage is not closed:  # what is torn is made again
+        for expected in (0, 1):
+            module = load()
+            assert call(module) == 4.0
+            assert hits(module.product) == expected
+
+
+@compiled
+def test_an_error_of_a_kernel_is_no_damage_of_the_cache(cache, load, recwarn):
+    with pytest.raises(Exception, match="neither"):
+        call(load(), "wrong")
+    assert not recwarn.list
+
+
+@compiled
+def test_settings_of_numba_that_the_user_has_imported_stay_as_they_are(cache, load, tmp_path, monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "of the user"))
+    call(load())
+    assert str(tmp_path / "of the user") == numba.config.CACHE_DIR
+    assert not (tmp_path / "of the user").exists()
+
+
+@compiled
+def test_the_newest_caches_stay_and_those_in_use(cache, load):
+    for age in range(6):  # in days
+        folder = cache.parent / f"weier-{age}"
+        folder.mkdir()
+        os.utime(folder, (0, time() - (age + 0.5) * jit.A_DAY))
+    call(load())
+    assert sorted(path.name for path in cache.parent.glob("weier-*")) == ["weier-0", "weier-1", "weier-new"]
 
 
 def test_a_program_imports_what_it_uses():

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from tests.marks import compiled
-from weier.kernels.sources import PACKAGE
+from weier.kernels.digests import PACKAGE
 from weier.pipeline.compile import compile_kernels
 
 # Notes what Python calls, in a process that has solved nothing before, and so remembers no result.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array
-from weier.kernels.sources import PACKAGE
+from weier.kernels.digests import PACKAGE
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method

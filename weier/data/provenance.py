@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from functools import cache
 from typing import NamedTuple
 
-from weier.kernels.sources import PACKAGE
+from weier.kernels.digests import PACKAGE
 
 NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "

@@ -3,7 +3,8 @@
 Python sees a signal between two of its own steps, and so between two kernels: no kernel takes longer than about half
 a second. But numba makes the NamedTuples that a kernel returns by calling Python, within its own code, which knows
 nothing of exceptions. Where a signal comes, as most do, while the kernel runs, Python would raise KeyboardInterrupt
-right there. So it is noted, and raised once the kernel has returned.
+right there. So it is noted, and raised once the kernel has returned. While kernels are compiled, LLVM calls Python,
+too, and an exception that comes there is printed and lost: what was noted is then raised after the next kernel.
 """
 
 from __future__ import annotations
@@ -12,15 +13,19 @@ import functools
 import signal
 import threading
 from collections.abc import Callable
-from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-COMPILER = "weier.kernels.compiler"  # is all Python, and is interrupted like it
-CALLBACK = "_raw_object_cache"  # of llvmlite, which LLVM calls when it has made code: there exceptions are lost
-_NOTED: list[bool] = []
+
+class _Kernel(threading.local):
+    """Whether a thread runs one, and whether Ctrl-C came since its call of the library began."""
+
+    runs = interrupted = False
+
+
+_KERNEL = _Kernel()
 
 
 def interruptible(solve: Callable[Given, Result]) -> Callable[Given, Result]:
@@ -31,33 +36,34 @@ def interruptible(solve: Callable[Given, Result]) -> Callable[Given, Result]:
         in_main = threading.current_thread() is threading.main_thread()
         if not in_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
             return solve(*arguments, **options)  # which Ctrl-C does not reach, or which is within another one
-        signal.signal(signal.SIGINT, _raise_or_note)
+        signal.signal(signal.SIGINT, _note_and_raise)
         try:
-            return solve(*arguments, **options)
+            result = solve(*arguments, **options)
+            _raise_noted()
+            return result
         finally:
             signal.signal(signal.SIGINT, signal.default_int_handler)
+            _KERNEL.interrupted = False
 
     return run
 
 
 def run_kernel(compiled: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """Call compiled code, and raise afterwards what came meanwhile."""
+    _KERNEL.runs = True
     try:
         return compiled(*arguments)
     finally:
-        if _NOTED and threading.current_thread() is threading.main_thread():
-            _NOTED.clear()
-            raise KeyboardInterrupt
+        _KERNEL.runs = False
+        _raise_noted()
 
 
-def _raise_or_note(number: int, frame: FrameType | None) -> None:
-    if frame is not None and frame.f_code.co_name.startswith(CALLBACK):
-        _NOTED.append(True)
-        return
-    caller = frame.f_back if frame is not None else None  # in run_kernel itself, compiled code has returned
-    while caller is not None and caller.f_globals.get("__name__") != COMPILER:
-        if caller.f_code is run_kernel.__code__:
-            _NOTED.append(True)
-            return
-        caller = caller.f_back
-    raise KeyboardInterrupt
+def _note_and_raise(*_: object) -> None:
+    _KERNEL.interrupted = True
+    if not _KERNEL.runs:
+        raise KeyboardInterrupt
+
+
+def _raise_noted() -> None:
+    if _KERNEL.interrupted:
+        raise KeyboardInterrupt

@@ -1,118 +1,54 @@
-"""One decorator for all kernels: numba, from the first call on, with a disk cache that cannot go stale.
+"""One decorator for all kernels: numba, from the first call on, with a cache on disk that cannot go stale.
 
-A program that calls no kernel does not import numba, which takes half a second. `weier.kernels.compiler` holds all
-that needs it.
+A program that calls no kernel does not import numba, which takes half a second.
 """
 
 from __future__ import annotations
 
+import fcntl
 import functools
-import hashlib
 import os
-import sys
+import shutil
 import threading
+import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import cache, cached_property
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, time
 from typing import Any, TypeVar, cast
 
+from weier.kernels.digests import KERNELS, digest, digest_of_program
 from weier.kernels.interruption import run_kernel
-from weier.kernels.sources import PACKAGE, sources
+from weier.kernels.transform import register_transforms
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-
-def kernel_sources() -> list[Path]:
-    """The files of the package that define kernels, and all that they import, sorted.
-
-    Modules called `method` are left out: they gather what the program knows of a method, and no kernel uses that.
-    """
-    kernels = [path for path in PACKAGE.rglob("*.py") if "@kernel" in path.read_text(encoding="utf-8")]
-    modules = [".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts) for path in kernels]
-    return [PACKAGE.parent / path for path in sources(*modules, without=["method"])]
-
-
-def base_folder() -> Path:
-    """Where the program keeps what it made of its own sources: NUMBA_CACHE_DIR, or a folder in the user's cache.
-
-    Raises OSError, as a folder that is closed to writing, for a user who has no home.
-    """
-    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
-        return Path(chosen)
-    try:
-        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "weier"
-    except RuntimeError as error:
-        raise OSError("there is no home folder to keep compiled kernels in: set NUMBA_CACHE_DIR") from error
-
-
-def cache_folder() -> Path:
-    """Where compiled kernels live: in a folder below, named by a digest.
-
-    It is one of every source file that kernels stand in or import from, and of the versions of numba and rocket-fft:
-    edit any of them and all kernels compile afresh, once, for all copies of the package with these sources. numba
-    alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
-    """
-    from importlib.metadata import version  # which takes longer than all that is imported above
-
-    stamp = hashlib.sha256()
-    for path in kernel_sources():
-        stamp.update(path.read_bytes())
-    stamp.update(f"{version('numba')} {version('rocket-fft')} {sys.version}".encode())
-    return base_folder() / f"weier-{stamp.hexdigest()[:16]}"
+KEPT = 3  # caches, the newest
+A_DAY = 86400.0  # in seconds: another checkout, perhaps, needs a cache that was used since
+LOCK = threading.RLock()
+LISTENERS: list[Callable[[str], None]] = []
+UNKNOWN: list[Kernel] = []  # to numba
 
 
 @cache
-def folder() -> Path:
-    """The folder of this process: what it has imported stays as it is, whatever is edited meanwhile."""
-    return cache_folder()
+def cache_folder() -> Path:
+    """Where compiled kernels live, in NUMBA_CACHE_DIR or the cache of the user: named by a digest of their sources.
+
+    numba alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
+    What a process has imported stays as it is, whatever is edited meanwhile.
+    """
+    from importlib.metadata import version  # which takes longer than all that is imported above
+
+    made_of = digest_of_program(*KERNELS), version("numba"), version("rocket-fft")
+    chosen, caches = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    base = Path(chosen) if chosen else Path(caches or Path.home() / ".cache") / "weier"
+    return base / f"weier-{digest(made_of)[:16]}"
 
 
 def disabled() -> bool:
     """Whether the kernels run as plain Python, NUMBA_DISABLE_JIT=1."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-
-
-class Stopwatch:
-    """The seconds that each thread has spent inside: it imports numba, compiles a kernel, loads one, or waits."""
-
-    def __init__(self) -> None:
-        self.of_thread = threading.local()
-
-    def start(self) -> None:
-        """Begin to count, unless this thread does so already."""
-        depth = getattr(self.of_thread, "depth", 0)
-        if depth == 0:
-            self.of_thread.since = perf_counter()
-        self.of_thread.depth = depth + 1
-
-    def stop(self) -> None:
-        """End what began last."""
-        self.of_thread.depth -= 1
-        if self.of_thread.depth == 0:
-            self.of_thread.seconds = self.seconds() + perf_counter() - self.of_thread.since
-
-    def seconds(self) -> float:
-        """Those of this thread so far."""
-        return getattr(self.of_thread, "seconds", 0.0)
-
-    @contextmanager
-    def running(self) -> Iterator[None]:
-        """Count in a `with` statement."""
-        self.start()
-        try:
-            yield
-        finally:
-            self.stop()
-
-
-COMPILING = Stopwatch()
-
-
-def compiling_seconds() -> float:
-    """What this thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve."""
-    return COMPILING.seconds()
 
 
 def announce_compiling(say: Callable[[str], None]) -> None:
@@ -123,33 +59,97 @@ def announce_compiling(say: Callable[[str], None]) -> None:
     LISTENERS.append(say)
 
 
-LISTENERS: list[Callable[[str], None]] = []
+class _Spent(threading.local):
+    seconds = 0.0
+
+
+_SPENT = _Spent()
+
+
+def compiling_seconds() -> float:
+    """What this thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve."""
+    return _SPENT.seconds
 
 
 class Kernel:
-    """A function that numba compiles at the first call."""
+    """A function that numba compiles when Python first calls it, with all kernels that it calls."""
+
+    compiled: Any = None
 
     def __init__(self, function: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
-        self.function = function
+        self.function, self.name = function, f"{function.__module__}.{function.__qualname__}"
+        UNKNOWN.append(self)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
+        if self.compiled is None:
+            start = perf_counter()
+            with LOCK:
+                self.compiled = self.compiled or self._compile(arguments)
+            _SPENT.seconds += perf_counter() - start
         return run_kernel(self.compiled, arguments)
 
-    @cached_property
-    def compiled(self) -> Any:
-        """What a call from Python runs, numba's dispatcher: cached on disk with all kernels that it calls."""
-        with COMPILING.running():
-            from weier.kernels import compiler
+    def _compile(self, arguments: tuple[Any, ...]) -> Any:
+        """The compiled kernel from the cache, or for it; where the cache cannot be used, for this process alone."""
+        import numba
 
-            return compiler.entry(self.function)
+        _introduce_kernels()
+        config: Any = numba.config
+        types, base = tuple(map(numba.typeof, arguments)), config.CACHE_DIR
+        make = functools.partial(numba.njit, nogil=True, error_model="numpy")
+        try:
+            with self._folder() as folder:
+                config.CACHE_DIR = str(folder)
+                compiled = make(cache=True)(self.function)
+                compiled.compile(types)
+        except Exception as error:  # a folder or disk that takes no files, or what pickle makes of torn ones
+            compiled = make()(self.function)
+            compiled.compile(types)  # which raises what is wrong with the kernel, if that was it
+            why = f"kernels are compiled for this run alone ({type(error).__name__}: {error})"
+            warnings.warn(why, RuntimeWarning, stacklevel=3)
+        finally:
+            config.CACHE_DIR = base
+        return compiled
 
-    @cached_property
-    def _numba_type_(self) -> Any:  # numba's name for the type that an object has in compiled code
-        from weier.kernels import compiler
+    @contextmanager
+    def _folder(self) -> Iterator[Path]:
+        """The own folder in the cache, for one process at a time; it is removed where it is torn."""
+        folder = cache_folder() / self.name
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / "lock").open("w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            os.utime(cache_folder())
+            if not any(folder.rglob("*.nbi")):
+                _remove_earlier_caches()
+                for say in LISTENERS:
+                    say(self.function.__module__)
+            try:
+                yield folder
+            except Exception:
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
 
-        return compiler.inner_type(self.function)
+
+def _introduce_kernels() -> None:
+    """Tell numba of the kernels that were defined since the last time, for others to call as parts of theirs."""
+    from numba.extending import overload
+
+    register_transforms()
+    options: Any = {"error_model": "numpy", "no_cfunc_wrapper": True}
+    while UNKNOWN:
+        kernel = UNKNOWN.pop()
+        overload(kernel, options, strict=False)(lambda *_, function=kernel.function: function)
+
+
+def _remove_earlier_caches() -> None:
+    def last_use(folder: Path) -> float:
+        return folder.stat().st_mtime
+
+    with suppress(OSError):  # another process may be at it
+        for folder in sorted(cache_folder().parent.glob("weier-*"), key=last_use)[:-KEPT]:
+            if last_use(folder) < time() - A_DAY:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def kernel(function: Function) -> Function:

@@ -18,9 +18,9 @@ import numpy as np
 
 from weier.data.files import write_text
 from weier.kernels.arrays import Array
+from weier.kernels.digests import NUMBERS, digest, digest_of_program
 from weier.methods.planned.plan import Plan
 from weier.methods.registry import PLANNED, find_method, names
-from weier.pipeline.digests import NUMBERS, digest, digest_of_program
 from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene

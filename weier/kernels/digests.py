@@ -1,4 +1,4 @@
-"""Digests of what the numbers and the pictures of a scene depend on: they are made again where one has changed.
+"""Digests of what compiled kernels, numbers and pictures depend on: they are made again where one has changed.
 
 What a step depends on is told by folders of the package, whose texts are digested: no digest misses anything, and to
 edit a comment in them solves again.
@@ -9,12 +9,13 @@ from __future__ import annotations
 import hashlib
 import json
 from functools import cache
+from pathlib import Path
 from typing import Any
 
-from weier.kernels.sources import PACKAGE
-
-NUMBERS = ("kernels", "theory", "data", "methods", "scene", "pipeline/batch.py")  # of solved cases
-TABLES = (*NUMBERS, "pipeline")  # of what is gathered from them and said of them
+PACKAGE = Path(__file__).parents[1]
+KERNELS = ("kernels", "theory", "methods")  # what is compiled
+NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # solved cases
+TABLES = (*NUMBERS, "pipeline")  # what is gathered from them and said of them
 PICTURES = (*TABLES, "figures")
 MEASURED = (*TABLES, "accuracy")
 EVERYTHING = ("",)
