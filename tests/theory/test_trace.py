@@ -1,5 +1,7 @@
 """A trace: its waves against the heights they come from, its units, files, and what it refuses."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -158,8 +160,13 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
         (COS, 1.0, {"shortest": 0.9, "ends": "periodic"}, "heights must be rough, got none with waves of 0.9 m"),
         ("shaft.csv", 1.0, {}, r"heights must be numbers, got 'shaft.csv': weier.Trace.read takes a file"),
         (COS / 10 + np.arange(100) // 34, 1.0, {}, "heights must not jump, got a step of"),
-        (STEP, 1.0, {}, r"heights must not jump, got a step of .* m behind x = 0.59 m: cut the trace there"),
-        (np.arange(50.0), 1.0, {"ends": "periodic"}, "heights must not jump, got a step of -49 m behind x = 0.98 m"),
+        (STEP, 1.0, {}, r"got a step of .* m between heights 60 and 61, behind x = 0.59 m: cut the trace there"),
+        (
+            np.arange(50.0),
+            1.0,
+            {"ends": "periodic"},
+            "got a step of 49 m between heights 50 and 51, behind x = 0.98 m",
+        ),
         (np.broadcast_to(0.0, 10**7), 1.0, {}, "heights must be 16 to 1000000 numbers, got 10000000"),
         (COS[None], 1.0, {}, r"heights must be one list, in m, got an array of shape \(1, 100\)"),
         (COS, 0.0, {}, "length must be positive and finite, in m, got 0.0"),
@@ -197,14 +204,23 @@ EVEN = np.arange(100.0)
         ("1 2 3\n", {}, "shaft.csv, line 1, must have one or two numbers"),
         ("1 2\n3\n", {}, "shaft.csv, line 2, must have as many numbers as the lines before, got '3'"),
         (rows(COS), {}, "shaft.csv has one column: its length must be given"),
-        (rows(COS, EVEN), {"length": 1.0}, "shaft.csv has positions: length must be left out"),
+        (rows(COS, EVEN), {"length": 1.0}, "shaft.csv has two columns, with positions: length must be left out"),
         (rows(COS, EVEN**2), {}, "positions must rise in equal steps, got"),
         (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, got"),
-        (rows(COS, EVEN[::-1]), {}, "positions must rise in equal steps, got 0 in the last row behind 99"),
+        (rows(COS, EVEN[::-1]), {}, "positions must rise in equal steps, got 0 in row 100 behind 99"),
+        ("x,z\nmm,um\n1,2\n", {}, r"line 2, .* got 'mm,um': begin all lines of the heading but the first with #"),
+        ("0,5;1,25\n", {}, "shaft.csv, line 1, must have decimal points, not commas, got '0,5;1,25'"),
+        ("x z\n0,5\t-1,25\n", {}, r"shaft.csv, line 2, must have decimal points, not commas, got '0,5\\t-1,25'"),
+        (
+            "0,5\n0,7\n",
+            {},
+            "positions must rise in equal steps, got 0 in row 2 behind 0: .* decimals with points",
+        ),
+        ("0,5\n0,7\n", {"length": 1.0}, "length must be left out, and decimals must have points"),
         ("1,\n2,\n", {"length": 1.0}, "shaft.csv, line 1, must have one or two numbers, got '1,'"),
         (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "positions must rise in equal steps, got nan in row 51"),
         (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, "heights must be finite, in m, got nan at position 9"),
-        ("1\n" * (10**6 + 1), {"length": 1.0}, "shaft.csv must have at most 1000000 heights, got more"),
+        ("1\n" * (10**6 + 1), {"length": 1.0}, "line 1000001, is one of more than 1000000 heights"),
         (rows(COS, EVEN), {"x_unit": "inch"}, "x_unit must be one of m, mm, um, .*nm, got 'inch'"),
         (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, .*nm, got 'A'"),
     ],
@@ -220,8 +236,52 @@ def test_a_missing_file_is_said_to_be_missing(tmp_path):
         Trace.read(tmp_path / "nowhere.csv")
 
 
-def test_noise_and_steep_flanks_are_no_steps():
-    noise = np.random.default_rng(0).normal(size=(200, 1000))
-    assert all(Trace(z, 1.0).terms == 999 for z in noise)
-    x = np.linspace(-1, 1, 400)
-    assert Trace(-(np.maximum(0, np.abs(x) - 0.8) ** 2), 1.0).terms > 100
+def self_affine(samples, D, random):
+    k = np.arange(1, samples // 2)
+    wave = np.maximum(k, samples // 100) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    z = np.fft.irfft(np.append(0, wave), samples)
+    return z / z.std()
+
+
+def surfaces(random, samples=1000):
+    """Roughness of many kinds that has no jumps."""
+    x = np.arange(samples)
+    for D in (1.02, 1.3, 1.6, 1.99):
+        z = self_affine(samples, D, random)
+        yield from (z, np.minimum(z, np.quantile(z, 0.6)), np.round(10 * z))
+    yield from (random.normal(size=samples), random.laplace(size=samples).cumsum())
+    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(samples, 1.4, random)  # turned
+    yield np.clip(2 * np.sin(2 * np.pi * x / 60), -1, 1)  # flat tops and flanks of several steps
+    grooves = [np.exp(-(((x - random.uniform(0, samples)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
+    yield -np.maximum.reduce(grooves)  # honed
+
+
+def test_roughness_of_many_kinds_has_no_jumps():
+    random = np.random.default_rng(0)
+    count = sum(Trace(z, 1.0).samples == 1000 for _ in range(10) for z in surfaces(random))
+    assert count == 170
+
+
+@pytest.mark.parametrize("size", [1.0, 3.0])  # of the range of heights
+@pytest.mark.parametrize("D", [1.05, 1.5, 1.7])
+@pytest.mark.parametrize(
+    ("kind", "shape"),
+    [("step", [0, 1]), ("step", [0, 0.4, 1]), ("spike", [0, 1, 0]), ("spike", [0, -1, 0]), ("spike", [0, 1, 0.7, 0])],
+)
+def test_a_step_or_a_spike_is_refused_where_it_stands(kind, shape, D, size):
+    random = np.random.default_rng(3)
+    z = self_affine(1000, D, random)
+    at, n = int(random.integers(10, 900)), len(shape)
+    z[at : at + n] += size * np.ptp(z) * np.array(shape)
+    if kind == "step":
+        z[at + n :] += size * np.ptp(self_affine(1000, D, np.random.default_rng(3)))
+    with pytest.raises(ValueError, match=rf"got a {kind} of .* between heights (\d+) and (\d+)") as refused:
+        Trace(z, 1.0)
+    first, last = map(int, re.search(r"heights (\d+) and (\d+)", str(refused.value)).groups())
+    assert at + 1 <= first < last <= at + n
+
+
+def test_several_steps_are_no_roughness_either():
+    x = np.arange(400) + 0.5
+    with pytest.raises(ValueError, match="got a step of 2 m between heights 10 and 11"):
+        Trace(np.sign(np.sin(2 * np.pi * x / 20)), 1.0)

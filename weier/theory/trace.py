@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
@@ -24,8 +26,11 @@ MAX_WAVES = 100_000  # of the shortest in a period: 3.2 million nodes
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
 ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
-# A step is a difference of more than a fifth of all heights that is ten times as large as the three on either side.
-STEP_SHARE, STEP_RATIO, STEP_NEIGHBOURS = 0.2, 10.0, 3
+# A jump is more than a tenth of all heights, five times as large as the three differences on either side, and has one
+# that is twice as large as all outside jumps: roughness has none, with D near 2 and with flat tops, either.
+JUMP_SHARE, JUMP_RATIO, JUMP_NEIGHBOURS, JUMP_OUTLIER = 0.1, 5.0, 3, 2.0
+DECIMAL_COMMAS = r"\d,\d+(\s*;|\s+)[-+]?\d+,\d"  # in numbers that something else parts: a lone 1,5 may be two numbers
+MENDED = {"step": "cut the trace there", "spike": "cut the trace there, or interpolate the heights between"}
 UNEVEN = 0.01  # of a step: the digits that files give of positions
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}  # micro sign and Greek mu
 
@@ -99,9 +104,10 @@ class Trace(Waves):
             raise ValueError(f"source must be a text, got {shown(source)}")
         self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), source, z.size
         step = self.lambda_0 / z.size
-        _check_steps(z if self.ends != PERIODIC else np.append(z, z[0]), step)
         self.shortest = _checked_shortest(2 * step if shortest is None else shortest, step, self.lambda_0)
-        found = _waves(_levelled(z, self.ends), self.period * self.lambda_0 / self.shortest)
+        level = _levelled(z, self.ends)
+        _check_jumps(level if self.ends != PERIODIC else np.append(level, level[0]), step)
+        found = _waves(_continued(level, self.ends), self.period * self.lambda_0 / self.shortest)
         self.g_0 = math.sqrt(float(found.amplitude @ found.amplitude) / 2)
         if not self.g_0 > ROUNDING * np.abs(z).max():
             raise ValueError(f"heights must be rough, got none with waves of {self.shortest:g} m or longer")
@@ -153,8 +159,8 @@ class Trace(Waves):
         table = _table(Path(path))
         heights = table[:, -1] * UNITS[checked_word("height_unit", height_unit, UNITS)]
         if (length is None) == (table.shape[1] == 1):
-            why = "one column: its length must be given" if length is None else "positions: length must be left out"
-            raise ValueError(f"{path} has {why}")
+            two = "two columns, with positions: length must be left out, and decimals must have points"
+            raise ValueError(f"{path} has {'one column: its length must be given' if length is None else two}")
         if length is None:
             length = _length(table[:, 0]) * UNITS[checked_word("x_unit", x_unit, UNITS)]
         return cls(heights, length, shortest, ends, Path(path).name)
@@ -233,32 +239,44 @@ def _checked_shortest(shortest: float, step: float, length: float) -> float:
     return checked_number("shortest", shortest, condition, lambda x: 2 * step * near <= x <= length)
 
 
-def _check_steps(z: Array, step: float) -> None:
-    """Refuse heights that jump: waves would overshoot there, and the contact on the edge has no finite pressure."""
-    jump, n = np.abs(np.diff(z)), STEP_NEIGHBOURS
-    around = np.lib.stride_tricks.sliding_window_view(np.pad(jump, n), 2 * n + 1).copy()
-    around[:, n] = 0
-    steps = np.flatnonzero((jump > STEP_SHARE * np.ptp(z)) & (jump > STEP_RATIO * around.max(axis=1)))
-    if steps.size:
-        at = int(steps[0])
-        raise ValueError(
-            f"heights must not jump, got a step of {z[at + 1] - z[at]:.3g} m behind x = {at * step:.6g} m: "
-            "cut the trace there"
-        )
+def _check_jumps(z: Array, step: float) -> None:
+    """Refuse heights with steps and spikes, where waves overshoot and contact would begin at what is no roughness."""
+    change, n = np.abs(np.diff(z)), JUMP_NEIGHBOURS
+    largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # of the n changes before each height
+    others, jumps = change.copy(), []
+    for kind, width in (("step", 1), ("step", 2), ("spike", 2), ("spike", 3)):
+        window = sliding_window_view(z, width + 1)
+        rise = window[:, -1] - window[:, 0]
+        size = np.abs(rise) if kind == "step" else np.ptp(window, axis=1) - np.abs(rise)
+        around = np.maximum(largest[: size.size], largest[width + n :])
+        for at in np.flatnonzero((size > JUMP_SHARE * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
+            others[at : at + width] = 0
+            jumps.append((width, at, kind, size[at], change[at : at + width].max()))
+    limit = JUMP_OUTLIER * others.max()
+    if found := sorted(jump for jump in jumps if jump[-1] > limit):
+        width, at, kind, size, _ = found[0]  # the narrowest
+        where = f"between heights {at + 1} and {at + width + 1}, behind x = {at * step:.6g} m"
+        raise ValueError(f"heights must not jump, got a {kind} of {size:.3g} m {where}: {MENDED[kind]}")
 
 
 def _levelled(z: Array, ends: str) -> Array:
-    """The heights of one period, without mean and tilt."""
+    """The heights without their mean, and without tilt unless they are periodic."""
+    z = z - z.mean()
     if ends == PERIODIC:
-        return z - z.mean()
+        return z
     x = np.arange(z.size) - (z.size - 1) / 2
-    z = z - z.mean() - x * (x @ z) / (x @ x)
+    return z - x * (x @ z) / (x @ x)
+
+
+def _continued(z: Array, ends: str) -> Array:
+    """The heights of one period."""
+    if ends == PERIODIC:
+        return z
     if ends == MIRRORED:
         return np.concatenate([z, z[::-1]])
     fall = np.arange(z.size) / (TAPER * z.size)
     share = np.clip(np.minimum(fall, fall[::-1]), 0, 1)
-    tapered = z * np.sin(np.pi / 2 * share) ** 2
-    return tapered - tapered.mean()
+    return z * np.sin(np.pi / 2 * share) ** 2
 
 
 def _waves(z: Array, most: float) -> Spectrum:
@@ -270,10 +288,13 @@ def _waves(z: Array, most: float) -> Spectrum:
 
 
 def _table(path: Path) -> Array:
-    """The numbers of a file, shape (rows, 1) or (rows, 2)."""
+    """The numbers of a file, shape (rows, 1) or (rows, 2); one of far too many is not read to its end."""
+    rows: list[list[float]] = []
     try:
         with path.open(encoding="utf-8-sig") as lines:
-            rows = _rows(path, map(str.rstrip, lines))
+            for number, line in enumerate(map(str.strip, lines), 1):
+                if line and not line.startswith("#") and (number > 1 or _numbers(line)):
+                    rows.append(_row(f"{path}, line {number},", line, rows))
     except UnicodeDecodeError:
         raise ValueError(f"{path} must be a file of text with one or two columns") from None
     if not rows:
@@ -281,43 +302,40 @@ def _table(path: Path) -> Array:
     return np.array(rows)
 
 
-def _rows(path: Path, lines: Iterable[str]) -> list[list[float]]:
-    """The numbers of each line that has some; a file of far too many is not read to its end."""
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines, 1):
-        fields = line.replace(",", " ").replace(";", " ").split()
-        if not fields or fields[0].startswith("#") or (number == 1 and not _is_number(fields[0])):
-            continue
-        if len(fields) > 2 or line.rstrip()[-1] in ",;" or not all(map(_is_number, fields)):
-            raise ValueError(f"{path}, line {number}, must have one or two numbers, got {shown(line)}")
-        if rows and len(fields) != len(rows[0]):
-            raise ValueError(
-                f"{path}, line {number}, must have as many numbers as the lines before, got {shown(line)}"
-            )
-        rows.append([float(field) for field in fields])
-        if len(rows) > MAX_HEIGHTS:
-            raise ValueError(f"{path} must have at most {MAX_HEIGHTS} heights, got more: take a part, or fewer steps")
-    return rows
+def _row(place: str, line: str, before: Sequence[Sequence[float]]) -> list[float]:
+    """The numbers of a line, as many as those before it have."""
+    found = _numbers(line) or []
+    if re.search(DECIMAL_COMMAS, line):
+        problem = f"must have decimal points, not commas, got {shown(line)}"
+    elif len(before) == MAX_HEIGHTS:
+        problem = f"is one of more than {MAX_HEIGHTS} heights: take a part, or fewer steps"
+    elif not 1 <= len(found) <= 2 or line[-1] in ",;":
+        more = "" if before else ": begin all lines of the heading but the first with #"
+        problem = f"must have one or two numbers, got {shown(line)}{more}"
+    elif before and len(found) != len(before[0]):
+        problem = f"must have as many numbers as the lines before, got {shown(line)}"
+    else:
+        return found
+    raise ValueError(f"{place} {problem}")
 
 
-def _is_number(text: str) -> bool:
+def _numbers(line: str) -> list[float] | None:
+    """The numbers of a line, between commas, semicolons or blanks; None if these part anything else."""
     try:
-        float(text)
+        return [float(field) for field in re.split(r"[,;\s]+", line.rstrip(",; "))]
     except ValueError:
-        return False
-    return True
+        return None
 
 
 def _length(x: Array) -> float:
     """As many steps as there are positions, if these are even."""
     step = (x[-1] - x[0]) / max(x.size - 1, 1)
-    if step <= 0:
-        raise ValueError(f"positions must rise in equal steps, got {x[-1]:g} in the last row behind {x[0]:g}")
-    deviation = np.abs(x - x[0] - step * np.arange(x.size))
-    if not deviation.max() <= UNEVEN * step:  # NaN, too
-        at = int(np.argmax(deviation))
+    even = x[0] + step * np.arange(x.size)
+    at = int(np.argmax(np.abs(x - even))) if step > 0 else x.size - 1
+    if not (step > 0 and abs(x[at] - even[at]) <= UNEVEN * step):  # NaN, too
+        behind = f"for {even[at]:g}" if step > 0 else f"behind {x[0]:g}"
         raise ValueError(
-            f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} for {x[0] + at * step:g}: "
-            "interpolate the heights first"
+            f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} {behind}: "
+            "interpolate the heights first, or write decimals with points"
         )
     return float(step * x.size)
