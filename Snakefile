@@ -43,7 +43,8 @@ onstart:
     remove_leftovers("results")
     bring_to_present("results", str(CONFIG))
     for name in scene_names():
-        tell_forecast(name)
+        if refusal := forecast(name).refusal:
+            sys.exit(f"weier: {refusal}")
 
 
 onsuccess:

@@ -58,22 +58,24 @@ def solutions(name):
 
 @cache
 def batches(name, studies=()):
-    """The files that hold the cases of some studies of a scene, or all: what is missing is cut for the cores there are."""
-    return [str(path) for path in solutions(name).files(studies, cores())]
+    """The files that hold the cases of some studies of a scene, or all: what is missing is cut for the cores there are.
+
+    What it will take is said now, so that a dry run says it, too.
+    """
+    paths = [str(path) for path in solutions(name).files(studies, cores())]
+    lines, refusal = forecast(name)
+    for line in [*lines, refusal] if refusal and workflow.dryrun else lines:
+        tell(line)
+    return paths
 
 
 def cores():
     return getattr(workflow, "cores", None) or 1
 
 
-def tell_forecast(name):
-    """Say what a scene will take before anything is solved, and stop where that is more than it allows."""
-    try:
-        lines = forecast_scene(scene(name), solutions(name).to_solve.values(), cores())
-    except ValueError as error:
-        sys.exit(f"weier: {error}")
-    for line in lines:
-        tell(line)
+def forecast(name):
+    """What the batches take that are to be solved of a scene."""
+    return forecast_scene(scene(name), solutions(name).to_solve.values(), cores())
 
 
 @cache

@@ -89,9 +89,10 @@ def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
     path.write_text(slow)
     done = call(checkout, scene="slow")
     assert done.returncode == 1
-    first, *_, last = done.stderr.partition("weier: ")[2].splitlines()
-    assert re.fullmatch(r"slow: 1 case to solve, in about \S+ s on 2 cores", first)
+    (first,) = re.findall(r"^slow: 1 case to solve, in about \S+ s on 2 cores$", done.stderr, re.MULTILINE)
+    last = done.stderr.partition("weier: ")[2]
     assert re.search(r"longer than 0\.0001 s: add max_seconds: \S+ to the scene", last)
+    assert first in call(checkout, "--dry-run", scene="slow").stderr
     path.write_text(slow.replace("1.0e-4", "100"))
     said = run(checkout, "--until", "solve", scene="slow")
     assert said.index(first) < said.index("slow: solve 1 case from short to long")

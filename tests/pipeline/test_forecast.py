@@ -88,10 +88,11 @@ def slow_plans(monkeypatch):
 
 
 def test_a_scene_with_plans_says_what_they_take_and_whom_they_refuse(tmp_path):
-    lines, expected = forecast_of(tmp_path)
+    (lines, refusal), expected = forecast_of(tmp_path)
     found = weier.plan(scene.load(tmp_path / "rough.yaml"))
     assert len(found.plans) == 2
     assert expected == [pytest.approx(found.seconds + 3 * CASE_SECONDS)]
+    assert not refusal
     assert lines == [
         f"rough: 3 cases to solve, in about {expected[0]:.2g} s on 1 core",
         "rough: no plan for 1 of them:",
@@ -100,23 +101,27 @@ def test_a_scene_with_plans_says_what_they_take_and_whom_they_refuse(tmp_path):
 
 
 def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, slow_plans):
-    with pytest.raises(ValueError, match=r"in about 1200 s on 1 core\n(.*\n)*.*add max_seconds: 1400 ") as stopped:
-        forecast_of(tmp_path)
-    assert "no plan for 1 of them:" in str(stopped.value)
-    assert forecast_of(tmp_path, max_seconds=1400)[0]
-    assert forecast_of(tmp_path, cores=3)[0][0].endswith("in about 600 s on 3 cores")  # as the longest of its batches
+    lines, refusal = forecast_of(tmp_path)[0]
+    assert lines[0].endswith("in about 1200 s on 1 core")
+    assert lines[1] == "rough: no plan for 1 of them:"
+    assert "it would take longer than 600 s: add max_seconds: 1400 to the scene" in refusal
+    assert not forecast_of(tmp_path, max_seconds=1400)[0].refusal
+    lines, refusal = forecast_of(tmp_path, cores=3)[0]
+    assert lines[0].endswith("in about 600 s on 3 cores")  # as the longest of its batches
+    assert not refusal
 
 
 def test_a_scene_without_plans_says_nothing_unless_it_has_a_limit(tmp_path, seconds):
     study = {"product": {"D": 1.5, "gamma": 2, "m": 2}}
     without = {"tolerance": None, "methods": ["patches"], "studies": {"one": study}}
     seconds(2 * MAX_SCENE_SECONDS)
-    assert forecast_of(tmp_path, **without)[0] == []
-    with pytest.raises(ValueError, match=r"in about 1200 s on 1 core\n.*longer than 100 s: add max_seconds: 1400"):
-        forecast_of(tmp_path, **without, max_seconds=100)
+    assert forecast_of(tmp_path, **without)[0] == ([], "")
+    lines, refusal = forecast_of(tmp_path, **without, max_seconds=100)[0]
+    assert lines == ["rough: 1 case to solve, in about 1200 s on 1 core"]
+    assert "longer than 100 s: add max_seconds: 1400" in refusal
 
 
 def test_a_scene_that_is_solved_says_nothing(tmp_path):
     forecast_of(tmp_path)
     with_limit = replace(scene.load(tmp_path / "rough.yaml"), max_seconds=1e-3)
-    assert forecast_scene(with_limit, [], cores=1) == []
+    assert forecast_scene(with_limit, [], cores=1) == ([], "")

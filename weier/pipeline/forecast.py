@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 from weier.kernels.arrays import Array
 from weier.methods import registry
@@ -50,20 +51,23 @@ def forecast(case: Case, loads: Array) -> list[str]:
     return lines
 
 
-def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> list[str]:
+class SceneForecast(NamedTuple):
+    """What the batches of a scene take, in lines for people, and why they may not run; empty where they may."""
+
+    lines: list[str]
+    refusal: str = ""
+
+
+def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> SceneForecast:
     """What the batches that are still to be solved take in all, and each case that its plan refuses, with the reason.
 
     Only a scene with plans, or with a limit of its own, says so: other methods know no more than the most they take.
-
-    Raises
-    ------
-    ValueError
-        If they take longer than the scene allows, with the same lines and the key that allows more.
+    One that would take longer than it allows is refused, with the key that allows more.
     """
     members = [each for batch in batches for each in batch]
     with_plans = any(PLANNED in each.case.methods for each in members)
     if not members or (not with_plans and scene.max_seconds is None):
-        return []
+        return SceneForecast([])
     longest = max((sum(each.seconds for each in batch) for batch in batches), default=0.0)
     seconds = max(sum(each.seconds for each in members) / cores, longest)
     refusals = [each.refusal for each in members if each.refusal]
@@ -73,11 +77,11 @@ def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: 
     lines += [f"  {each}" for each in refusals[:LISTED]]
     lines += [f"  and {len(refusals) - LISTED} more"] if len(refusals) > LISTED else []
     limit = MAX_SCENE_SECONDS if scene.max_seconds is None else scene.max_seconds
-    if seconds > limit:
-        more = f"add max_seconds: {significant(1.2 * seconds, 2)} to the scene"
-        what = f"it would take longer than {limit:g} s: {more}, or take a larger tolerance, fewer cases or more cores"
-        raise ValueError("\n".join([*lines, f"{scene.name}: {what}"]))
-    return lines
+    if seconds <= limit:
+        return SceneForecast(lines)
+    more = f"add max_seconds: {significant(1.2 * seconds, 2)} to the scene"
+    what = f"it would take longer than {limit:g} s: {more}, or take a larger tolerance, fewer cases or more cores"
+    return SceneForecast(lines, f"{scene.name}: {what}")
 
 
 def _memory(method: Method, profile: Waves, loads: Array) -> str:
