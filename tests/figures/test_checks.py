@@ -52,10 +52,13 @@ MISTAKES = [
     ({"colour": "gamma", "facet": "gamma"}, "f: gamma can be the colour, the facet or"),
     ({"facet": "seed", "median over": ["m", "seed"]}, "f: seed can be the colour, the facet or"),
     # A figure with two D, coloured by gamma, would draw two lines of each colour.
-    ({"product": SWEEP, "colour": "gamma", "facet": "m"}, "f: D and seed vary .*: add `median over: D`"),
+    ({"product": SWEEP, "colour": "gamma", "facet": "m"}, r"f: D and seed vary .*: add `facet: \[m, D\]` or `median"),
+    ({"product": SWEEP, "colour": "gamma", "facet": ["m", "D"]}, "f: seed varies .*: add `median over: seed`, or"),
+    ({"colour": "gamma", "facet": ["m", "D", "seed"]}, "f.facet: this must have at most 2 entries, got 3"),
+    ({"colour": "gamma", "facet": ["m", "gamma"]}, "f: gamma can be the colour, the facet or"),
     ({"product": SWEEP, "facet": "m", "median over": ["seed", "D"]}, "f: gamma varies .*: add `colour: gamma` or "),
     ({"product": SWEEP}, "f: D and gamma and m vary among the curves and nothing shows it: add `colour: D`"),
-    ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .* `colour: phases` or `median"),
+    ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .* `colour: phases` or .* or `median"),
     ({"studies": ["one", "two"], "other_studies": ANOTHER}, "f: the settings of bem differ between these studies"),
 ]  # fmt: skip
 
@@ -127,7 +130,7 @@ def test_a_command_tells_them_without_a_traceback(command, tmp_path):
 def test_a_scene_names_the_parameters(tmp_path):
     one = {"seed": [0, 1], "gamma": [2, 3]}
     loaded = scene.load(write(tmp_path, one, colour="gamma", facet="method", **{"median over": "seed"}))
-    assert loaded.figures["f"].grouping == Grouping("gamma", "method", ("seed",))
+    assert loaded.figures["f"].grouping == Grouping("gamma", ("method",), ("seed",))
     text = caption(loaded, "f").text
     assert "Each panel has one method. Colours show gamma." in text
     assert "Lines are medians over the phases, and bands hold all curves." in text

@@ -43,7 +43,7 @@ def words(figure: Figure) -> list[str]:
 
 def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
     """One panel a method, one line a ratio: its median over the seeds, in a band that holds all of them."""
-    figure = sketch(sweep, colour="gamma", facet="method", median_over=("seed",))
+    figure = sketch(sweep, colour="gamma", facet=("method",), median_over=("seed",))
     assert [axes.get_title() for axes in figure.axes] == [
         "(a)  Demelio",
         "(b)  boundary elements",
@@ -70,8 +70,15 @@ def test_the_legend_says_what_dashes_mean_where_they_are_methods(sweep: xr.Datas
     ("grouping", "hidden"),
     [
         ({"colour": "gamma"}, "phases varies .* `facet: phases` or `median over: phases`"),
-        ({"facet": "method", "median_over": ("seed",)}, "gamma varies .* `colour: gamma` or `median over: gamma`"),
-        ({"colour": "seed", "facet": "method"}, "gamma varies .* add `median over: gamma`"),
+        (
+            {"facet": ("method",), "median_over": ("seed",)},
+            "gamma varies .* `colour: gamma` or .* `median over: gamma`",
+        ),
+        (
+            {"colour": "seed", "facet": ("method",)},
+            r"gamma varies .* `facet: \[method, gamma\]` or `median over: gamma`",
+        ),
+        ({"colour": "seed", "facet": ("method", "m")}, "gamma varies .* add `median over: gamma`, or"),
     ],
 )
 def test_curves_that_could_not_be_told_apart_are_refused(grouping, hidden, sweep: xr.Dataset) -> None:
@@ -100,7 +107,7 @@ def test_a_figure_that_names_no_parameter_takes_medians_over_the_phases_alone(sw
 def test_every_parameter_can_be_colour_and_facet(name: str, sweep: xr.Dataset) -> None:
     others = ("gamma", "seed") if name in ("method", "D", "m") else ("seed",) if name == "gamma" else ("gamma",)
     for key in ("colour", "facet"):
-        assert sketch(sweep, **{key: name}, median_over=others).axes
+        assert sketch(sweep, **{key: (name,) if key == "facet" else name}, median_over=others).axes
 
 
 def test_a_seed_is_named_where_the_data_have_it(sweep: xr.Dataset) -> None:
@@ -112,18 +119,31 @@ def test_a_seed_is_named_where_the_data_have_it(sweep: xr.Dataset) -> None:
 
 
 def test_resistance_is_grouped_as_well(sweep: xr.Dataset) -> None:
-    figure = resistance.draw([sweep], "", Grouping("gamma", "method", ("seed",)))
+    figure = resistance.draw([sweep], "", Grouping("gamma", ("method",), ("seed",)))
     assert [axes.get_yscale() for axes in figure.axes] == ["log", "log"]
     assert figure.axes[0].get_xlim()[0] == LOADS[0]
 
 
 def test_panels_stand_in_a_grid_and_share_their_axes(sweep: xr.Dataset) -> None:
-    figure = sketch(sweep, facet="gamma", median_over=("seed",))
+    figure = sketch(sweep, facet=("gamma",), median_over=("seed",))
     first, *others = figure.axes
     assert len(others) == len(GAMMAS) - 1
     assert all(axes.get_xlim() == first.get_xlim() and axes.get_ylim() == first.get_ylim() for axes in others)
     assert [bool(axes.get_ylabel()) for axes in figure.axes] == [True, False, False]
     assert len({round(axes.get_position().y0, 6) for axes in figure.axes}) == 1
+
+
+def test_two_parameters_give_the_rows_and_the_columns_of_panels(sweep: xr.Dataset) -> None:
+    figure = sketch(sweep, colour="seed", facet=("method", "gamma"))
+    assert [axes.get_title().partition("  ")[2] for axes in figure.axes] == [
+        f"{method},  {ratio}"
+        for method in ("Demelio", "boundary elements")
+        for ratio in (r"$\gamma=2$", r"$\gamma=5/2$", r"$\gamma=5$")
+    ]
+    places = [axes.get_position() for axes in figure.axes]
+    assert len({round(place.y0, 6) for place in places}) == len(METHODS)
+    assert len({round(place.x0, 6) for place in places}) == len(GAMMAS)
+    assert [len(axes.get_lines()) for axes in figure.axes] == [SEEDS] * 6
 
 
 def test_light_loads_that_were_asked_for_are_seen(sweep: xr.Dataset) -> None:
@@ -161,7 +181,7 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     kept = []
     monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
     bodies = Interface(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
-    grouping = Grouping("gamma", "method", ("seed",))
+    grouping = Grouping("gamma", ("method",), ("seed",))
     for interface in (None, bodies):
         figures.draw(kind, [sweep], "", tmp_path / "f.png", grouping, interface=interface)
     normalised, converted = kept

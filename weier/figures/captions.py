@@ -38,11 +38,13 @@ def caption(scene: Scene, name: str) -> Caption:
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     """Sentences that say what panels, colours, lines and bands show."""
-    sentences = [f"Each panel has one {NOUNS[grouping.facet].removeprefix('the ')}."] if grouping.facet else []
+    facets = [NOUNS[name].removeprefix("the ") for name in grouping.facet]
+    parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
+    sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]
     if grouping.colour in ("", "method"):
         sentences += [_describe_methods(methods, bool(grouping.median_over))] if methods else []
     else:
-        dashes = " and dashes the method" if grouping.facet != "method" and len(methods) > 1 else ""
+        dashes = " and dashes the method" if "method" not in grouping.facet and len(methods) > 1 else ""
         sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
     if grouping.median_over:
         by_phases = set(grouping.median_over) <= {*PHASES}

@@ -6,8 +6,10 @@ each case has a panel if there are few, and medians are taken over the phases of
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +35,7 @@ STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band 
 # the resistance there.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 PARAMETERS = ("D", "gamma", "m", "trace")
-EACH_CASE = Grouping(facet="case")
+EACH_CASE = Grouping(facet=("case",))
 
 
 class Curve(NamedTuple):
@@ -81,18 +83,22 @@ def compare(
         grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
     bodies = [_bodies(interface, case) for case in cases]
     drawn = _curves(cases, quantity, grouping, bodies)
-    values = _values(drawn, grouping.facet)
-    title, shown = style.limit_panels(title, values, grouping.facet or "curves", style.MAX_GRID)
+    of_each = [_values(drawn, name) for name in grouping.facet]
+    columns = len(of_each[1]) if len(of_each) == 2 else None
+    noun = " and ".join(grouping.facet) or "curves"
+    title, shown = style.limit_panels(title, list(itertools.product(*of_each)), noun, style.MAX_GRID)
     labels = style.SI_LABELS if interface else style.LABELS
-    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity])
+    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], columns)
     alike = () if grouping == EACH_CASE else ("method", *PARAMETERS, "seed")
-    shared = _describe(drawn, [name for name in alike if name != grouping.facet and drawn[0].parameters[name] != ""])
+    shared = _describe(
+        drawn, [name for name in alike if name not in grouping.facet and drawn[0].parameters[name] != ""]
+    )
     handles: list[Any] = []
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
-        members = [each for each in drawn if each.parameters[grouping.facet] == value]
+        members = [each for each in drawn if tuple(each.parameters[name] for name in grouping.facet) == value]
         stated = _draw(axes, members, drawn, grouping, quantity)
         handles += stated if not handles else []
-        own = _describe(members, [grouping.facet])
+        own = ",  ".join(filter(None, map(partial(_label, drawn), grouping.facet, value)))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else ",  ".join(filter(None, [own, shared])))
     _add_legend(figure, panels, _legend(drawn, grouping) + handles)
     if interface:  # a power of ten stands beside the title
@@ -166,13 +172,15 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
 
 def _describe(members: Sequence[Curve], parameters: Sequence[str]) -> str:
     """The values of those parameters that all of these curves share."""
-    alike = [name for name in parameters if name and len(_values(members, name)) == 1]
+    alike = [name for name in parameters if len(_values(members, name)) == 1]
     return ",  ".join(filter(None, (_label(members, name, members[0].parameters[name]) for name in alike)))
 
 
 def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
     """Whether dashes tell the methods apart, since colours and panels do not."""
-    return grouping.colour not in ("", "method") and grouping.facet != "method" and len(_values(drawn, "method")) > 1
+    return (
+        grouping.colour not in ("", "method") and "method" not in grouping.facet and len(_values(drawn, "method")) > 1
+    )
 
 
 def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:

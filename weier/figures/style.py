@@ -167,10 +167,10 @@ def column(panels: int, height: float = HEIGHT, **options: Any) -> tuple[Figure,
     return figure, axes
 
 
-def grid(panels: int, x: str, y: str) -> tuple[Figure, list[Axes]]:
-    """A figure with its panels in rows of two or three, which share their axes and the words on them."""
-    columns = {1: 1, 2: 2, 4: 2}.get(panels, 3)
-    width, height = GRID_PANELS[columns]
+def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
+    """A figure with its panels in rows, of two or three or so many, which share their axes and the words on them."""
+    columns = columns or {1: 1, 2: 2, 4: 2}.get(panels, 3)
+    width, height = GRID_PANELS[min(columns, 3)]
     rows = -(-panels // columns)
     figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel().tolist()

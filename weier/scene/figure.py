@@ -13,25 +13,28 @@ PHASES = ("phases", "seed")  # names of what differs between profiles of the sam
 class Grouping(NamedTuple):
     """Which parameters of a sweep a figure shows, and how; none where the figure chooses.
 
-    colour, facet : the parameter that sets the colour, and the one that each panel has a value of
+    colour : the parameter that sets the colour
+    facet : the parameter that each panel has a value of, or two: that of each row of panels and of each column
     median_over : over which a median is drawn, with a band that holds all curves
     """
 
     colour: str = ""
-    facet: str = ""
+    facet: tuple[str, ...] = ()
     median_over: tuple[str, ...] = ()
 
     def hidden(self, varying: Iterable[str]) -> list[str]:
         """Which of the parameters that vary among the curves no key shows; a method always has a line of its own."""
-        shown = {self.colour, self.facet, *self.median_over, "method"}
+        shown = {self.colour, *self.facet, *self.median_over, "method"}
         if shown.intersection(PHASES):
             shown |= {*PHASES}
         return [name for name in varying if name not in shown]
 
     def proposal(self, hidden: Sequence[str]) -> str:
         """A sentence that proposes how to show the parameters that are hidden."""
-        free = [key for key, used in (("colour", self.colour), ("facet", self.facet)) if not used]
-        keys = " or ".join(f"`{key}: {hidden[0]}`" for key in [*free, "median over"])
+        first, *others = self.facet or ("",)
+        facet = f"facet: [{first}, {hidden[0]}]" if first else f"facet: {hidden[0]}"
+        free = [f"colour: {hidden[0]}"] * (not self.colour) + [facet] * (not others)
+        keys = " or ".join(f"`{key}`" for key in [*free, f"median over: {hidden[0]}"])
         verb = "varies" if len(hidden) == 1 else "vary"
         return f"{' and '.join(hidden)} {verb} among the curves and nothing shows it: add {keys}, or draw fewer cases"
 

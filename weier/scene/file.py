@@ -267,11 +267,12 @@ def _bodies(figure: Raw, raw: Raw, interface: Interface | None) -> Interface | N
 
 
 def _grouping(figure: Raw) -> Grouping:
-    over = figure.get("median over", [])
-    grouping = Grouping(
-        figure.get("colour", ""), figure.get("facet", ""), tuple(over if isinstance(over, list) else [over])
+    facet, over = (
+        tuple(given if isinstance(given := figure.get(key, []), list) else [given])
+        for key in ("facet", "median over")
     )
-    given = [each for each in (grouping.colour, grouping.facet, *grouping.median_over) if each]
+    grouping = Grouping(figure.get("colour", ""), facet, over)
+    given = [each for each in (grouping.colour, *facet, *over) if each]
     for each in given:
         if given.count(each) > 1:
             raise ValueError(f"{each} can be the colour, the facet or one to take the median over, not two")
