@@ -70,20 +70,18 @@ rule solve:
         batch="results/{scene}/batches/{batch}.json",
         kernels=lambda w: kernels(batch(w.scene, w.batch).methods),
     output:
-        data="results/{scene}/batches/{batch}.nc",
-        cost="results/{scene}/cost/{batch}.nc",
+        "results/{scene}/batches/{batch}.nc",
     log:
         "results/logs/{scene}/solve/{batch}.log",
     conda:
         "rules/environment.yaml"
-    threads: 1
     params:
         title=lambda w: batch(w.scene, w.batch).title,
         seconds=lambda w: max(1, round(batch(w.scene, w.batch).seconds)),
     message:
         "{wildcards.scene}: solve {params.title}, in about {params.seconds} s"
     shell:
-        "python -m weier batch --threads {threads} {input.batch} {output} 2>&1 | tee -i {log}"
+        "python -m weier batch {input.batch} {output} 2>&1 | tee -i {log}"
 
 
 # All figures of a scene in one job, since most of it is to start; one that is asked for by its name is drawn alone.

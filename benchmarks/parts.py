@@ -77,23 +77,15 @@ def layers(loads: int) -> Iterator[Row]:
 
 
 def batches(solves: int) -> Iterator[Row]:
-    """Time of a batch on one and two threads, over the seconds of its solves on one."""
+    """Time of a batch over the seconds of its solves."""
     cases = tuple(Case({"D": 1.25, "gamma": 5, "m": 3, "seed": seed}, ("bem",), {}) for seed in range(solves))
     loads = np.geomspace(1e-3, 2, LOADS)
     scene = Scene(name="batch", title="Batch", loads=loads, studies={"all": cases}, batch_size=solves)
     solved = []
     with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stderr(nowhere):
-        one, two = least_seconds(
-            lambda: solved.append(float(solve_batch(scene, cases)[1]["seconds"].sum())),
-            lambda: solve_batch(scene, cases, threads=2),
-            repeats=3,
-        )
+        (took,) = least_seconds(lambda: solved.append(float(solve_batch(scene, cases)["seconds"].sum())), repeats=3)
     alone = min(solved)
-    yield (
-        f"batch of {solves} solves by bem, 1 thread",
-        f"{one / alone:.2f} times the sum of its solves, {alone:.2f} s",
-    )
-    yield f"batch of {solves} solves by bem, 2 threads", f"{two / alone:.2f} times that sum"
+    yield f"batch of {solves} solves by bem", f"{took / alone:.2f} times the sum of its solves, {alone:.2f} s"
 
 
 def fresh_import() -> Row:

@@ -1,5 +1,7 @@
 # Scenes by name, and what is made of them.
+import signal
 import sys
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -25,6 +27,27 @@ def tell(line):
 announce_compiling(
     lambda module: tell("compiling what plans need, once for all later runs")
 )
+
+
+def say_stopped(kind, error, trace):
+    """Ctrl-C ends a run in one line: while Snakemake looks at files, it would add a traceback of its own."""
+    if issubclass(kind, KeyboardInterrupt):
+        print("weier: stopped by Ctrl-C", file=sys.stderr)
+    else:
+        sys.__excepthook__(kind, error, trace)
+
+
+sys.excepthook = say_stopped
+
+
+@contextmanager
+def stoppable():
+    """Let Ctrl-C end what takes long: Snakemake's event loop would note it, and go on until all is planned."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @cache
@@ -62,7 +85,8 @@ def batches(name, studies=()):
 
     What it will take is said now, so that a dry run says it, too.
     """
-    paths = [str(path) for path in solutions(name).files(studies, cores())]
+    with stoppable():
+        paths = [str(path) for path in solutions(name).files(studies, cores())]
     lines, refusal = forecast(name)
     for line in [*lines, refusal] if refusal and workflow.dryrun else lines:
         tell(line)

@@ -13,7 +13,5 @@ def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:
     for path in Solutions(scene, folder).files(cores=cores):
         if not path.exists():
             batch = read_batch(path.with_suffix(".json"))
-            data, cost = solve_batch(batch.scene, batch.cases)
-            dataset.write(data, path, batch.title, "solved")
-            dataset.write(cost, folder.parent / "cost" / path.name, batch.title, "solved")
+            dataset.write(solve_batch(batch.scene, batch.cases), path, batch.title, "solved")
     return Solutions(scene, folder)

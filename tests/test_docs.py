@@ -115,7 +115,7 @@ def two_profiles(tmp_path):
     """A study of two curves by several methods."""
     (tmp_path / "scene.yaml").write_text(DATA.replace("[demelio, layer]", "[demelio, patches]"))
     loaded = scene.load(tmp_path / "scene.yaml")
-    return batch.solve_batch(loaded, loaded.studies["one"])[0]
+    return batch.solve_batch(loaded, loaded.studies["one"])
 
 
 def test_the_figure_of_contributing_is_drawn(two_profiles):

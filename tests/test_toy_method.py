@@ -56,7 +56,7 @@ def test_a_profile_that_it_does_not_apply_to_is_refused():
 
 
 def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
-    data, _ = batch.solve_batch(loaded, loaded.distinct)
+    data = batch.solve_batch(loaded, loaded.distinct)
     assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
     gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
     gathered = dataset.read(tmp_path / "contact.nc")

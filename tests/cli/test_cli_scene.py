@@ -40,18 +40,17 @@ def description(scene_file, tmp_path):
 @pytest.fixture
 def solved(run, description):
     """The folder of the batches of a scene that is solved."""
-    cost = description.parents[1] / "cost.nc"
-    assert run("batch", description, description.with_suffix(".nc"), cost)[0] == 0
+    assert run("batch", description, description.with_suffix(".nc"))[0] == 0
     return description.parent
 
 
-def test_a_batch_becomes_two_files(description, tmp_path):
-    done = weier("batch", description, tmp_path / "data.nc", tmp_path / "cost.nc")
+def test_a_batch_becomes_a_file(description, tmp_path):
+    done = weier("batch", description, tmp_path / "data.nc")
     assert done.returncode == 0
     said = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
     assert len(said) == 1
     assert re.fullmatch(r"solve 1 case of one: \d+\.\d s", said[0])
-    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "data.nc", "cost.nc"}
+    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "data.nc"}
 
 
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
@@ -90,14 +89,13 @@ def test_an_unknown_figure_is_refused(scene_file):
             1,
             "is not solved by all of demelio in none: run snakemake",
         ),
-        (["batch", "test.yaml", "x.nc", "y.nc"], 1, "test.yaml does not describe a batch: delete it"),
+        (["batch", "test.yaml", "x.nc"], 1, "test.yaml does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
-        (["page", "test.yaml", "none", "cost.nc", "x.html", "."], 1, "is not solved by all of demelio in none"),
+        (["page", "test.yaml", "none", "contact.nc", "x.html", "."], 1, "is not solved by all of demelio in none"),
         (["convergence", "test.yaml", "x.nc", "--terms", "0"], 2, "0 is not in the range"),
-        (["batch", "test.yaml", "x.nc", "y.nc", "--threads", "0"], 2, "0 is not in the range"),
     ],
 )
 def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):
@@ -106,7 +104,7 @@ def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypat
     stopped, out, err = run(*(data if argument == "DATA" else argument for argument in arguments))
     assert (stopped, out) == (code, "")
     assert message in err.splitlines()[-1]
-    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "cost.nc"}
+    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches"}
 
 
 def test_numbers_that_yaml_takes_for_words_are_numbers(scene_file):

@@ -7,7 +7,6 @@ import xarray as xr
 
 from weier.data import dataset
 from weier.data.dataset import Status
-from weier.data.variables import COST, variables_of_file
 
 METHODS = ["westergaard", "demelio", "bem"]
 
@@ -25,12 +24,6 @@ def waves(tmp_path_factory):
     path = tmp_path_factory.mktemp("waves") / "waves.nc"
     dataset.write(data, path, "test")
     return dataset.read(path)
-
-
-def test_seconds_are_kept_apart(waves):
-    cost = dataset.blank_cost(3, METHODS)
-    assert "seconds" not in waves
-    assert set(cost.variables) == {*variables_of_file(COST), "solution_method"}
 
 
 def test_a_written_file_is_read_back_and_written_the_same(waves, tmp_path, monkeypatch):

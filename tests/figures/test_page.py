@@ -7,6 +7,7 @@ import subprocess
 
 import numpy as np
 import pytest
+import xarray as xr
 from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
@@ -25,8 +26,8 @@ from weier.pipeline.claims.report import to_dataset
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
-NO_COST = dataset.blank_cost(1, METHODS)
 CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
+KEYS = [f"case{row}" for row in range(len(CASES))]
 PNG = bytes.fromhex("89504e470d0a1a0a")
 SCENE = """
 title: test
@@ -39,15 +40,21 @@ figures:
 """
 
 
+def seconds_of(keys, methods=METHODS, seconds=np.nan):
+    """The seconds of each case and method, as a page takes them from the batches."""
+    values = np.broadcast_to(seconds, (len(keys), len(methods)))
+    coordinates = {"solution_method": methods, "key": ("case", keys)}
+    return xr.Dataset({"seconds": (("case", "solution_method"), values)}, coordinates)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("a scene")
     data = dataset.blank(len(CASES), METHODS, LOADS, 3)
-    cost = dataset.blank_cost(len(CASES), METHODS)
     for row, values in enumerate(CASES):
         for name, value in zip(("D", "gamma", "m"), values, strict=True):
             data[name].values[row] = value
-        data["key"].values[row] = f"case{row}"
+        data["key"].values[row] = KEYS[row]
         data["compliance"].values[row] = row + 1 + LOADS
         data["resistance"].values[row] = 2 * (row + 1) + LOADS
     data["compliance"].values[3, 0] = data["resistance"].values[3, 0] = (
@@ -55,9 +62,7 @@ def folder(tmp_path_factory):
     )  # demelio has no curve of the last case
     data["phases"].values[:, :2] = 0, 1
     data["status"].values[:] = Status.solved
-    cost["seconds"].values[:] = 0.5
     dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
-    dataset.write(cost, folder / "cost.nc", "cost")
     (folder / "figure_1.png").write_bytes(PNG)
     write(folder, "page.html")
     return folder
@@ -70,9 +75,8 @@ def load(folder, text):
 
 def write(folder, name):
     loaded = load(folder, SCENE)
-    page.write(
-        loaded, folder / "contact.nc", [folder / "figure_1.png"], dataset.read(folder / "cost.nc"), folder / name
-    )
+    cost = seconds_of(KEYS, seconds=0.5)
+    page.write(loaded, folder / "contact.nc", [folder / "figure_1.png"], cost, folder / name)
     return (folder / name).read_text(encoding="utf-8")
 
 
@@ -107,8 +111,7 @@ def test_costs_and_states_are_counted(folder):
 
 
 def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
-    cost = dataset.blank_cost(1, METHODS)
-    cost["seconds"].values[:] = 2.5e-5, 1234.5
+    cost = seconds_of(["a"], seconds=[2.5e-5, 1234.5])
     assert page._costs(cost).rows == [
         ["demelio", 1, "2.5e-05", "2.5e-05", "2.5e-05"],
         ["bem", 1, "1200", "1200", "1230"],
@@ -206,7 +209,11 @@ def test_a_claim_is_a_line_with_the_number_that_decides_and_everything_else_fold
     data = dataset.blank(1, METHODS, LOADS, 3).merge(to_dataset({"one": judged(Check.no)}))
     dataset.write(data, tmp_path / "contact.nc", "Claim", "solved")
     page.write(
-        load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], NO_COST, tmp_path / "page.html"
+        load(tmp_path, SCENE),
+        tmp_path / "contact.nc",
+        [folder / "figure_1.png"],
+        seconds_of([]),
+        tmp_path / "page.html",
     )
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     (card,) = re.findall(r'<details class="claim no" id="one">.*?</details>', text, re.DOTALL)
@@ -285,9 +292,8 @@ def test_symbols_and_numbers_are_typeset(text, html):
 def planned():
     """What a scene with a tolerance leaves, with errors and seconds that are known; the last case is out of reach."""
     data = dataset.blank(3, ["patches", "planned"], LOADS, 3, returned=registry.returned_by(["planned"]))
-    cost = dataset.blank_cost(3, ["patches", "planned"])
-    for each in (data, cost):
-        each["key"].values[:] = "one", "two", "three"
+    data["key"].values[:] = keys = ["one", "two", "three"]
+    seconds = [[np.nan, 0.5], [np.nan, 1.5], [np.nan, np.nan]]
     data["settings"].values[:, 1] = '{"quantity": "compliance", "tolerance": 0.0001}'
     data["status"].values[:, 1] = Status.solved, Status.solved, Status.not_applicable
     data["planned_method"].values[:2] = ["westergaard"] * LOADS.size, ["bem"] * (LOADS.size - 1) + ["full contact"]
@@ -295,8 +301,7 @@ def planned():
     data["planned_error"].values[:2] = 2e-5, 6e-5
     data["compliance"].values[:2] = 0.5
     data["compliance"].values[:2, 1, 1] += [3e-5, -7e-5]
-    cost["seconds"].values[:2, 1] = 0.5, 1.5
-    return data, cost
+    return data, seconds_of(keys, ["patches", "planned"], seconds)
 
 
 def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
@@ -324,7 +329,7 @@ def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):
 
 def test_a_scene_without_a_tolerance_has_no_plans():
     data = dataset.blank(1, METHODS, LOADS, 3)
-    assert plans.rows(data, dataset.blank_cost(1, METHODS)) == []
+    assert plans.rows(data, seconds_of(["a"])) == []
 
 
 # The page is driven as a user drives it: a drop-down list is set and tells the page so. The lists stand in the shadow
@@ -430,7 +435,11 @@ def test_a_narrow_window_is_wide_enough(folder, tmp_path):
     data = data.merge(to_dataset({"archard_above": judged(Check.no)}))
     dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
     page.write(
-        load(tmp_path, SCENE), tmp_path / "contact.nc", [folder / "figure_1.png"], NO_COST, tmp_path / "page.html"
+        load(tmp_path, SCENE),
+        tmp_path / "contact.nc",
+        [folder / "figure_1.png"],
+        seconds_of([]),
+        tmp_path / "page.html",
     )
     head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
     (tmp_path / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")

@@ -25,7 +25,7 @@ def loaded(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def solved(loaded):
-    """Curves and seconds of all its cases, as one batch."""
+    """All its cases, as one batch."""
     return batch.solve_batch(loaded, loaded.distinct)
 
 

@@ -1,8 +1,7 @@
-"""A batch: the same rows however many threads solve them, with whatever a method returns."""
+"""A batch: each case with whatever its methods return."""
 
 from __future__ import annotations
 
-import threading
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,45 +14,13 @@ from weier.methods.registry import PLANNED, find_method
 from weier.methods.solve import solve_checked
 from weier.pipeline import batch
 
-SCENE = """\
-title: threads
-loads: [0.01, 0.1, 1]
-methods: [layer, bem, patches]
-studies:
-  one: {product: {D: 1.5, gamma: 2, m: [1, 2, 3], seed: [1, 2]}}
-"""
-
-
-@pytest.fixture(scope="module")
-def threaded(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scene") / "test.yaml"
-    path.write_text(SCENE)
-    return scene.load(path)
-
-
-def test_the_data_do_not_depend_on_the_threads(threaded):
-    cases = threaded.studies["one"]
-    (one, _), (many, cost) = batch.solve_batch(threaded, cases), batch.solve_batch(threaded, cases, threads=4)
-    assert one.identical(many)
-    assert np.all(cost.seconds > 0)
-
-
-def test_what_a_thread_raises_reaches_the_caller(threaded, monkeypatch):
-    def broken(*arguments):
-        raise MemoryError("no room")
-
-    monkeypatch.setattr(batch, "solve_checked", broken)
-    with pytest.raises(MemoryError, match="no room"):
-        batch.solve_batch(threaded, threaded.studies["one"], threads=2)
-
 
 def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_path, monkeypatch):
     """And with their seconds, and no others: neither for other profiles nor with other settings."""
-    solved, here = [], threading.get_ident()
+    solved = []
 
     def counted(profile, loads, method, settings):
-        if threading.get_ident() == here:  # threads of a batch that failed end their cases
-            solved.append((method.name, profile.D, profile.m, settings.get("points")))
+        solved.append((method.name, profile.D, profile.m, settings.get("points")))
         return solve_checked(profile, loads, method, settings)
 
     monkeypatch.setattr(batch, "solve_checked", counted)
@@ -64,7 +31,7 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
         f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}"
     )
     loaded = scene.load(path)
-    data, cost = batch.solve_batch(loaded, loaded.distinct)
+    data = batch.solve_batch(loaded, loaded.distinct)
     layers = [(D, m, points) for name, D, m, points in solved if name == "layer"]
     assert layers == [(D, m, points) for points in (None, 48) for D in (1.25, 1.5) for m in (1, 2)]
     assert len(solved) == 8 + 12
@@ -72,7 +39,7 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
         own = case.settings.get("layer", {})
         expected = find_method("layer").solve(case.profile, loaded.loads, **own).compliance
         np.testing.assert_array_equal(data["compliance"].values[number, 0], expected)
-    assert np.all(cost["seconds"].values[:, 0] > 0)
+    assert np.all(data["seconds"].values[:, 0] > 0)
 
 
 class Planned(NamedTuple):
@@ -95,7 +62,7 @@ def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
         "{title: t, loads: [0.1, 1], tolerance: 0.01, studies: {one: {product: {D: 1.5, gamma: 3, m: [1, 2]}}}}"
     )
     loaded = scene.load(path)
-    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
+    data = batch.solve_batch(loaded, loaded.studies["one"])
     assert data["planned_seconds"].values.tolist() == [2.5, 2.5]
     assert data["planned_error"].values == pytest.approx([1e-4, 2e-4])
     assert data["compliance"].values[0, 0].tolist() == [0.1, 1.0]

@@ -8,7 +8,7 @@ import pytest
 from weier import Profile, scene
 from weier.methods import bem, patches
 from weier.pipeline import batch
-from weier.pipeline.bounds import first_contact, infinite_series_bounds
+from weier.pipeline.batch import first_contact, infinite_series_bounds
 from weier.pipeline.gather import read_study
 
 BETWEEN_NODES = """
@@ -42,7 +42,7 @@ def test_bounds_hold_for_crests_between_two_nodes(tmp_path):
     path, phase = tmp_path / "test.yaml", -math.pi / 320
     path.write_text(BETWEEN_NODES % (phase, 5 * phase))
     loaded = scene.load(path)
-    data, _ = batch.solve_batch(loaded, loaded.studies["one"])
+    data = batch.solve_batch(loaded, loaded.studies["one"])
     bounded = data.squeeze()
     assert bounded["points"] == 320
     long = Profile(1.25, 5, 4, [phase * 5**n for n in range(4)])

@@ -93,7 +93,12 @@ def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
     announce_compiling(_say_compiling())
     try:
-        cli(prog_name="weier")
+        sys.exit(cli(prog_name="weier", standalone_mode=False))  # or click would say of Ctrl-C that it aborts, exit code 1
+    except click.Abort:
+        raise KeyboardInterrupt from None
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
     except ModuleNotFoundError as error:
         if str(error.name).partition(".")[0] not in EXTRA:
             raise

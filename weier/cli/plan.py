@@ -9,8 +9,10 @@ import click
 
 from weier.cli.options import FILE, LOADS, NEEDED, loads, of_any_profile, parameters, parse_loads
 from weier.kernels.arrays import Array
+from weier.methods.registry import PLANNED
 from weier.methods.segment import QUANTITIES
 from weier.pipeline.progress import waiting
+from weier.theory.loads import check_range
 
 if TYPE_CHECKING:
     from weier.methods.planned.plan import Plan
@@ -66,10 +68,14 @@ def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, qu
 
 
 def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | None, quantity: str | None) -> Plan:
-    from weier.pipeline import single  # xarray, as in `weier solve`
+    from weier.pipeline.plan import plan as plan_profile
+    from weier.scene.case import Case
 
     missing = [option for option, name in NEEDED.items() if series[name] is None]
     if missing:
         raise click.UsageError(f"a profile takes -D, --gamma and -m, got no {' and no '.join(missing)}")
+    case = Case(parameters(**series), (PLANNED,), {})
+    case.check()
     pressures = parse_loads(LOADS) if loads is None else loads
-    return single.plan_one(parameters(**series), pressures, tolerance, quantity)
+    check_range(pressures)
+    return plan_profile(case.profile, pressures, tolerance, quantity)

@@ -32,12 +32,10 @@ def compile(methods: Sequence[str]) -> None:
 @click.command()
 @click.argument("description", type=FILE)
 @output("data")
-@output("cost")
-@click.option("--threads", type=click.IntRange(1), default=1, show_default=True, help="Cases at a time.")
-def batch(description: Path, data: Path, cost: Path, threads: int) -> None:
+def batch(description: Path, data: Path) -> None:
     """Solve the batch that the Snakefile has described in the file DESCRIPTION.
 
-    The curves go to DATA, and the seconds that they took to COST.
+    The curves go to DATA, with the seconds that they took.
     """
     from weier.data import dataset
     from weier.pipeline.batch import solve_batch
@@ -45,10 +43,9 @@ def batch(description: Path, data: Path, cost: Path, threads: int) -> None:
 
     wanted = read_batch(description)
     with job("solve", wanted.title):
-        curves, seconds = solve_batch(
-            wanted.scene, wanted.cases, threads, done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True)
+        curves = solve_batch(
+            wanted.scene, wanted.cases, done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True)
         )
-        dataset.write(seconds, cost, f"{wanted.title}: seconds", "solved")
         dataset.write(curves, data, wanted.title, "solved")
 
 
@@ -102,7 +99,7 @@ def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
 def page(scene_file: Path, batches: Path, contact: Path, path: Path, drawn: Path) -> None:
     """Write the page of a scene to PATH.
 
-    It is made from the scene's dataset CONTACT, the folder FIGURES, and the seconds beside the folder BATCHES.
+    It is made from the scene's dataset CONTACT, the folder FIGURES, and the seconds in the folder BATCHES.
     """
     from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
     from weier.pipeline.batches import Solutions

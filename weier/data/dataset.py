@@ -21,13 +21,13 @@ from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.provenance import NORMALISED, PAPER
 from weier.data.selection import NEEDED, as_cases, name_cases
-from weier.data.variables import COORDINATES, COST, CURVE, PHASES_TEXT, RUN, VARIABLES, Status, Variable
+from weier.data.variables import COORDINATES, CURVE, PHASES_TEXT, RUN, VARIABLES, Status, Variable
 from weier.kernels.arrays import Array
 from weier.theory.arguments import shown
 
 __all__ = [
-    "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank", "blank_cost",
-    "curve", "open", "open_lazily", "read", "reading", "widen", "write",
+    "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank",
+    "curve", "open", "open_lazily", "read", "reading", "write",
 ]  # fmt: skip
 
 
@@ -78,33 +78,6 @@ def blank(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")),
     )
-
-
-def blank_cost(cases: int, methods: Sequence[str], terms: int = 1) -> xr.Dataset:
-    """The seconds and settings of each case and method, with nothing in it yet."""
-    sizes = {"case": cases, "solution_method": len(methods), "term": terms}
-    names = variables.variables_of_file(COST)
-    data = xr.Dataset({name: variables.blank(name, sizes) for name in names})
-    data = data.set_coords([name for name in names if name in COORDINATES])
-    return data.assign_coords(
-        solution_method=("solution_method", list(methods), variables.attributes("solution_method"))
-    )
-
-
-def widen(
-    data: xr.Dataset, methods: Sequence[str], terms: int, edges: int, returned: Collection[str] = ()
-) -> xr.Dataset:
-    """Cases over more methods, terms and edges of contact than they have: blank where they were not asked for."""
-    own = data["solution_method"].values.tolist()
-    if (own, data.sizes["term"], data.sizes.get("edge", 0)) == (list(methods), terms, edges):
-        return data
-    wide = blank(data.sizes["case"], methods, data["mean_pressure"].values, terms, edges, returned)
-    position: dict[Any, Any] = {dim: slice(data.sizes.get(dim)) for dim in ("term", "edge")}
-    position["solution_method"] = [list(methods).index(method) for method in own]
-    for name in data.variables.keys() - data.sizes.keys():
-        values = data.variables[name]
-        wide.variables[name][{dim: position.get(dim, slice(None)) for dim in values.dims}] = values.values
-    return wide
 
 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:

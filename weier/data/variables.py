@@ -25,7 +25,7 @@ ERROR = (
 )
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
-COST, TRADEOFF, EXTREMES, CONVERGENCE = "cost", "tradeoff", "extremes", "convergence"
+TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
 MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
 
@@ -46,9 +46,9 @@ class Variable(NamedTuple):
     dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
     comment : what is to be known beside the long name, which stands at axes
     content : what kind of thing it is, in the words of ISO 19115
-    optional : whether only files of methods that return it have it
+    optional : whether only files of methods that return it have it; seconds, which differ from run to run, stand
+        in batches alone
     files : which files beside those of a scene keep it
-    apart : whether it differs from run to run, and so is kept in files of its own
     axis : its name on an axis of a figure, in mathtext
     plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
     largest : its name in a page's table of the largest errors of each method, if it stands there
@@ -66,7 +66,6 @@ class Variable(NamedTuple):
     content: str = "modelResult"
     optional: bool = False
     files: tuple[str, ...] = ()
-    apart: bool = False
     axis: str = ""
     plot: str = ""
     largest: str = ""
@@ -80,17 +79,17 @@ VARIABLES = {
         axis=r"mean pressure $\bar{p}/p_0^{*}$", plot="mean pressure p/p_0*",
     ),
     "key": Variable(
-        ("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL, files=(COST,)
+        ("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL
     ),
-    "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL, files=(COST,)),
+    "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL),
     "gamma": Variable(
-        ("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL, files=(COST,)
+        ("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL
     ),
     "m": Variable(
-        ("case",), "number of terms of the series", symbol="m", least=1, content=LABEL, files=(COST,)
+        ("case",), "number of terms of the series", symbol="m", least=1, content=LABEL
     ),
-    "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL, files=(COST,)),
-    "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL, files=(COST,)),
+    "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
+    "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL),
     "trace": Variable(
         ("case",), "name of the file of measured heights", dtype="U64", content=LABEL, optional=True
     ),
@@ -160,7 +159,7 @@ VARIABLES = {
     "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
     "settings": Variable(
         RUN, "settings of the solution including defaults, as JSON", dtype="U240", content=AUXILIARY,
-        files=(COST, *MEASURED),
+        files=MEASURED,
     ),
     "status": Variable(
         RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY,
@@ -187,7 +186,7 @@ VARIABLES = {
         least=0, content=AUXILIARY, optional=True,
     ),
     "seconds": Variable(
-        RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(COST, TRADEOFF), apart=True
+        RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True
     ),
 }  # fmt: skip
 
@@ -200,7 +199,7 @@ COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content =
 
 
 def variables_of_file(file: str) -> list[str]:
-    """The variables that a file keeps: COST, TRADEOFF, EXTREMES or CONVERGENCE."""
+    """The variables that a file keeps: TRADEOFF, EXTREMES or CONVERGENCE."""
     return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 
@@ -209,7 +208,7 @@ def of_curves(returned: Collection[str], edges: bool) -> list[str]:
     return [
         name
         for name, entry in VARIABLES.items()
-        if not entry.apart and (not entry.optional or name in returned) and (edges or entry.dims != EDGES)
+        if (not entry.optional or name in returned) and (edges or entry.dims != EDGES)
     ]
 
 

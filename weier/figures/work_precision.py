@@ -19,7 +19,7 @@ CAPTION = (
     "method at one setting, and the band joins those that no other beats in both."
 )
 COMMAND = "tradeoff"
-VARIABLE = "seconds"
+VARIABLE = "reference_resistance"
 
 FLOOR = 1e-15  # an error of 0 is drawn here
 LABELS = {

@@ -1,4 +1,4 @@
-"""Many cases in one process: a scene's batch, solved into one dataset, on as many threads as it is given."""
+"""Many cases in one process: a scene's batch, solved into one dataset."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import json
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -23,38 +22,15 @@ from weier.methods.progress import telling
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.methods.solve import solve_checked
-from weier.pipeline.bounds import first_contact, infinite_series_bounds
 from weier.pipeline.progress import LOG_SECONDS, Loads
 from weier.scene.case import Case
 from weier.scene.cases import Scene
+from weier.theory.bounds import complete_bounds, resistance_bounds
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
-
-
-class _Solver:
-    """Solves the profiles of cases under the same loads.
-
-    It keeps the last curve of each method that does not depend on the phases: the next case may differ in them alone.
-    """
-
-    def __init__(self, loads: Array) -> None:
-        self.loads = loads
-        self._last: dict[str, tuple[object, tuple[Any, float]]] = {}
-
-    def solve(self, profile: Profile, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
-        """What a method says of a profile, and the seconds that it took."""
-        if method.uses_phases:
-            return solve_checked(profile, self.loads, method, settings)
-        method.check_applies(profile)  # a trace has no D
-        wanted = profile.D, profile.gamma, profile.m, settings
-        known, solved = self._last.get(method.name, (None, None))
-        if solved is None or known != wanted:
-            solved = solve_checked(profile, self.loads, method, settings)
-            self._last[method.name] = wanted, solved
-        return solved
 
 
 def _tell(message: str) -> None:
@@ -64,11 +40,10 @@ def _tell(message: str) -> None:
 def solve_batch(
     scene: Scene,
     cases: Iterable[Case],
-    threads: int = 1,
     done: Report = _tell,
     failed: Report = _tell,
     pause: float = LOG_SECONDS,
-) -> tuple[xr.Dataset, xr.Dataset]:
+) -> xr.Dataset:
     """Solve cases of a scene, and say every few seconds how far it is.
 
     Parameters
@@ -77,8 +52,6 @@ def solve_batch(
         Whose loads and layout they share.
     cases : iterable of Case
         The rows of the result, in their order.
-    threads : int
-        Cases at a time: the kernels leave the interpreter to each other. The data do not depend on it.
     done, failed : callable
         Take a line of how many loads are done, every few seconds, and one that says why a method has no curve.
     pause : float
@@ -86,49 +59,50 @@ def solve_batch(
 
     Returns
     -------
-    data : Dataset
-        Over case, method, mean_pressure and term, with bounds on the infinite series; what could not be solved is
-        NaN, and status says why.
-    cost : Dataset
-        Seconds for each case and method: apart, since they differ from run to run.
+    Dataset
+        Over case, method, mean_pressure and term, with bounds on the infinite series and the seconds that each curve
+        took; what could not be solved is NaN, and status says why.
 
     """
     cases = list(cases)
     methods, terms, edges, optional = scene.layout_of(cases)  # not the scene's: other cases may change
-    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, optional)
-    cost = dataset.blank_cost(len(cases), methods, terms)
-    curves, costs = arrays(data), arrays(cost)
-    solver, curves_asked = _Solver(scene.loads), sum(len(case.methods) for case in cases)
-    loads = Loads(curves_asked * scene.loads.size, scene.loads.size, pause, done)
-
-    def solve_case(number: int) -> None:
-        case = cases[number]
+    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, optional | {"seconds"})
+    curves, known = arrays(data), dict[object, tuple[Any, float]]()
+    loads = Loads(sum(len(case.methods) for case in cases) * scene.loads.size, scene.loads.size, pause, done)
+    for number, case in enumerate(cases):
         describe_case(curves, number, case)
-        for method in case.methods:
-            position = {"case": number, "solution_method": methods.index(method)}
-            with telling(loads):
-                why = _solve_into(curves, costs, position, case, find_method(method), solver)
+        for name in case.methods:
+            method, position = find_method(name), {"case": number, "solution_method": methods.index(name)}
+            run, given = _row("status", position), case.settings.get(name, {})
+            curves["settings"][run] = _settings_text(all_settings(method, given))
+            try:
+                with telling(loads):
+                    solution, curves["seconds"][run] = _solve(case, method, given, scene.loads, known)
+                _store(curves, position, solution._asdict() | _bounds(case, method, solution, scene.loads))
+                curves["status"][run] = Status.solved
+            except (NotApplicableError, ConvergenceError) as error:
+                unconverged = isinstance(error, ConvergenceError)
+                curves["status"][run] = Status.not_converged if unconverged else Status.not_applicable
+                failed(f"{case.profile.describe()}, {name}: {error}")
             loads.end_curve()
-            if why:
-                failed(f"{case.profile.describe()}, {method}: {why}")
-        for name in costs.keys() & curves.keys() - data.sizes.keys():
-            costs[name][number] = curves[name][number]
-
-    if threads == 1:  # in this thread, which Ctrl-C reaches
-        for number in range(len(cases)):
-            solve_case(number)
-    else:
-        _solve_side_by_side(solve_case, len(cases), threads)
-    return data, cost
+    return data
 
 
-def _solve_side_by_side(solve_case: Callable[[int], None], count: int, threads: int) -> None:
-    pool = ThreadPoolExecutor(threads)
-    try:
-        for _ in pool.map(solve_case, range(count)):  # raises what a case raised
-            pass
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+def _solve(
+    case: Case, method: Method, settings: Mapping[str, Any], loads: Array, known: dict[object, tuple[Any, float]]
+) -> tuple[Any, float]:
+    """What a method says of a case, and the seconds that it took.
+
+    Curves that do not depend on the phases are `known` once one case of an ensemble is solved.
+    """
+    profile = case.profile
+    if method.uses_phases:
+        return solve_checked(profile, loads, method, settings)
+    method.check_applies(profile)  # a trace has no D
+    same = method.name, profile.D, profile.gamma, profile.m, _settings_text(settings)
+    if same not in known:
+        known[same] = solve_checked(profile, loads, method, settings)
+    return known[same]
 
 
 def arrays(data: xr.Dataset) -> Arrays:
@@ -150,39 +124,47 @@ def describe_case(values_of: Arrays, number: int, case: Case) -> None:
         values_of[name][number] = value
 
 
-def _solve_into(
-    curves: Arrays, costs: Arrays, position: Mapping[str, int], case: Case, method: Method, solver: _Solver
-) -> str:
-    """Write one curve into its row of each array, and say why if there is none.
+def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any]) -> None:
+    """Write one curve into its row of each array.
 
     Whatever a method returns is stored if the table of variables knows it, as arrays over the loads or as one number:
     so a plan brings along what it expected, `planned_seconds` and `planned_error`.
     """
-    run = _row("status", position)
-    given = case.settings.get(method.name, {})
-    curves["settings"][run] = _settings_text(all_settings(method, given))
-    try:
-        solution, seconds = solver.solve(case.profile, method, given)
-    except (NotApplicableError, ConvergenceError) as error:
-        failed = isinstance(error, ConvergenceError)
-        curves["status"][run] = Status.not_converged if failed else Status.not_applicable
-        return str(error)
-    bounds = _bounds(case.profile, curves["mean_pressure"], method, solution)
-    for name, values in (solution._asdict() | bounds).items():
-        if name in curves and np.size(values):  # a method may tell no edges of contact
+    for name, value in values.items():
+        if name in curves and np.size(value):  # a method may tell no edges of contact
             if "edge" in VARIABLES[name].dims:  # one row of a case, of its last method, which may find fewer contacts
                 curves[name][_row(name, position)] = np.nan
-            curves[name][_row(name, position, np.shape(values))] = values
-    curves["status"][run] = Status.solved
-    costs["seconds"][run] = seconds
-    return ""
+            curves[name][_row(name, position, np.shape(value))] = value
 
 
-def _bounds(profile: Profile, loads: Array, method: Method, solution: Any) -> dict[str, Array]:
+def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str, Array]:
     """Bounds on the infinite series, from the curve of a truncated one by a method whose error is known."""
+    profile = case.profile
     if method.solution_error is None or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
         return {}
     return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(profile, solution))
+
+
+def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: float) -> dict[str, Array]:
+    """Bounds on both curves of the infinite series, by the names of their variables.
+
+    From the compliance of the terms of a profile, in g_0, which an error widens that it may have, in g_0.
+    `weier.methods.hybrid.truncation_bounds.bounds` says which part of them is proved and which is measured.
+    """
+    total, tail = profile.total_amplitude, profile.tail_amplitude
+    lower, upper = complete_bounds(compliance, tail, total + tail, error)
+    flattest, steepest = resistance_bounds(loads, compliance, tail + error, first_contact(profile))
+    return {
+        "compliance_lower": lower,
+        "compliance_upper": upper,
+        "resistance_lower": flattest,
+        "resistance_upper": steepest,
+    }
+
+
+def first_contact(profile: Profile) -> float:
+    """Compliance of a finite series at first contact, sum g_n - max z, in g_0."""
+    return profile.total_amplitude - profile.crest[1]
 
 
 def _settings_text(settings: Mapping[str, Any]) -> str:

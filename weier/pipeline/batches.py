@@ -137,7 +137,6 @@ class Solutions:
             if not path.with_suffix(".nc").exists() or read_batch(path).common["program"] != self.common["program"]:
                 path.unlink()
                 path.with_suffix(".nc").unlink(missing_ok=True)
-                (self.folder.parent / "cost" / f"{path.stem}.nc").unlink(missing_ok=True)
 
 
 class Batch(NamedTuple):

@@ -5,17 +5,16 @@ A file is written block by block of cases, so that it may be larger than memory.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from weier.data import dataset, netcdf, provenance
+from weier.data import dataset, netcdf, provenance, variables
 from weier.data.files import replacing
+from weier.kernels.arrays import Indices
 from weier.pipeline.batches import Solutions
 from weier.pipeline.labels import case_labels
 from weier.scene.case import Case
@@ -32,9 +31,10 @@ def read_study(solutions: Solutions, study: str) -> xr.Dataset:
 
 def read_cost(solutions: Solutions) -> xr.Dataset:
     """The seconds that each method took for each case of a scene."""
-    cases, (methods, terms, *_) = list(solutions.scene.distinct), solutions.scene.layout
-    folder = solutions.folder.parent / "cost"
-    return _filled(dataset.blank_cost(len(cases), methods, terms), solutions, cases, folder)
+    cases, methods = list(solutions.scene.distinct), solutions.scene.layout.methods
+    sizes = {"case": len(cases), "solution_method": len(methods)}
+    blank = xr.Dataset({name: variables.blank(name, sizes) for name in ("key", "seconds")})
+    return _filled(blank.assign_coords(solution_method=list(methods)), solutions, cases)
 
 
 def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more: xr.Dataset | None = None) -> None:
@@ -80,55 +80,41 @@ def _read(solutions: Solutions, cases: Sequence[Case], layout: Layout) -> xr.Dat
     """Some cases in memory, as wide as the layout says."""
     methods, terms, edges, optional = layout
     blank = dataset.blank(len(cases), methods, solutions.scene.loads, terms, edges, optional)
-    return _filled(blank, solutions, cases, solutions.folder)
+    return _filled(blank, solutions, cases)
 
 
-def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case], folder: Path) -> xr.Dataset:
-    """These cases with the curves that the batches in a folder hold of them."""
-    wanted: dict[Path, dict[str, list[tuple[int, int]]]] = {}  # rows there and here, by file and method
+def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case]) -> xr.Dataset:
+    """These cases with the curves that the batches hold of them.
+
+    Method by method: of the edges of contact, a case has those of its last method.
+    """
+    methods = blank["solution_method"].values.tolist()
+    wanted = dict[tuple[int, Path], list[tuple[int, int]]]()  # rows there and here, by method and file
     for number, case in enumerate(cases):
         for method, place in solutions.places(case).items():
-            file = folder / f"{place.batch.stem}.nc"
-            wanted.setdefault(file, {}).setdefault(method, []).append((place.row, number))
-    parts = {file: _Rows(file, {row for rows in own.values() for row, _ in rows}) for file, own in wanted.items()}
-    for method in blank[
-        "solution_method"
-    ].values.tolist():  # the edges of contact, of which a case has one set, are those of its last method
-        for file, own in wanted.items():
-            if method in own:
-                _copy(blank, parts[file], method, *zip(*own[method], strict=True))
+            key = methods.index(method), place.batch.with_suffix(".nc")
+            wanted.setdefault(key, []).append((place.row, number))
+    for (column, file), rows in sorted(wanted.items()):
+        there, here = np.array(rows).T
+        with dataset.reading(file) as data:
+            own = data["solution_method"].values.tolist().index(methods[column])
+            within = slice(there.min(), there.max() + 1)  # which is read in half the time of a list
+            part = data.drop_vars(data.variables.keys() - blank.variables.keys())
+            part = part.isel(case=within, solution_method=own).load().isel(case=there - there.min())
+        _copy(blank, part, here, column)
     blank["key"].values[:] = [case.key for case in cases]
     return blank
 
 
-class _Rows:
-    """Some rows of a file in memory, by their numbers in the file."""
-
-    def __init__(self, file: Path, rows: Collection[int]) -> None:
-        first, last = min(rows), max(rows)
-        contiguous = last - first == len(rows) - 1  # a slice is read in half the time of a list
-        with dataset.reading(file) as data:
-            self.data = data.isel(case=slice(first, last + 1) if contiguous else sorted(rows)).load()
-        self._number = {row: number for number, row in enumerate(sorted(rows))}
-
-    def values(self, name: str, rows: Sequence[int], method: str) -> NDArray[Any]:
-        """A variable of some rows, by one method where it has methods."""
-        variable, numbers = self.data.variables[name], [self._number[row] for row in rows]
-        if "solution_method" not in variable.dims:
-            return variable.values[numbers]
-        return variable.values[numbers, self.data["solution_method"].values.tolist().index(method)]
-
-
-def _copy(blank: xr.Dataset, part: _Rows, method: str, there: Sequence[int], here: Sequence[int]) -> None:
-    """Copy the curves of a method, and what describes their cases, from rows there to rows here."""
-    column = blank["solution_method"].values.tolist().index(method)
-    for name in blank.variables.keys() & part.data.variables.keys() - blank.sizes.keys():
-        target, values, rows = blank.variables[name], part.values(str(name), there, method), np.array(here)
+def _copy(blank: xr.Dataset, part: xr.Dataset, rows: Indices, column: int) -> None:
+    """Copy the curves of a method, and what describes their cases, into these rows."""
+    for name in blank.variables.keys() & part.variables.keys() - blank.sizes.keys():
+        target, values, here = blank.variables[name], part.variables[name].values, rows
         if "edge" in target.dims:
             known = np.isfinite(values).any(axis=(1, 2))
-            values, rows = values[known], rows[known]
-            target.values[rows] = np.nan  # the method before may have found more
-        run = (rows, column) if "solution_method" in target.dims else (rows,)
+            values, here = values[known], rows[known]
+            target.values[here] = np.nan  # the method before may have found more
+        run = (here, column) if "solution_method" in target.dims else (here,)
         rest = zip(values.shape[1:], target.shape[len(run) :], strict=True)  # as wide as other cases are
         within = tuple(slice(min(sizes)) for sizes in rest)
         target.values[(*run, *within)] = values[(slice(None), *within)]

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
 from itertools import compress
 from typing import Any
 
@@ -17,9 +16,8 @@ from numpy.typing import NDArray
 
 from weier.data.variables import LABEL
 from weier.methods.registry import find_method
-from weier.methods.settings import all_settings
+from weier.methods.settings import all_settings, defaults
 from weier.scene.cases import Scene
-from weier.scene.study import CaseProduct
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
@@ -29,35 +27,28 @@ def case_labels(scene: Scene) -> xr.Dataset:
     is there for each setting that differs between cases: NaN or an empty text where the method is not run, or the
     setting is left to the method.
     """
-    columns: dict[str, NDArray[Any]] = {"study": np.array([", ".join(names) for names in scene.studies_of_cases])}
-    meanings = {"study": "studies of the case"}
-    for method in scene.layout.methods:
-        run = [method in product.methods for product in scene.products]
-        for setting, values in _settings(scene.products, method).items():
+    studies = np.array([", ".join(names) for names in scene.studies_of_cases])
+    columns: dict[str, tuple[NDArray[Any], str]] = {"study": (studies, "studies of the case")}
+    for name in scene.layout.methods:
+        method, run = find_method(name), [name in product.methods for product in scene.products]
+        own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
+        for setting in defaults(method):
+            values = [each[setting] for each in own]
             if len(set(map(json.dumps, compress(values, run)))) > 1:
-                columns[f"{method}_{setting}"] = _column(values)[scene.product_of_cases]
-                meanings[f"{method}_{setting}"] = f"setting {setting} of method {method}"
+                column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
+                meaning = f"setting {setting} of method {name}"
+                columns[f"{name}_{setting}"] = column[scene.product_of_cases], meaning
     return xr.Dataset(
         coords={
-            name: ("case", values, {"long_name": meanings[name], "units": "1", "coverage_content_type": LABEL})
-            for name, values in columns.items()
+            name: ("case", values, {"long_name": meaning, "units": "1", "coverage_content_type": LABEL})
+            for name, (values, meaning) in columns.items()
         }
     )
-
-
-def _settings(products: Sequence[CaseProduct], method: str) -> Mapping[str, list[Any]]:
-    """The value of each setting of a method in the cases of each product; None where the method is not run."""
-    solver = find_method(method)
-    own = [all_settings(solver, each.settings.get(method, {})) if method in each.methods else {} for each in products]
-    return {name: [settings.get(name) for settings in own] for name in all_settings(solver, {})}
 
 
 def _column(values: list[Any]) -> NDArray[Any]:
     """Numbers with NaN, or texts with "", where there is None."""
     if any(isinstance(value, str | bool) for value in values):
-        return np.array([_text(value) for value in values])
+        texts = [json.dumps(value) if isinstance(value, bool) else value for value in values]
+        return np.array(["" if text is None else text for text in texts])
     return np.array([math.nan if value is None else value for value in values], float)
-
-
-def _text(value: str | bool | None) -> str:
-    return "" if value is None else value if isinstance(value, str) else json.dumps(value)

@@ -35,22 +35,21 @@ class Loads:
         now, done = perf_counter(), self.before + self.current
         if now - self.told > self.pause and done < self.total:
             self.told = now
-            left = (now - self.start) * (self.total - done) / max(done, 1)
+            left = (now - self.start) * (self.total - done) / done
             self.say(f"{done} of {self.total} loads, about {left:.0f} s left")
 
 
 @contextmanager
 def waiting(what: str) -> Iterator[Callable[[str], None]]:
     """Say on a line of a terminal, if there is one, what is computed, and give what adds to it how far it is."""
-    if not sys.stderr.isatty():
-        yield lambda far: None
-        return
+    terminal = sys.stderr.isatty()
 
-    def show(far: str) -> None:
-        print(f"{ERASE}{what}{far}", end="", file=sys.stderr, flush=True)
+    def show(words: str) -> None:
+        if terminal:
+            print(ERASE + words, end="", file=sys.stderr, flush=True)
 
-    show("")
+    show(what)
     try:
-        yield lambda far: show(f": {far}")
+        yield lambda far: show(f"{what}: {far}")
     finally:
-        print(ERASE, end="", file=sys.stderr, flush=True)
+        show("")

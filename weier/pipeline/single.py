@@ -1,4 +1,4 @@
-"""One profile without a scene file: what `weier solve`, `weier plot` and `weier plan` do."""
+"""One profile without a scene file: what `weier solve` and `weier plot` do."""
 
 from __future__ import annotations
 
@@ -18,12 +18,10 @@ from weier.data.files import write_text
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.planned.plan import Plan
-from weier.methods.registry import PLANNED, find_method
+from weier.methods.registry import find_method
 from weier.methods.settings import checked_settings
 from weier.pipeline.batch import solve_batch
 from weier.pipeline.forecast import forecast
-from weier.pipeline.plan import plan
 from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.scene import Case, Scene
 from weier.scene.case import trace_parameters
@@ -74,35 +72,12 @@ def solve_one(
     scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=_text(title, case, loads))
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
-        data, cost = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
+        data = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
     if not (data["status"] == Status.solved).any():
         unconverged = (data["status"] == Status.not_converged).any()
         raise (ConvergenceError if unconverged else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
-    return data.assign(seconds=cost["seconds"]).assign_attrs(title=title, scene=scene.text)
-
-
-def plan_one(
-    parameters: Mapping[str, Any], loads: Array, tolerance: float | None = None, quantity: str | None = None
-) -> Plan:
-    """The plan of one profile; nothing is solved.
-
-    Parameters
-    ----------
-    parameters, loads
-        As in `solve_one`.
-    tolerance, quantity
-        As in `weier.plan`.
-
-    Returns
-    -------
-    Plan
-        Load by load.
-    """
-    check_range(loads)
-    case = Case(parameters, (PLANNED,), {})
-    case.check()
-    return plan(case.profile, loads, tolerance, quantity)
+    return data.assign_attrs(title=title, scene=scene.text)
 
 
 def write(data: xr.Dataset, path: Path) -> None:
@@ -123,7 +98,7 @@ def as_json(data: xr.Dataset) -> str:
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
     parameters |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}
-    curves = {method: _curves(_of(case, method)) for method in case["solution_method"].values.tolist()}
+    curves = {method: _curves(case, method) for method in case["solution_method"].values.tolist()}
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
     units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
@@ -131,28 +106,26 @@ def as_json(data: xr.Dataset) -> str:
     return json.dumps(header | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
 
 
-def _of(case: xr.Dataset, method: str) -> xr.Dataset:
-    """The variables of one method, without optional ones that another method returns."""
-    run = case.sel(solution_method=method)
-    returned = find_method(method).returns
-    return run.drop_vars([name for name in run.data_vars if VARIABLES[str(name)].optional and name not in returned])
-
-
-def _curves(run: xr.Dataset) -> dict[str, Any]:
-    """The variables of one method that have values, without those of the profile."""
-    own = [name for name, values in run.items() if values.dtype.kind == "f" and name not in PROFILE]
-    own += [name for name, values in run.items() if values.dtype.kind == "U" and values.dims == ("mean_pressure",)]
-    numbers = {str(name): _plain(run[name].values) for name in own if run[name].notnull().any()}
-    return numbers | {"settings": json.loads(str(run["settings"].values))}
+def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
+    """The variables of one method that have values, without those of the profile and those of other methods."""
+    run, returned = case.sel(solution_method=method), {*find_method(method).returns, "seconds"}
+    own = {
+        str(name): _plain(values.values)
+        for name, values in run.items()
+        if (name in returned or not VARIABLES[str(name)].optional) and values.notnull().any()
+        if (name not in PROFILE if values.dtype.kind == "f" else values.dims == ("mean_pressure",))
+    }
+    return own | {"settings": json.loads(str(run["settings"].values))}
 
 
 def _plain(values: Array) -> Any:
     """Numbers and texts as JSON can hold them: it has no nan and no inf."""
     if values.dtype.kind == "U":
         return values.tolist()
-    if values.ndim == 0:
-        return float(values) if np.isfinite(values) else "inf" if np.isposinf(values) else None
-    return [_plain(value) for value in values]
+    plain = values.astype(object)
+    plain[~np.isfinite(values)] = None
+    plain[np.isposinf(values)] = "inf"
+    return plain.tolist()
 
 
 def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:

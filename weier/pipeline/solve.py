@@ -114,10 +114,10 @@ def _solve_all(
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     scene = Scene("solve", title, loads, {}, len(cases), contact_edges=edges)
     failures: list[str] = []
-    data, cost = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
+    data = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
     for failure in failures:
         warnings.warn(failure, stacklevel=3)  # at the call of `solve`
-    return name_cases(data.assign(seconds=cost["seconds"]).assign_attrs(provenance.of_results(title)))
+    return name_cases(data.assign_attrs(provenance.of_results(title)))
 
 
 def _settings(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
