@@ -29,17 +29,6 @@ announce_compiling(
 )
 
 
-def say_stopped(kind, error, trace):
-    """Ctrl-C ends a run in one line: while Snakemake looks at files, it would add a traceback of its own."""
-    if issubclass(kind, KeyboardInterrupt):
-        print("weier: stopped by Ctrl-C", file=sys.stderr)
-    else:
-        sys.__excepthook__(kind, error, trace)
-
-
-sys.excepthook = say_stopped
-
-
 @contextmanager
 def stoppable():
     """Let Ctrl-C end what takes long: Snakemake's event loop would note it, and go on until all is planned."""

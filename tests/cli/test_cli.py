@@ -10,6 +10,7 @@ import sys
 
 import pytest
 
+from weier import __main__ as program
 from weier.cli import cli
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
@@ -121,3 +122,15 @@ def test_a_closed_folder_is_told_before_anything_is_solved(run, closed):
     code, _, err = run("solve", *PROFILE, "-o", closed / "x.nc")
     assert code == 1
     assert "closed is closed to writing" in err
+
+
+def test_ctrl_c_ends_a_command_in_a_line_with_the_exit_code_of_shells(monkeypatch, capsys):
+    def stopped(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("weier.pipeline.single.solve_one", stopped)
+    monkeypatch.setattr(sys, "argv", ["weier", "solve", *PROFILE, *FEW])
+    monkeypatch.setattr(os, "_exit", sys.exit)
+    with pytest.raises(SystemExit) as ended:
+        program.run()
+    assert (ended.value.code, capsys.readouterr().err.strip()) == (130, program.STOPPED)

@@ -169,6 +169,20 @@ def all_states():
             yield path.read_text()
 
 
+def test_ctrl_c_ends_what_snakemake_plans(checkout, undisturbed, tmp_path, ctrl_c):
+    """Its event loop would note the signal and go on, which takes minutes where plans have to compile kernels."""
+    (described,) = (checkout / "results/test/batches").glob("*.json")
+    shutil.rmtree(described.parent)
+    with paused(checkout, f"batches/{described.name}", tmp_path) as (snakemake, planning):
+        assert planning == snakemake.pid
+        snakemake.send_signal(signal.SIGINT)
+        snakemake.wait(PATIENCE)
+    said = (tmp_path / "said").read_text()
+    assert said.endswith("weier: stopped by Ctrl-C\n")
+    assert "Traceback" not in said
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
 @pytest.mark.slow
 def test_two_runs_at_once_and_kill_of_snakemake(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)

@@ -93,8 +93,8 @@ def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
     announce_compiling(_say_compiling())
     try:
-        sys.exit(cli(prog_name="weier", standalone_mode=False))  # or click would say of Ctrl-C that it aborts, exit code 1
-    except click.Abort:
+        sys.exit(cli(prog_name="weier", standalone_mode=False))
+    except click.Abort:  # which click makes of Ctrl-C, and standing alone ends with exit code 1
         raise KeyboardInterrupt from None
     except click.ClickException as error:
         error.show()
