@@ -39,6 +39,7 @@ def test_a_plan_of_a_scene_goes_by_the_scene_unless_told(run, tmp_path):
     [
         ([], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
         (["--tolerance", "1e-3"], "got neither"),
+        (["--trace", "shaft.csv"], "plans are for series: take the one that weier.fit finds for the trace"),
         (["scene.yaml", *PROFILE], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got both"),
         (["-D", "1.5"], "a profile takes -D, --gamma and -m, got no --gamma and no -m"),
     ],

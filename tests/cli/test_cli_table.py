@@ -4,6 +4,7 @@ import csv
 import shlex
 
 import netCDF4
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -57,6 +58,33 @@ def test_a_table_in_si_units_names_them(run):
     names = {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2"}
     for name, unit in names.items():
         assert [float(row[f"{name} ({unit})"]) for row in rows(out)] == curve[name].values.tolist()
+
+
+def test_a_trace_in_si_units_has_its_own_scale(run, folder):
+    """Beside a series, which has that of the file of bodies."""
+    x = np.arange(100) / 100
+    surfaces = [PROFILE] + [
+        weier.Trace(height * np.cos(2 * np.pi * x), 3e-3, ends="periodic", source="t") for height in (1e-6, 2e-6)
+    ]
+    alone = weier.solve(surfaces[1:], [0.1, 1.0], "bem")
+    alone.to_netcdf(folder / "alone.nc")
+    weier.solve(surfaces, [0.1, 1.0], "bem").to_netcdf(folder / "all.nc")
+    bodies = {name: value for name, value in BODIES.items() if name not in ("lambda_0", "g_0")}
+    (folder / "bare.yaml").write_text("".join(f"{name}: {value:g}\n" for name, value in bodies.items()))
+    code, out, _ = run("table", "all.nc", "--si", "bodies.yaml")
+    assert code == 0
+    expected = []
+    for surface, curve in zip(
+        surfaces, [weier.solve(surface, [0.1, 1.0], "bem") for surface in surfaces], strict=True
+    ):
+        scale = {} if surface is PROFILE else {"lambda_0": surface.lambda_0, "g_0": surface.g_0}
+        expected += weier.Interface(**BODIES | scale).in_si(curve).resistance.values.tolist()
+    told = [float(row["resistance (ohm m^2)"]) for row in rows(out)]
+    assert told == pytest.approx(expected, rel=1e-4)  # a load starts from another one in a list
+    code, out, _ = run("table", "alone.nc", "--si", "bare.yaml")
+    assert code == 0
+    assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(expected[2:], rel=1e-4)
+    assert run("table", "all.nc", "--si", "bare.yaml")[0] == 1
 
 
 @pytest.mark.parametrize("text", ["mu_1: 1.0\n", "- 1\n", "mu_1: [\n"])

@@ -19,6 +19,12 @@ if TYPE_CHECKING:
     from weier.pipeline.plan import ScenePlan
 
 
+def _refuse_trace(context: click.Context, option: click.Parameter, path: str | None) -> None:
+    """Name what takes the place of a trace, rather than an option with a similar name."""
+    if path is not None:
+        raise click.UsageError("plans are for series: take the one that weier.fit finds for the trace")
+
+
 @click.command()
 @click.argument("scene_file", metavar="[SCENE]", required=False, type=FILE)
 @of_any_profile
@@ -34,6 +40,7 @@ if TYPE_CHECKING:
     type=click.Choice(QUANTITIES),
     help="Which of the two has to be that accurate  [default: that of the scene, or compliance].",
 )
+@click.option("--trace", hidden=True, expose_value=False, callback=_refuse_trace)
 def plan(
     scene_file: Path | None, loads: Array | None, tolerance: float | None, quantity: str | None, **series: Any
 ) -> None:

@@ -7,10 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+import numpy as np
 
 from weier.cli.options import FILE, STDOUT, output
 
 if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
+    import xarray as xr
+
     from weier.theory.conduction import Interface
 
 
@@ -21,7 +25,8 @@ if TYPE_CHECKING:
     "--si",
     "bodies",
     type=FILE,
-    help="Give SI units; this YAML file has the eight values of weier.Interface, as mu_1.",
+    help="Give SI units; this YAML file has the eight values of weier.Interface, as mu_1. Traces have their own g_0 "
+    "and lambda_0.",
 )
 def table(contact: Path, path: Path, bodies: Path | None) -> None:
     """Write the curves of a file as comma-separated values.
@@ -37,11 +42,7 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
     from weier.data.files import write_text
 
     with dataset.open(contact) as data:
-        curves = data if bodies is None else _read_interface(bodies).in_si(data)
-        frame = curves.weier.table()
-    if bodies is not None:
-        units = {name: curves[name].attrs.get("units", "1") for name in frame if name in curves}
-        frame = frame.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit != "1"})
+        frame = data.weier.table() if bodies is None else _table_in_si(data, bodies)
     text = str(frame.to_csv(index=False))
     if str(path) == STDOUT:
         click.echo(text, nl=False)
@@ -49,12 +50,33 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
         write_text(path, text)
 
 
-def _read_interface(path: Path) -> Interface:
+def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
+    """The table in the units that the heading names, for the bodies of a file; each trace at its own scale."""
+    import pandas as pd
+
+    from weier.data.selection import as_cases
+
+    data = as_cases(data)
+    trace = data["trace_digest"].values if "trace_digest" in data.coords else np.full(data.sizes["case"], "")
+    bodies = _read_interface(path, (trace == "").any())
+    groups = [data.isel(case=np.flatnonzero(trace == digest)) for digest in dict.fromkeys(trace.tolist())]
+    tables = []
+    for group in groups:
+        curves = bodies.at_scale_of(group.isel(case=0)).in_si(group)
+        table = curves.weier.table()
+        units = {name: curves[name].attrs.get("units", "1") for name in table if name in curves}
+        tables.append(table.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit != "1"}))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _read_interface(path: Path, scaled: bool) -> Interface:
+    """The bodies of a file; the size of the roughness may be missing where it stands in no unit."""
     from weier.data.yaml import parse_yaml
     from weier.theory.conduction import Interface
 
     given = parse_yaml(path.read_text(encoding="utf-8"))
     names = [field.name for field in fields(Interface)]
-    if not isinstance(given, dict) or set(given) != set(names):
+    scale = {} if scaled else {"lambda_0": 1.0, "g_0": 1.0}
+    if not isinstance(given, dict) or set(scale | given) != set(names):
         raise ValueError(f"{path} must have the keys {', '.join(names)} and no others")
-    return Interface(**given)
+    return Interface(**(scale | given))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -81,7 +80,7 @@ def compare(
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
     if grouping == BY_DEFAULT:
         grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
-    bodies = [_bodies(interface, case) for case in cases]
+    bodies = [interface and interface.at_scale_of(case) for case in cases]
     drawn = _curves(cases, quantity, grouping, bodies)
     of_each = [_values(drawn, name) for name in grouping.facet]
     columns = len(of_each[1]) if len(of_each) == 2 else None
@@ -108,13 +107,6 @@ def compare(
     figure.set_figheight(figure.get_figheight() + TITLE_ROW * len(above))
     style.set_title(figure, "\n".join(above))
     return Comparison(figure, panels, list({id(curve.case): curve.case for curve in drawn}.values()))
-
-
-def _bodies(interface: Interface | None, case: xr.Dataset) -> Interface | None:
-    """The bodies at the scale of a case, which a trace has itself."""
-    if interface is None or not style.trace_name(case):
-        return interface
-    return replace(interface, lambda_0=float(case["trace_length"]), g_0=float(case["trace_height"]))
 
 
 def _curves(

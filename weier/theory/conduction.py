@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -90,6 +90,7 @@ RANGES = {
 
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
 SAME_SCALE = 1e-6  # relative: what a person copies of a number
+OF_TRACE = "trace_length", "trace_height"  # coordinates of curves, in m: lambda_0 and g_0
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
 
 
@@ -145,6 +146,11 @@ class Interface:
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
                 f"floats, got {self.full_contact_pressure}"
             )
+
+    def at_scale_of(self, curves: Any) -> Interface:
+        """The same bodies with the length and height of the trace that the curves of a case are of, if it is one."""
+        length, height = (float(np.squeeze(curves.coords.get(name, math.nan))) for name in OF_TRACE)
+        return self if math.isnan(length) else replace(self, lambda_0=length, g_0=height)
 
     @property
     def composite_modulus(self) -> float:
@@ -212,7 +218,7 @@ class Interface:
 
     def _check_scale(self, data: Any) -> None:
         """Refuse curves of traces in units of another length or height than their own."""
-        for name, of_trace in (("lambda_0", "trace_length"), ("g_0", "trace_height")):
+        for name, of_trace in zip(("lambda_0", "g_0"), OF_TRACE, strict=True):
             known = np.asarray(data.coords.get(of_trace, math.nan), float)
             strange = known[np.abs(known / getattr(self, name) - 1) > SAME_SCALE]
             if strange.size:

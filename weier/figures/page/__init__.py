@@ -39,6 +39,7 @@ ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() 
 PICTURES = (
     "In the pictures, a dot is a profile, and the grey part of the line is too close to the limit to be called."
 )
+IN_SI = " Figures in Pa, m and ohm m^2 are of the scene's two bodies; each trace has its own lambda_0 and g_0."
 MAX_COLUMN = 1500  # pixels: a figure of one column has some 1050
 EXPLORER_ID = ID("curves-explorer")
 VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
@@ -111,7 +112,7 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        normalised=dataset.NORMALISED,
+        normalised=dataset.NORMALISED + IN_SI * any(figure.interface for figure in scene.figures.values()),
         doi=provenance.DOI,
         links=[("all curves (netCDF)", "contact.nc"), ("claims (Markdown)", "claims.md")],
         sections=[
