@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from weier.methods.layer.solver import POINTS
 from weier.methods.layer.wave import midpoints, solve_waves
 
 
 def solve_from_guesses(log_load, closure, tolerance):
-    mesh = midpoints(POINTS)
-    return solve_waves(log_load, np.full((log_load.size, POINTS + 1), np.nan), closure, mesh, tolerance)
+    return solve_waves(log_load, closure, midpoints(POINTS), tolerance)

@@ -9,16 +9,15 @@ import pytest
 
 from weier import ConvergenceError
 from weier.methods import layer
-from weier.methods.layer.model import Model
-from weier.methods.layer.rows import BOTTOM_POSITIONS
-from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE
+from weier.methods.layer.solver import ACCURACY, _may_be_infinite
+from weier.methods.layer.tables import BOTTOM_POSITIONS
 from weier.theory.series import tail_amplitude
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.75, 2, 110), (1.9, 3, 140)])
 def test_scales_one_by_one_reach_the_infinite_series(D, gamma, m):
     """So many terms that the tail is below the accuracy, and too few to be taken for infinite."""
-    assert not Model(D, gamma, m, POINTS, ACCURACY, TOLERANCE)._may_be_infinite(BOTTOM_POSITIONS[0])
+    assert not _may_be_infinite(BOTTOM_POSITIONS[0], (D, gamma, m), ACCURACY)
     loads = np.array([1e-12, 1e-6, 1e-3, 0.1, 1.0, 3.6])
     tail = tail_amplitude(m, D, gamma)
     finite, infinite = (layer.compliance(loads, D, gamma, terms) for terms in (m, math.inf))

@@ -12,8 +12,8 @@ from weier.kernels.arrays import Array
 from weier.methods import layer
 from weier.theory.profile import Profile
 
-SUBDIVISION = 8  # of the layer's own table: between its rows ln p as a cubic in ln s is as good as that table
-MAX_LOAD = 1e3  # p_0*, which the table of the layer reaches
+ROWS = 400  # of ln p as a cubic in ln s, which is then as good as the table of the layer itself
+MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # p_0*, which they reach
 
 
 class NodalClosure(NamedTuple):
@@ -36,7 +36,8 @@ def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
     """The layer of all terms after these, in the units of the first wave, at nodes of this self-influence."""
     D, gamma, n = kept.D, float(kept.gamma), kept.terms
     peaks = 1 / math.expm1((D - 1) * math.log(gamma))  # of all resolved waves in full contact, in p_k*, at most
-    log_xi, log_W, power = layer.tail_table(D, gamma, MAX_LOAD + peaks, SUBDIVISION)
+    log_xi = np.linspace(math.log(MIN_LOAD), math.log(MAX_LOAD + peaks), ROWS)
+    log_W, power = layer.tail_closure(log_xi, D, gamma)
     compression, pressure = gamma ** ((D - 2) * n) * np.exp(log_W), gamma ** ((D - 1) * n) * np.exp(log_xi)
     s = compression + self_influence * pressure
     slope = s / (power * compression + self_influence * pressure)  # d ln p/d ln s

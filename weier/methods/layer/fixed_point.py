@@ -13,30 +13,27 @@ e, its own relative error is (I - J)^-1 e at most. The deviation is measured in 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 
 from weier.kernels.arrays import Array
-from weier.kernels.jit import kernel
 from weier.methods import archard
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import POSITION_SCALE, Closure
-from weier.methods.layer.rows import (
+from weier.methods.layer.closure import position_in
+from weier.methods.layer.scales import ComplianceTable, Scale, Scaling, coarser_units
+from weier.methods.layer.tables import (
     MAX_HALVINGS,
     MAX_ROWS,
     Rows,
     accuracy_error,
     evaluate_midpoints,
-    interpolate,
-    interpolate_states,
     lattice,
     log_load_at,
     merge,
     position_of,
 )
-from weier.methods.layer.scales import ComplianceTable, Scale, Scaling, coarser_units
 from weier.methods.layer.wave import Mesh, shares
 
 TABLE_SHARE = 0.5  # of the accuracy is for the errors of the table, the rest for the residuals of the waves
@@ -44,30 +41,9 @@ MIN_ESTIMATED_LOAD = -8.0  # ln xi: the first guess takes heavier loads from Arc
 MAX_GUESS_STEP = 0.1  # of ln W: Newton's method stops there where it only makes a guess
 MAX_NEWTON_STEPS = 40  # 3 to 12 are usual
 MAX_STEP = 10.0  # of ln W in Newton's method: beyond it the tangents mislead
-MAX_HALVINGS_AT_ONCE = 3  # of a cell, as far as the fourth order of its cubic is trusted
 
 
-class Table(NamedTuple):
-    """Rows of the fixed point, and what deviations from it add up to over all scales, each of shape (rows,).
-
-    gain : what deviations of 1, relative to W, would add up to
-    error : what the measured deviations add up to, relative to W
-    """
-
-    rows: Rows
-    gain: Array
-    error: Array
-
-
-class Spline(NamedTuple):
-    """The slopes of a cubic spline, by_values @ values + by_first * first slope, of shapes (n, n) and (n,)."""
-
-    by_values: Array
-    by_first: Array
-
-
-@dataclass(frozen=True)
-class FixedPoint:
+class FixedPoint(NamedTuple):
     """The infinite series of one D and gamma, on one mesh."""
 
     D: float
@@ -86,36 +62,19 @@ class FixedPoint:
         """The sum of all amplitudes."""
         return -1 / math.expm1(self.scaling.log_height)
 
-    def waves(self, bottom: float, tops: list[float]) -> list[ComplianceTable]:
-        """The waves for positions up to each of these increasing tops, each table a continuation of the one before.
-
-        W at a load depends on W at lighter and heavier loads, since the pressure varies along the wave. But up to a
-        top it depends on no load above that top.
-        """
-        self._limit(np.array([self.amplitude]))  # at heavy loads errors of ln W add up to as many at least
-        nothing, states = np.zeros(0), np.zeros((0, self.mesh.rise.size + 1))
-        table, tables = Table(Rows(nothing, nothing, nothing, states, states), nothing, nothing), []
-        for top in tops:
-            table = self._extend(table, lattice(bottom, top))
-            tables.append(ComplianceTable(table.rows, self.amplitude, math.inf))
-        return tables
-
-    def _extend(self, known: Table, position: Array) -> Table:
-        """The table with further rows up to the last of these positions. Its own rows do not change."""
-        count = known.gain.size
-        first, limit = max(count - 1, 0), self.accuracy
-        rows = self._extrapolation(position, known.rows) if count else self._guess(position)
+    def waves(self, bottom: float, top: float) -> ComplianceTable:
+        """The waves on a table between these positions."""
+        limit = self._limit(np.array([self.amplitude]))  # at heavy loads errors of ln W add up to as many at least
+        rows = self._guess(lattice(bottom, top))
         for _ in range(MAX_HALVINGS):
-            rows, size = self._converge(rows, count, math.sqrt(limit))
-            gain = _accumulate(size, known.gain, np.ones(size.shape[0]))
-            limit, cells = self._limit(gain), rows.position[first:]
-            _, errors = evaluate_midpoints(self._scale(rows).rows, rows, cells[:-1], cells[1:])
+            rows, size = self._converge(rows, math.sqrt(limit))
+            over_scales = np.linalg.inv(np.eye(len(size)) - size)
+            limit, left, right = self._limit(over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
+            between, errors = evaluate_midpoints(self._scale(rows).rows, rows, left, right)
             beside = np.maximum(np.append(errors, 0), np.append(0, errors))  # of the cells on either side of a row
-            error = _accumulate(size, known.error, size[:, first:] @ beside)
-            error[count:] += beside[count - first :]
-            if np.max(error) <= TABLE_SHARE * self.accuracy:
-                return Table(rows, gain, error)
-            rows = refine(rows, cells, errors, limit)
+            if np.max(over_scales @ beside) <= TABLE_SHARE * self.accuracy:
+                return ComplianceTable(rows, self.amplitude, math.inf)
+            rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
             if rows.position.size > MAX_ROWS:
                 break
         raise accuracy_error(float(np.max(errors)), rows, limit)
@@ -144,37 +103,27 @@ class FixedPoint:
         """
         heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
         log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), self.D, self.gamma, math.inf))
-        rows, _ = self._converge(self._without_states(heavy, log_W, np.gradient(log_W, heavy)), 0, MAX_GUESS_STEP)
-        for one in position[position < position_of(MIN_ESTIMATED_LOAD)][::-1]:
+        unknown = np.full((heavy.size, self.mesh.rise.size + 1), np.nan)
+        rows, _ = self._converge(Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
+        for one in position[position < heavy[0]][::-1]:
             rows = merge(self._scale(rows).rows(np.array([one]), None), rows)
         return rows
 
-    def _extrapolation(self, position: Array, known: Rows) -> Rows:
-        """The known rows, and further ones at the positions beyond them, on the power law that continues them."""
-        further = position[position > known.position[-1]]
-        log_W, slope = interpolate(known, further)
-        return merge(known, self._without_states(further, np.minimum(log_W, math.log(self.amplitude)), slope))
+    def _converge(self, rows: Rows, limit: float) -> tuple[Rows, Array]:
+        """The rows at the fixed point, and the largest effect of an error of one row on another, shape (rows, rows).
 
-    def _without_states(self, position: Array, log_W: Array, slope: Array) -> Rows:
-        states = np.full((position.size, self.mesh.rise.size + 1), np.nan)
-        return Rows(position, log_W, slope, states, states)
-
-    def _converge(self, rows: Rows, known: int, limit: float) -> tuple[Rows, Array]:
-        """The rows at the fixed point, the known ones unchanged, and the largest effect of an error at each row.
-
-        These effects on the rows that are not known have the shape (rows not known, rows). The last step is the limit
-        at most, and the error that remains is of the order of its square.
+        The last step is the limit at most, and the error that remains is of the order of its square.
         """
-        first, change = max(known - 1, 0), math.inf
-        spline = slopes_of_spline(rows.position[first:], clamped=known > 0)
+        change, basis = math.inf, scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
         for _ in range(MAX_NEWTON_STEPS):
-            step, image, size = self._newton_step(rows, known, spline)
+            scale, known = self._scale(rows), np.isfinite(rows.state).all()
+            image = scale.rows(rows.position, rows.state if known else None)
+            derivative, size = _sensitivity(image, scale, basis)
+            step = np.linalg.solve(np.eye(len(size)) - derivative, image.log_compliance - rows.log_compliance)
             change = float(np.max(np.abs(step)))
-            log_W, slope = rows.log_compliance.copy(), rows.slope.copy()
-            log_W[known:] = np.minimum(log_W[known:] + np.clip(step, -MAX_STEP, MAX_STEP), math.log(self.amplitude))
-            slope[first:] = spline.by_values @ log_W[first:] + spline.by_first * slope[first]
-            states = (np.concatenate([old[:known], new]) for old, new in zip(rows[3:], image[3:], strict=True))
-            rows = Rows(rows.position, log_W, slope, *states)
+            log_W = rows.log_compliance + np.clip(step, -MAX_STEP, MAX_STEP)
+            log_W = np.minimum(log_W, math.log(self.amplitude))
+            rows = Rows(rows.position, log_W, basis(rows.position, 1) @ log_W, image.state, image.tangent)
             if change <= limit:
                 return rows, size
         raise ConvergenceError(
@@ -183,85 +132,18 @@ class FixedPoint:
             change,
         )
 
-    def _newton_step(self, rows: Rows, known: int, spline: Spline) -> tuple[Array, Rows, Array]:
-        """The change of ln W at the rows that are not known, T W there, and the effects of errors at each row."""
-        scale, position = self._scale(rows), rows.position[known:]
-        image = scale.rows(position, rows.state[known:])
-        loads = log_load_at(position)
-        by_value, by_slope, size = sensitivity(loads, image.log_compliance, image.state, scale.closure, self.mesh)
-        fixed = spline.by_first.size - position.size  # 1 where the spline is clamped to a known row
-        derivative = by_value[:, known:] + by_slope[:, known - fixed :] @ spline.by_values[:, fixed:]
-        lacking = image.log_compliance - rows.log_compliance[known:]
-        return np.asarray(np.linalg.solve(np.eye(position.size) - derivative, lacking)), image, size
 
+def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline) -> tuple[Array, Array]:
+    """Derivatives of ln T W of each wave by ln W of each row, shape (waves, rows).
 
-def refine(rows: Rows, cells: Array, errors: Array, limit: float) -> Rows:
-    """The rows, and more of them in cells whose error exceeds the limit: as many as its fourth order asks for."""
-    halvings = np.ceil(np.log2(np.maximum(errors / limit, 1)) / 4)
-    parts = 2 ** np.minimum(halvings, MAX_HALVINGS_AT_ONCE).astype(int)
-    start, length = np.repeat(cells[:-1], parts - 1), np.repeat(np.diff(cells) / parts, parts - 1)
-    number = np.arange(start.size) - np.repeat(np.cumsum(parts - 1) - (parts - 1), parts - 1)
-    position = start + (number + 1) * length
-    state = interpolate_states(rows, position)
-    return merge(rows, Rows(position, *interpolate(rows, position), state, np.zeros_like(state)))
-
-
-def _accumulate(size: Array, known: Array, source: Array) -> Array:
-    """What the source adds up to over all scales: the sums at the known rows, then those at the others."""
-    count = known.size
-    total = np.linalg.solve(np.eye(source.size) - size[:, count:], source + size[:, :count] @ known)
-    return np.append(known, total)
-
-
-def slopes_of_spline(y: Array, clamped: bool) -> Spline:
-    """The slopes of the cubic spline through values at increasing y.
-
-    The first two cubics are the same, unless the spline is clamped to the first slope, and so are the last two.
+    The second array bounds the effect of relative errors that are linear between the rows.
     """
-    n, h = y.size, np.diff(y)
-    chord = np.diff(np.eye(n), axis=0) / h[:, None]
-    matrix, right, by_first = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
-    i = np.arange(1, n - 1)
-    matrix[i, i - 1], matrix[i, i], matrix[i, i + 1] = 1 / h[:-1], 2 / h[:-1] + 2 / h[1:], 1 / h[1:]
-    right[i] = 3 * (chord[:-1] / h[:-1, None] + chord[1:] / h[1:, None])
-    for end, inwards in ((0, 1), (n - 1, -1)):
-        outer, inner = (0, 1) if end == 0 else (n - 2, n - 3)
-        ratio = (h[outer] / h[inner]) ** 2
-        matrix[end, [end, end + inwards, end + 2 * inwards]] = 1, 1 - ratio, -ratio
-        right[end] = 2 * (chord[outer] - ratio * chord[inner])
-    if clamped:
-        matrix[0], right[0], by_first[0] = by_first, 0, 1
-        matrix[0, 0] = 1
-    return Spline(np.asarray(np.linalg.solve(matrix, right)), np.asarray(np.linalg.solve(matrix, by_first)))
-
-
-@kernel
-def sensitivity(
-    log_load: Array, log_compliance: Array, state: Array, closure: Closure, mesh: Mesh
-) -> tuple[Array, Array, Array]:
-    """Derivatives of ln T W of each wave by the values of ln W and by its slopes, each of shape (waves, rows).
-
-    The third array, of the same shape, bounds the effect of relative errors that are linear between the rows.
-    """
-    v = closure.position
-    by_value, by_slope, size = np.zeros((3, log_load.size, v.size))
-    for i in range(log_load.size):
-        share, log_pressure = shares(state[i], log_load[i], closure, mesh, math.exp(log_compliance[i]))
-        for k in range(share.size):
-            position = math.asinh((log_pressure[k] - closure.origin) / POSITION_SCALE)
-            right = min(max(int(np.searchsorted(v, position)), 1), v.size - 1)
-            left, length = right - 1, v[right] - v[right - 1]
-            t = (position - v[left]) / length
-            beyond = log_pressure[k] - closure.origin - POSITION_SCALE * math.sinh(v[left] if t < 0 else v[right])
-            if t < 0:
-                by_slope[i, left] += beyond / (POSITION_SCALE * math.cosh(v[left])) * share[k]
-            elif t > 1:
-                by_slope[i, right] += beyond / (POSITION_SCALE * math.cosh(v[right])) * share[k]
-            t = min(max(t, 0.0), 1.0)
-            by_value[i, left] += (1 + 2 * t) * (1 - t) ** 2 * share[k]
-            by_value[i, right] += t * t * (3 - 2 * t) * share[k]
-            by_slope[i, left] += t * (1 - t) ** 2 * length * share[k]
-            by_slope[i, right] += t * t * (t - 1) * length * share[k]
-            size[i, left] += (1 - t) * abs(share[k])
-            size[i, right] += t * abs(share[k])
-    return by_value, by_slope, size
+    loads = log_load_at(image.position)
+    share, log_pressure = shares(image.state, loads, scale.closure, scale.mesh, np.exp(image.log_compliance))
+    position, beyond = position_in(scale.closure, log_pressure)
+    linear = scipy.interpolate.make_interp_spline(basis.x, np.eye(basis.x.size), k=1)
+    derivative, size = np.empty((2, len(share), basis.x.size))
+    for i, (each, at, distance) in enumerate(zip(share, position, beyond, strict=True)):
+        derivative[i] = each @ basis(at) + (each * distance) @ basis(at, 1)
+        size[i] = np.abs(each) @ linear(at)
+    return derivative, size

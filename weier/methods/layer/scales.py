@@ -13,7 +13,6 @@ each table has an equal share of the accuracy.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +21,8 @@ from weier.kernels.arrays import Array, Indices
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import POSITION_SCALE, Closure
 from weier.methods.layer.conditions import violations
-from weier.methods.layer.rows import Rows, lattice, log_load_at, position_of, tabulate
-from weier.methods.layer.wave import LOG_ROUNDING, Mesh, Solutions, depths, solve_waves
+from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, tabulate
+from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, solve_waves
 
 ROUNDING = 1e-13  # of the freshly applied operator
 
@@ -57,8 +56,7 @@ class Solution(NamedTuple):
     work: Indices
 
 
-@dataclass(frozen=True)
-class Scale:
+class Scale(NamedTuple):
     """One scale: a wave on the layer of all finer ones.
 
     closure : of that layer, in the units of this wave
@@ -80,28 +78,24 @@ class Scale:
         )
 
     def solve(self, log_load: Array) -> Solution:
-        """The wave under increasing loads. Its contact conditions are checked on a freshly applied operator."""
+        """The wave under loads of any order. Its contact conditions are checked on a freshly applied operator."""
         n = log_load.size
         solution = Solution(np.full(n, self.amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64))
-        partial = int(np.searchsorted(log_load, self.log_full))  # beyond: full contact, exactly
-        if partial:
-            loads = log_load[:partial]
-            solutions = self._solved(loads, None)
-            violation = violations(solutions, loads, self.closure)
-            self._check_residual(loads, violation, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
-            solution.compliance[:partial] = np.minimum(solutions.compliance, self.amplitude)
-            solution.rate[:partial] = solutions.rate
-            solution.residual[:partial] = violation * depths(solutions)
-            solution.work[:partial] = solutions.work
+        partial = log_load < self.log_full  # beyond: full contact, exactly
+        if partial.any():
+            loads = log_load[partial]
+            waves = self._solved(loads, None)
+            breach = violations(waves.state, loads, self.closure, waves.compliance)
+            self._check_residual(loads, breach, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
+            solution.compliance[partial] = np.minimum(waves.compliance, self.amplitude)
+            solution.rate[partial] = waves.rate
+            solution.residual[partial] = breach * depth_of(waves.state[:, -1]).total
+            solution.work[partial] = waves.work
         return solution
 
     def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
-        if guess is None:
-            guess = np.full((log_load.size, self.mesh.rise.size + 1), np.nan)
-        solutions = solve_waves(log_load, guess, self.closure, self.mesh, self.tolerance)
-        self._check_residual(
-            log_load, solutions.residual, np.maximum(self.tolerance, LOG_ROUNDING * np.abs(log_load))
-        )
+        solutions = solve_waves(log_load, self.closure, self.mesh, self.tolerance, guess)
+        self._check_residual(log_load, solutions.residual, attainable(log_load, self.tolerance))
         return solutions
 
     def _check_residual(self, log_load: Array, residual: Array, limit: Array) -> None:
@@ -129,7 +123,7 @@ def coarser_units(closure: Closure, scaling: Scaling) -> Closure:
     return closure._replace(log_compression=log_compression, origin=origin)
 
 
-def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
+def finest_wave(bottom: float, accuracy: float) -> ComplianceTable:
     """Westergaard's wave (12)."""
 
     def waves(position: Array, _: Array | None) -> Rows:
@@ -137,17 +131,17 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
         slope, nothing = -y / (1 - y) * POSITION_SCALE * np.cosh(position), np.zeros((y.size, 0))
         return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
 
-    return ComplianceTable(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
+    return ComplianceTable(tabulate(waves, lattice(bottom, 0.0), accuracy), 1.0, 0.0)
 
 
 def finer_waves(
-    m: int, bottom: float, top: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
+    m: int, bottom: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
 ) -> ComplianceTable:
-    """The waves finer than the first of m, in the units of the second, on tables between these positions."""
+    """The waves finer than the first of m, in the units of the second, on tables from this position."""
     share = accuracy / (m - 1)
-    waves = finest_wave(bottom, top, share)
+    waves = finest_wave(bottom, share)
     for _ in range(m - 2):
         scale = scale_on(waves, scaling, mesh, tolerance)
-        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
+        rows = tabulate(scale.rows, lattice(bottom, position_of(scale.log_full)), share)
         waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
     return waves

@@ -3,24 +3,37 @@
 from __future__ import annotations
 
 import math
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
+from weier.kernels.blas import one_thread
 from weier.methods import westergaard
-from weier.methods.layer.closure import compressions
-from weier.methods.layer.model import MIN_TOLERANCE, Model
-from weier.methods.layer.rows import BOTTOM_POSITIONS, MIN_LOADS, log_load_at
-from weier.theory.series import checked_dimension, checked_terms
+from weier.methods.errors import ConvergenceError
+from weier.methods.layer.closure import log_compression
+from weier.methods.layer.fixed_point import FixedPoint
+from weier.methods.layer.scales import ComplianceTable, Scaling, Solution, finer_waves, scale_on
+from weier.methods.layer.tables import BOTTOM_POSITIONS, MIN_LOADS, log_load_at, position_of
+from weier.methods.layer.wave import midpoints
+from weier.theory.arguments import checked_count, checked_number, checked_numbers
+from weier.theory.series import checked_dimension, checked_terms, tail_amplitude
 
 POINTS = 24
 ACCURACY = 1e-5
 TOLERANCE = 1e-10
 MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 take 3 s, and time grows as the cube
 MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # at the upper one few rows are added to the lattice of a table
+MIN_TOLERANCE = 1e-13  # rounding allows no smaller one at the lightest loads
+RESIDUAL_SHARE = 1e-5  # of the accuracy, for the waves of a table: their residuals add up over the scales
+MAX_SCALES = 1000  # of a finite series that differs from the infinite one
+TAIL_SHARE = 0.1  # of the accuracy: a series that is taken for infinite may differ from it by as much
+FLAT_MARGIN = 1.0  # of ln xi, beyond the least load at which a wave is as good as flat
+
+
+Series = tuple[float, float, float]  # D, gamma, m
+Settings = tuple[int, float, float]  # points, accuracy, tolerance
 
 
 class Curve(NamedTuple):
@@ -93,15 +106,18 @@ def curve(
     a few per cent.
 
     """
-    _check_series(D, gamma, m)
-    _check_settings(points, accuracy, tolerance)
-    given = _check_loads(mean_pressure)
+    series = checked_dimension(D), _checked_ratio(gamma), checked_terms(m)
+    settings = _checked_settings(points, accuracy, tolerance)
+    given = _checked_loads(mean_pressure)
     loads, position = np.unique(given, return_inverse=True)
     if m == 1:
         h, R = westergaard.compliance(loads), westergaard.resistance(loads)
         solution = Curve(h, R, np.zeros(loads.size), np.zeros(loads.size, np.int64))
     else:
-        wave = Model(D, gamma, m, int(points), accuracy, tolerance).solve(loads)
+        light = int(np.searchsorted(loads, MIN_LOADS[0]))  # these have tables of their own
+        parts = zip(BOTTOM_POSITIONS[::-1], (loads[:light], loads[light:]), strict=True)
+        solved = [_solve(np.log(some), bottom, series, settings) for bottom, some in parts if some.size]
+        wave = Solution(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
         solution = Curve(wave.compliance, wave.rate / loads, wave.residual, wave.work)
     index = position.reshape(given.shape)
     return Curve(
@@ -122,54 +138,99 @@ def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Ar
     return curve(mean_pressure, D, gamma, m).resistance
 
 
-def tail_table(D: float, gamma: float, heaviest: float, subdivision: int) -> tuple[Array, Array, Array]:
-    """The compliance W of an infinite series over its load xi, as the closure of a layer that stands for its waves.
+def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
+    """The closure of a layer for an infinite series: ln W and d ln W/d ln xi at each ln xi, from loads of 1e-18 on."""
+    waves = _finer_waves(BOTTOM_POSITIONS[0], (D, gamma, math.inf), (POINTS, ACCURACY, TOLERANCE))
+    flat = _flat_waves(log_load, waves, Scaling.of(D, gamma))
+    log_W, power = log_compression(waves.rows.closure, flat.log_load)
+    W = flat.height + flat.scale * np.exp(log_W)
+    return np.log(W), power * flat.scale * np.exp(log_W) / W
 
-    Parameters
-    ----------
-    D, gamma : float
-        Fractal dimension and ratio of wavelengths.
-    heaviest : float
-        Load that the table reaches, in p_0*.
-    subdivision : int
-        Points for each of its rows.
 
-    Returns
-    -------
-    log_load, log_compliance, power : ndarray
-        ln xi, increasing from below 1e-18; ln W; and d ln W/d ln xi.
+class FlatWaves(NamedTuple):
+    """The waves that loads press flat, and what the others carry: h = height + scale * h of these."""
+
+    log_load: Array
+    height: Array
+    scale: Array
+
+
+def _flat_waves(log_load: Array, waves: ComplianceTable, scaling: Scaling) -> FlatWaves:
+    """So many of the infinite series that its table reaches what the others carry.
+
+    At the end of the table the pressure along a wave varies by so little that w(p) is straight.
     """
-    model = Model(D, gamma, math.inf, POINTS, ACCURACY, TOLERANCE)
-    tops = model.tops(math.log(heaviest))
-    (waves,) = model.finer_waves(BOTTOM_POSITIONS[0], tops, np.array([len(tops) - 1]))
-    rows = waves.rows.position
-    number = np.arange(subdivision * (rows.size - 1) + 1) / subdivision
-    log_load = log_load_at(np.interp(number, np.arange(rows.size), rows))
-    return log_load, *compressions(waves.rows.closure, log_load)
+    if math.isfinite(waves.log_full):
+        return FlatWaves(log_load, np.zeros(log_load.size), np.ones(log_load.size))
+    beyond = log_load - log_load_at(waves.rows.position[-1])
+    number = np.maximum(np.ceil(beyond / scaling.log_pressure), 0.0)
+    scale = np.exp(number * scaling.log_height)
+    return FlatWaves(log_load - number * scaling.log_pressure, (1 - scale) * waves.amplitude, scale)
 
 
-def _check_loads(mean_pressure: ArrayLike) -> Array:
-    loads = np.asarray(mean_pressure, float)
-    wrong = ~((loads >= MIN_LOADS[1]) & np.isfinite(loads))
-    if loads.size == 0 or np.any(wrong):
-        first = loads[wrong].flat[0] if loads.size else "none"
-        raise ValueError(f"mean_pressure must be finite and at least {MIN_LOADS[1]:g} p_0*, got {first}")
+@one_thread
+def _solve(log_load: Array, bottom: float, series: Series, settings: Settings) -> Solution:
+    """The coarsest wave under these loads, on the layer of all finer ones."""
+    D, gamma, _ = series
+    points, _, tolerance = settings
+    scaling, waves = Scaling.of(D, gamma), _finer_waves(bottom, series, settings)
+    flat = _flat_waves(log_load, waves, scaling)
+    h, rate, residual, work = scale_on(waves, scaling, midpoints(points), tolerance).solve(flat.log_load)
+    return Solution(flat.height + flat.scale * h, flat.scale * rate, flat.scale * residual, work)
+
+
+@one_thread
+def _finer_waves(bottom: float, series: Series, settings: Settings) -> ComplianceTable:
+    """The waves finer than the first, on tables that depend on no load."""
+    (D, gamma, m), (points, accuracy, tolerance) = series, settings
+    scaling, mesh = Scaling.of(D, gamma), midpoints(points)
+    tolerance = max(min(tolerance, RESIDUAL_SHARE * accuracy), MIN_TOLERANCE)
+    if _may_be_infinite(bottom, series, accuracy):
+        # No pressure in a wave exceeds 1 + xi: the table that a wave at its end rests on ends no earlier.
+        self_contained = -scaling.log_pressure - math.log(-math.expm1(-scaling.log_pressure))
+        top = position_of(max(self_contained, -0.5 * math.log(accuracy)) + FLAT_MARGIN)
+        waves = FixedPoint(D, gamma, mesh, accuracy, tolerance).waves(bottom, top)
+        tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
+        if tail <= TAIL_SHARE * accuracy * math.exp(waves.rows.log_compliance[0]):
+            return waves
+    if m > MAX_SCALES + 1:
+        raise ConvergenceError(
+            f"a series of {m} terms still differs from the infinite one, and the layer model takes at most "
+            f"{MAX_SCALES} scales one by one: choose a smaller m, or m = inf",
+            float(tail_amplitude(m, D, gamma) / tail_amplitude(0, D, gamma)),
+        )
+    return finer_waves(int(m), bottom, scaling, mesh, accuracy, tolerance)
+
+
+def _may_be_infinite(bottom: float, series: Series, accuracy: float) -> bool:
+    """Whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
+    D, gamma, m = series
+    decay = -Scaling.of(D, gamma).log_height
+    lightest = 2 * math.sqrt(decay * -log_load_at(bottom))
+    return m * decay >= lightest - math.log(TAIL_SHARE * accuracy)
+
+
+def _checked_loads(mean_pressure: ArrayLike) -> Array:
+    least = MIN_LOADS[1]
+    loads = checked_numbers(
+        "mean_pressure",
+        mean_pressure,
+        f"be finite and at least {least:g} p_0*",
+        lambda p: (p >= least) & np.isfinite(p),
+    )
+    if loads.size == 0:
+        raise ValueError("mean_pressure must be at least one load, got none")
     return loads
 
 
-def _check_series(D: float, gamma: float, m: float) -> None:
-    checked_dimension(D)
-    checked_terms(m)
-    if not 1 < gamma < math.inf:
-        raise ValueError(f"gamma must be finite and exceed 1, got {gamma}")
+def _checked_ratio(gamma: float) -> float:
+    return checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
 
 
-def _check_settings(points: int, accuracy: float, tolerance: float) -> None:
-    if not (isinstance(points, Real) and MIN_POINTS <= points <= MAX_POINTS and points == points // 1):
-        raise ValueError(f"points must be a whole number from {MIN_POINTS} to {MAX_POINTS}, got {points}")
-    if not (isinstance(accuracy, Real) and MIN_ACCURACY <= accuracy <= MAX_ACCURACY):
-        raise ValueError(f"accuracy must lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}], got {accuracy}")
-    if not (isinstance(tolerance, Real) and MIN_TOLERANCE <= tolerance <= accuracy):
-        raise ValueError(
-            f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy, got {tolerance}"
-        )
+def _checked_settings(points: int, accuracy: float, tolerance: float) -> Settings:
+    points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
+    within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
+    accuracy = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
+    within = f"lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy"
+    held = checked_number("residual_tolerance", tolerance, within, lambda value: MIN_TOLERANCE <= value <= accuracy)
+    return points, accuracy, held

@@ -21,23 +21,24 @@ Heights relative to the edge, phi = 0, need neither h nor a.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Indices
-from weier.kernels.jit import kernel
-from weier.methods.layer.closure import MAX_PRESSURE_STEP, Closure, compression, log_pressure_of
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.layer.closure import Closure, log_compression
 
 MAX_NEWTON_STEPS = 60  # from a neighbouring load; 2 or 3 are usual
 MAX_DIRECT_STEPS = 20  # from a first guess; 4-10 are usual
 MAX_STEP = 2.0  # of a logarithm: further away the tangents of exponentials mislead
+MIN_POWER = 0.02  # d ln w/d ln p: where w hardly grows with p, steps of ln p are no longer than if it were this
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # of ln xi, from one load to the next
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
 GUESS_HALVINGS = 16  # of the error of ln sin^2(pi a) in the first guess, which is 700 at most
+GUESS_STEPS = 8  # of Newton's method for a pressure: a guess needs it to some digits
 LOG_ROUNDING = 1e-15  # of ln p, relative to itself: a few units in the last place
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
+MAX_NUMBERS = 2**20  # of the matrices of some loads, which are solved together: 8 MB
 
 
 class Mesh(NamedTuple):
@@ -53,27 +54,30 @@ class Mesh(NamedTuple):
     edge_influence: Array
 
 
+class Depth(NamedTuple):
+    """ln sin^2(pi a), w in the trough, and 2 sin^2(pi a) + w, which heights are relative to; of the edges' shape."""
+
+    log_sine: Array
+    trough: Array
+    total: Array
+
+
 class Balance(NamedTuple):
-    """Equations of a state.
+    """Equations of states; arrays over the loads.
 
     residual, jacobian, drift : the residual, its derivatives by the state and by ln xi
-    trust : how far from the state its tangents are trusted, shape (M + 1,)
-    depth : 2 sin^2(pi a) and the compression in the trough: what heights are relative to
+    trust : how far from the state its tangents are trusted, shape (loads, M + 1)
+    log_pressure, compression : ln p at the nodes, and w in the depth of the edge, shape (loads, M)
+    error : the largest residual: of heights, and of the load relative to itself
     """
 
     residual: Array
     jacobian: Array
     drift: Array
     trust: Array
-    depth: float
-
-
-class Point(NamedTuple):
-    """A solution, its derivative by ln xi, and how far that is trusted: each of shape (M + 1,)."""
-
-    state: Array
-    tangent: Array
-    trust: Array
+    log_pressure: Array
+    compression: Array
+    error: Array
 
 
 class Solutions(NamedTuple):
@@ -99,268 +103,201 @@ def midpoints(points: int) -> Mesh:
     return Mesh(np.sin(phi / 2) ** 2, below_one @ transform, transform.sum(axis=0))
 
 
-@kernel
-def depth_of(edge: float) -> tuple[float, float, float]:
-    """ln sin^2(pi a), w in the trough, and the depth 2 sin^2(pi a) + w that heights are relative to."""
-    log_sine, trough = min(edge, 0.0), max(edge, 0.0)
-    return log_sine, trough, 2 * math.exp(log_sine) + trough
+def depth_of(edge: Array) -> Depth:
+    """What heights are relative to where these are the edges."""
+    log_sine, trough = np.minimum(edge, 0.0), np.maximum(edge, 0.0)
+    return Depth(log_sine, trough, 2 * np.exp(log_sine) + trough)
 
 
-def depths(solutions: Solutions) -> Array:
-    """The depth of each load: what residuals are relative to, shape (loads,)."""
-    return np.array([depth_of(edge)[2] for edge in solutions.state[:, -1]])
+def log_pressure_factor(edge: Array, rise: Array) -> tuple[Array, Array]:
+    """ln(p/xi) - y at the nodes of each load, of shape (loads, M), and its derivative by the edge."""
+    sine = np.minimum(edge, 0.0)[:, None]
+    cosine_squared = rise * np.exp(sine) - np.expm1(sine)  # cos^2(pi x)
+    return 0.5 * (np.log(cosine_squared / rise) - sine), np.where(sine < 0, -0.5 / cosine_squared, 0.0)
 
 
-@kernel
-def log_pressure_factor(edge: float, rise: float) -> tuple[float, float]:
-    """ln(p/xi) - y at a node, and its derivative by the edge."""
-    if edge >= 0:
-        return 0.0, 0.0
-    cosine_squared = rise * math.exp(edge) - math.expm1(edge)  # cos^2(pi x)
-    return 0.5 * math.log(cosine_squared / rise) - 0.5 * edge, -0.5 / cosine_squared
+def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Balance:
+    """Equations of states, from those of the header less their values at the edge.
 
-
-@kernel
-def excesses(state: Array) -> tuple[Array, float]:
-    """By how much 2 pi q exceeds xi at the nodes, in xi, shape (M,), and the mean, which ought to be 0."""
-    excess, mean = np.empty(state.size - 1), 0.0
-    for j in range(excess.size):
-        excess[j] = math.expm1(state[j])
-        mean += excess[j] / excess.size
-    return excess, mean
-
-
-@kernel
-def _balance(state: Array, log_load: float, closure: Closure, mesh: Mesh) -> Balance:
-    """Equations of a state, from those of the header less their values at the edge.
-
-    Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge. Row M: the mean of q is xi/(2 pi).
+    Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge, in the depth of the edge, so that
+    all rows are of one size. Row M: the mean of q is xi/(2 pi).
     """
-    points = mesh.rise.size
-    edge, load = state[points], math.exp(log_load)
-    log_sine, trough, depth = depth_of(edge)
-    sine_squared = math.exp(log_sine)
-    residual, drift, trust = np.zeros(points + 1), np.zeros(points + 1), np.zeros(points + 1)
-    jacobian = np.zeros((points + 1, points + 1))
-    excess, mean = excesses(state)
-    for i in range(points):
-        factor, slope = log_pressure_factor(edge, mesh.rise[i])
-        w, rate = compression(closure, log_load + state[i] + factor)
-        height, displacement = 2 * sine_squared * mesh.rise[i], 0.0
-        for j in range(points):
-            displacement += load * mesh.influence[i, j] * excess[j]
-            jacobian[i, j] = load * mesh.influence[i, j] * (1 + excess[j])
-        residual[i] = w + displacement - height - trough
-        drift[i] = rate + displacement
-        jacobian[i, i] += rate
-        jacobian[i, points] = rate * slope - (height if edge < 0 else 1.0)
-        jacobian[points, i] = (1 + excess[i]) / (points * (1 + mean))
-        trust[i] = MAX_STEP * max(1.0, w / max(rate, w / MAX_PRESSURE_STEP))
-    residual[points] = math.log1p(mean)
-    trust[points] = MAX_STEP * max(1.0, edge)
-    return Balance(residual, jacobian, drift, trust, depth)
+    n, edge = mesh.rise.size, state[:, -1]
+    depth, growing = depth_of(edge), np.exp(state[:, :-1])
+    load = (np.exp(log_load) / depth.total)[:, None]
+    excess = np.expm1(state[:, :-1])
+    mean = excess.mean(axis=1)
+    factor, by_edge = log_pressure_factor(edge, mesh.rise)
+    log_pressure = log_load[:, None] + state[:, :-1] + factor
+    log_w, power = log_compression(closure, log_pressure)
+    w = np.exp(log_w) / depth.total[:, None]
+    rate, height = w * power, (2 * np.exp(depth.log_sine) / depth.total)[:, None] * mesh.rise
+    # BLAS would sum in another order for another number of loads.
+    displacement = load * np.einsum("ij,kj->ki", mesh.influence, excess)
+    residual, drift, trust = np.zeros((3, *state.shape))
+    residual[:, :n], residual[:, n] = (
+        w + displacement - height - (depth.trough / depth.total)[:, None],
+        np.log1p(mean),
+    )
+    drift[:, :n] = rate + displacement
+    trust[:, :n], trust[:, n] = 1 / np.maximum(power, MIN_POWER), edge
+    jacobian = np.zeros((*state.shape, n + 1))
+    jacobian[:, :n, :n] = mesh.influence * (load * growing)[:, None]
+    jacobian[:, range(n), range(n)] += rate
+    jacobian[:, :n, n] = rate * by_edge - np.where(edge < 0, height.T, 1 / depth.total).T
+    jacobian[:, n, :n] = growing / (n * (1 + mean[:, None]))
+    error = np.abs(residual[:, :n]).max(axis=1) + np.abs(residual[:, n])
+    return Balance(residual, jacobian, drift, MAX_STEP * np.maximum(trust, 1.0), log_pressure, w, error)
 
 
-@kernel
-def _error(equations: Balance) -> float:
-    """The largest residual: heights relative to the depth of the edge, the load relative to itself."""
-    worst, last = 0.0, equations.residual.size - 1
-    for i in range(last):
-        worst = max(worst, abs(equations.residual[i]) / equations.depth)
-    return worst + abs(equations.residual[last])
+def _solve(matrix: Array, right: Array) -> Array:
+    """The linear equations of every load; NaN where a matrix is singular."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        if len(matrix) == 1:
+            return np.full(right.shape, np.nan)
+        return np.concatenate([_solve(matrix[i : i + 1], right[i : i + 1]) for i in range(len(matrix))])
 
 
-@kernel
-def _eliminate(matrix: Array, right: Array) -> Array:
-    """Gaussian elimination with row exchanges, in place; `right` becomes the solution.
-
-    numpy.linalg.solve takes 3 s to compile and this 0.4 s; for 25 or 33 unknowns both are as fast.
-    """
-    n = right.size
-    for k in range(n):
-        pivot = k
-        for i in range(k + 1, n):
-            if abs(matrix[i, k]) > abs(matrix[pivot, k]):
-                pivot = i
-        if pivot != k:
-            for j in range(k, n):
-                matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            right[k], right[pivot] = right[pivot], right[k]
-        pivotal = matrix[k, k + 1 :]
-        for i in range(k + 1, n):
-            factor, row = matrix[i, k] / matrix[k, k], matrix[i, k + 1 :]
-            for j in range(row.size):  # from 0, so that no index may be negative: this vectorises
-                row[j] -= factor * pivotal[j]
-            right[i] -= factor * right[k]
-    for k in range(n - 1, -1, -1):
-        right[k] /= matrix[k, k]
-        for i in range(k):
-            right[i] -= matrix[i, k] * right[k]
-    return right
+def _moved(state: Array, step: Array, trust: Array) -> Array:
+    """The states after a step, no component further than trusted; pressures above the mean rise slowly."""
+    rise = np.maximum(np.minimum(trust, -state), MAX_STEP)
+    rise[:, -1] = trust[:, -1]
+    return state + np.clip(step, -trust, rise)
 
 
-@kernel
-def _move(state: Array, direction: Array, stride: float, trust: Array) -> None:
-    """Add stride times the direction, no component further than trusted; pressures above the mean rise slowly."""
-    last = state.size - 1
-    for i in range(state.size):
-        rise = trust[i] if i == last else max(min(trust[i], -state[i]), MAX_STEP)
-        state[i] += min(max(stride * direction[i], -trust[i]), rise)
-
-
-@kernel
 def _newton(
-    state: Array, log_load: float, closure: Closure, mesh: Mesh, tolerance: float, max_steps: int
-) -> tuple[Balance, float, int]:
-    """Newton's method in place: the equations where it stopped, their error, the steps taken."""
+    state: Array, log_load: Array, closure: Closure, mesh: Mesh, limit: Array, max_steps: int
+) -> tuple[Array, Array, Indices]:
+    """Newton's method for every load by itself: the states where it stopped, their errors, the steps taken."""
+    state, error, steps = state.copy(), np.full(log_load.size, np.inf), np.zeros(log_load.size, np.int64)
+    active = np.arange(log_load.size)
+    for step in range(max_steps + 1):
+        equations = _balance(state[active], log_load[active], closure, mesh)
+        error[active] = equations.error
+        wrong: Flags = (equations.error > limit[active]) & (equations.error < np.inf)
+        active = active[wrong]
+        if step == max_steps or not active.size:
+            break
+        direction = _solve(equations.jacobian[wrong], equations.residual[wrong])
+        state[active] = _moved(state[active], -direction, equations.trust[wrong])
+        steps[active] += 1
+    return state, error, steps
+
+
+def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array, Array]:
+    """Compliance h, dh/d ln xi and the derivative of each state by ln xi: both from the edge."""
     equations = _balance(state, log_load, closure, mesh)
-    reached, steps = _error(equations), 0
-    while reached > tolerance and reached < math.inf and steps < max_steps:
-        _move(state, _eliminate(equations.jacobian, equations.residual), -1.0, equations.trust)
-        equations = _balance(state, log_load, closure, mesh)
-        reached, steps = _error(equations), steps + 1
-    return equations, reached, steps
+    tangent, excess = _solve(equations.jacobian, -equations.drift), np.expm1(state[:, :-1])
+    depth, load = depth_of(state[:, -1]), np.exp(log_load)
+    displacement = (mesh.edge_influence * excess).sum(axis=1) - depth.log_sine
+    growth = (mesh.edge_influence * (excess + (1 + excess) * tangent[:, :-1])).sum(axis=1) - depth.log_sine
+    rate = load * growth + tangent[:, -1] * _deepening(state[:, -1], load)
+    return depth.total + load * displacement, np.maximum(rate, 0.0), tangent
 
 
-@kernel
-def _compliance(state: Array, log_load: float, mesh: Mesh, tangent: Array) -> tuple[float, float]:
-    """Compliance h and dh/d ln xi of a state whose derivative by ln xi is the tangent: both from the edge."""
-    edge, load = state[-1], math.exp(log_load)
-    log_sine, _, depth = depth_of(edge)
-    displacement, growth = -log_sine, -log_sine
-    for j in range(mesh.rise.size):
-        excess = math.expm1(state[j])
-        displacement += mesh.edge_influence[j] * excess
-        growth += mesh.edge_influence[j] * (excess + (1 + excess) * tangent[j])
-    deepening = tangent[-1] * _deepening(edge, load, depth)
-    return depth + load * displacement, max(load * growth + deepening, 0.0)
-
-
-@kernel
-def _deepening(edge: float, load: float, depth: float) -> float:
+def _deepening(edge: Array, load: Array) -> Array:
     """Derivative of h by the edge, at fixed q."""
-    return 1.0 if edge >= 0 else depth - load
+    return np.where(edge >= 0, 1.0, depth_of(edge).total - load)
 
 
-@kernel
-def shares(state: Array, log_load: float, closure: Closure, mesh: Mesh, h: float) -> tuple[Array, Array]:
-    """How much a relative error of w at each node changes h, relative to h, shape (M,); and ln p there.
+def shares(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array) -> tuple[Array, Array]:
+    """How much a relative error of w at each node changes h, relative to h, shape (loads, M); and ln p there.
 
     The residuals of the nodes rise with w, so that h changes by the solution of the transposed equations.
     """
-    points, edge, load = mesh.rise.size, state[-1], math.exp(log_load)
-    gradient, share, log_pressure = np.empty(points + 1), np.empty(points), np.empty(points)
-    for j in range(points):
-        gradient[j] = load * mesh.edge_influence[j] * math.exp(state[j])
-    gradient[points] = _deepening(edge, load, depth_of(edge)[2])
-    transposed = _balance(state, log_load, closure, mesh).jacobian.T.copy()
-    weight = _eliminate(transposed, gradient)
-    for j in range(points):
-        factor, _ = log_pressure_factor(edge, mesh.rise[j])
-        log_pressure[j] = log_load + state[j] + factor
-        share[j] = -weight[j] * compression(closure, log_pressure[j])[0] / h
-    return share, log_pressure
+    load, equations = np.exp(log_load), _balance(state, log_load, closure, mesh)
+    by_pressure = load[:, None] * mesh.edge_influence * np.exp(state[:, :-1])
+    gradient = np.column_stack([by_pressure, _deepening(state[:, -1], load)])
+    weight = _solve(equations.jacobian.transpose(0, 2, 1), gradient / h[:, None])[:, :-1]
+    return -weight * equations.compression, equations.log_pressure
 
 
-@kernel
-def _first_guess(log_load: float, closure: Closure, mesh: Mesh) -> Array:
-    """A state near enough for Newton: depth of the edge 2 sin^2(pi a) = 2 xi + w, and p of what yields more alone."""
-    points, load = mesh.rise.size, math.exp(log_load)
-    sine_squared, w, crowding = min(1.0, load), 0.0, 0.0
+def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
+    """States near enough for Newton: depth of the edge 2 sin^2(pi a) = 2 xi + w, and p of what yields more alone."""
+    load = np.exp(log_load)
+    sine_squared, w, crowding = np.minimum(1.0, load), np.zeros(load.size), np.zeros(load.size)
     for _ in range(GUESS_HALVINGS):
-        crowding = max(0.0, math.log(math.pi / (2 * math.sqrt(sine_squared))))
-        w, _ = compression(closure, log_load + crowding)
-        sine_squared = math.sqrt(sine_squared) * math.sqrt(min(1.0, load + w / 2))  # their product may underflow
-    state = np.zeros(points + 1)
-    if sine_squared > MIN_CLOSED_SINE:
-        state[points] = w
-        return state
-    state[points] = math.log(sine_squared)
-    log_p, total = log_load + crowding, 0.0
-    for j in range(points - 1, -1, -1):
-        state[j] = math.log(2 * mesh.rise[j])  # Westergaard's q
-        if w > 2 * load:
-            log_p = log_pressure_of(closure, math.log(w * mesh.rise[j]), log_p)
-            state[j] = log_p - log_load - log_pressure_factor(state[points], mesh.rise[j])[0]
-        total += math.exp(state[j])
-    for j in range(points):
-        state[j] -= math.log(total / points)
-    return state
+        crowding = np.maximum(0.0, np.log(np.pi / (2 * np.sqrt(sine_squared))))
+        w = np.exp(log_compression(closure, log_load + crowding)[0])
+        sine_squared = np.sqrt(sine_squared) * np.sqrt(np.minimum(1.0, load + w / 2))  # a product may underflow
+    closed, edge = sine_squared > MIN_CLOSED_SINE, np.log(sine_squared)
+    with np.errstate(divide="ignore"):  # w may underflow where the half-plane yields all
+        log_w = np.log(w)[:, None] + np.log(mesh.rise)
+    log_p = (log_load + crowding)[:, None] + np.zeros(mesh.rise.size)
+    for _ in range(GUESS_STEPS):
+        reached, power = log_compression(closure, log_p)
+        log_p += (log_w - reached) / np.maximum(power, MIN_POWER)
+    alone = log_p - log_load[:, None] - log_pressure_factor(edge, mesh.rise)[0]
+    y = np.where((w > 2 * load)[:, None], alone, np.log(2 * mesh.rise))  # Westergaard's q
+    y -= np.log(np.exp(y).mean(axis=1))[:, None]
+    return np.column_stack([np.where(closed[:, None], 0.0, y), np.where(closed, w, edge)])
 
 
-@kernel
-def _point(equations: Balance, state: Array) -> Point:
-    """A solution with its tangent, from the equations there; the jacobian is overwritten."""
-    return Point(state, _eliminate(equations.jacobian, -equations.drift), equations.trust)
-
-
-@kernel
-def _approach(log_load: float, closure: Closure, mesh: Mesh, tolerance: float) -> tuple[Point, float, int]:
+def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array, Indices]:
     """The solution at a load whose first guess fails: from a lighter one upwards, in strides along the tangent."""
-    here, stride = min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE, MAX_STRIDE
+    here, stride = np.array([min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE]), MAX_STRIDE
     state = _first_guess(here, closure, mesh)
-    equations, reached, work = _newton(state, here, closure, mesh, tolerance, MAX_NEWTON_STEPS)
-    at = _point(equations, state)
-    while here < log_load and reached <= tolerance:
-        stride = min(stride, log_load - here)
-        ahead = at.state.copy()
-        _move(ahead, at.tangent, stride, at.trust)
-        equations, missed, steps = _newton(ahead, here + stride, closure, mesh, tolerance, MAX_NEWTON_STEPS)
+    state, error, work = _newton(state, here, closure, mesh, limit, MAX_NEWTON_STEPS)
+    while here[0] < log_load and error[0] <= limit[0] and stride > MIN_STRIDE:
+        there = np.minimum(here + stride, log_load)
+        equations = _balance(state, here, closure, mesh)
+        ahead = _moved(state, (there - here) * _solve(equations.jacobian, -equations.drift), equations.trust)
+        ahead, missed, steps = _newton(ahead, there, closure, mesh, limit, MAX_NEWTON_STEPS)
         work += steps
-        if missed <= tolerance:
-            at, here = _point(equations, ahead), log_load if stride == log_load - here else here + stride
-            reached, stride = missed, MAX_STRIDE
-        elif stride > MIN_STRIDE:
-            stride /= 2
+        if missed[0] <= limit[0]:
+            state, error, here, stride = ahead, missed, there, MAX_STRIDE
         else:
-            reached = missed if missed > tolerance else math.inf
-    return at, reached, work
+            stride /= 2
+    return state, error if here[0] == log_load else np.array([np.inf]), work
 
 
-@kernel
-def attainable(log_load: float, tolerance: float) -> float:
+def attainable(log_load: Array, tolerance: float) -> Array:
     """The tolerance, or what the rounding of ln p leaves of a residual, if that is more."""
-    return max(tolerance, LOG_ROUNDING * abs(log_load))
+    return np.maximum(tolerance, LOG_ROUNDING * np.abs(log_load))
 
 
-@kernel
-def solve_waves(log_load: Array, guess: Array, closure: Closure, mesh: Mesh, tolerance: float) -> Solutions:
+def solve_waves(
+    log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, guess: Array | None = None
+) -> Solutions:
     """Solve the wave under each load, independently of the other loads.
 
     Parameters
     ----------
     log_load : array, shape (loads,)
         ln xi.
-    guess : array, shape (loads, M + 1)
-        States to start from; where the first number is NaN the wave makes its own guess.
     closure : Closure
         Of the layer, in the units of this wave.
     mesh : Mesh
         Of `midpoints`.
     tolerance : float
         Largest relative residual.
+    guess : array, shape (loads, M + 1), optional
+        States to start from.
 
     Returns
     -------
     Solutions
         Where a load does not converge its residual is above the tolerance or NaN.
-
     """
-    n, size = log_load.size, mesh.rise.size + 1
-    solutions = Solutions(
-        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros((n, size)), np.zeros((n, size))
-    )
-    for i in range(n):
-        y, limit = log_load[i], attainable(log_load[i], tolerance)
-        state = guess[i].copy() if math.isfinite(guess[i, 0]) else _first_guess(y, closure, mesh)
-        equations, reached, steps = _newton(state, y, closure, mesh, limit, MAX_DIRECT_STEPS)
-        if reached <= limit:
-            at = _point(equations, state)
-        else:
-            at, reached, further = _approach(y, closure, mesh, limit)
-            steps += further
-        solutions.residual[i], solutions.work[i] = reached, steps
-        for j in range(size):
-            solutions.state[i, j], solutions.tangent[i, j] = at.state[j], at.tangent[j]
-        solutions.compliance[i], solutions.rate[i] = _compliance(at.state, y, mesh, at.tangent)
-    return solutions
+    together = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
+    parts = [
+        _solve_some(some, closure, mesh, tolerance, None if guess is None else guess[first : first + together])
+        for first in range(0, log_load.size, together)
+        for some in [log_load[first : first + together]]
+    ]
+    return Solutions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, guess: Array | None) -> Solutions:
+    limit = attainable(log_load, tolerance)
+    with np.errstate(all="ignore"):  # what overflows on the way to no solution has no residual
+        start = _first_guess(log_load, closure, mesh) if guess is None else guess
+        state, residual, work = _newton(start, log_load, closure, mesh, limit, MAX_DIRECT_STEPS)
+        for i in np.flatnonzero(~(residual <= limit)):
+            at = slice(i, i + 1)
+            state[at], residual[at], further = _approach(float(log_load[i]), closure, mesh, limit[at])
+            work[at] += further
+        h, rate, tangent = _finish(state, log_load, closure, mesh)
+    return Solutions(h, rate, residual, work, state, tangent)

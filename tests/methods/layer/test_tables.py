@@ -9,19 +9,17 @@ import pytest
 
 from weier import ConvergenceError
 from weier.methods import layer
-from weier.methods.layer import fixed_point
-from weier.methods.layer import rows as tables
-from weier.methods.layer.model import Model
-from weier.methods.layer.rows import BOTTOM_POSITIONS, MIN_LOADS
+from weier.methods.layer import fixed_point, solver, tables
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE
+from weier.methods.layer.tables import BOTTOM_POSITIONS, MIN_LOADS
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.02, 5, math.inf), (1.5, 3, 3), (1.75, 2, math.inf), (1.98, 4, 30)])
 def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
     """The lightest load of the ordinary tables, on these and on those that begin 650 e-folds lower."""
     log_load = np.log([MIN_LOADS[0], 1e-12, 1.0])
-    model = Model(D, gamma, m, POINTS, ACCURACY, TOLERANCE)
-    short, long = (model._solve(bottom, log_load).compliance for bottom in BOTTOM_POSITIONS)
+    settings = POINTS, ACCURACY, TOLERANCE
+    short, long = (solver._solve(log_load, bottom, (D, gamma, m), settings)[0] for bottom in BOTTOM_POSITIONS)
     np.testing.assert_allclose(short, long, rtol=ACCURACY)
 
 

@@ -1,9 +1,5 @@
 """Tables of the compliance of a wave over its load, at rows that do not depend on the loads asked for.
 
-Every table begins at a fixed load. Its first rows form a fixed lattice, and a cell between two rows is halved or not
-by what is found in that cell alone. So a table that reaches heavier loads is the continuation of a shorter one, with
-the same numbers where both have rows.
-
 The pressure of a wave falls to 0 at the edges of its contact, so there is always a part of it below the first row.
 There W is continued as a power. The pressures that the continuation concerns are below e^-17 of the mean pressure at
 the lightest load that a table is used for (e^-9 at 1e-305), and bear less than this share of the load.
@@ -20,15 +16,14 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import POSITION_SCALE, Closure, compressions
+from weier.methods.layer.closure import POSITION_SCALE, Closure, log_compression
 
 BOTTOM_POSITIONS = -3.375, -5.875  # of the first row, e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # the lightest loads that these tables are used for
 MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # of the last row: double precision ends at e^709.8
-CELL_LENGTH = 0.25  # of the lattice, in positions
-MIN_CELL = 1e-3  # of a cell of the lattice: a shorter last cell is joined to the one before it
+CELL_LENGTH = 0.25  # of the first rows, in positions
+MIN_CELL = 1e-3  # of such a cell: a shorter last cell is joined to the one before it
 SLOPE_SHARE = 0.25  # of a slope over half the distance between rows; a cubic is off by 4/27 of it
-MIN_REDUCTION = 2.0  # by which a row in the middle of a cell reduces its error at least, even beside a kink
 MAX_HALVINGS = 30  # of a cell; the smallest accuracy took 17
 MAX_ROWS = 100_000  # of a table; the smallest accuracy took some thousands
 
@@ -66,43 +61,41 @@ def position_of(log_load: float) -> float:
 
 
 def lattice(bottom: float, top: float) -> Array:
-    """The fixed positions where tables have rows, up to the top and ending there."""
+    """Positions of the first rows, up to the top and ending there."""
+    top = min(top, MAX_POSITION)
     position = bottom + CELL_LENGTH * np.arange(max(math.ceil((top - bottom) / CELL_LENGTH - MIN_CELL), 1))
     return np.append(position, top)
 
 
 def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
-    """Rows at the first positions, and as many between them as the cubics need to meet the next midpoints.
-
-    They must meet the slopes too: beside a kink a cubic may meet the value by chance.
-    """
+    """Rows at the first positions, and as many between them as the cubics need to meet the next midpoints."""
     rows = waves(first, None)
     left, right = first[:-1], first[1:]
     for _ in range(MAX_HALVINGS):
         between, errors = evaluate_midpoints(waves, rows, left, right)
         rows = merge(rows, between)
-        wrong = ~(errors <= MIN_REDUCTION * accuracy)
+        wrong = ~(
+            errors <= 2 * accuracy
+        )  # a row in the middle of a cell halves its error at least, even beside a kink
         if not np.any(wrong):
             return rows
         if rows.position.size > MAX_ROWS:
             break
-        left, right = halve(left[wrong], right[wrong])
+        middle = between.position
+        left, right = (np.stack(ends, 1)[wrong].ravel() for ends in ((left, middle), (middle, right)))
     raise accuracy_error(float(np.max(errors)), rows, accuracy)
 
 
 def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) -> tuple[Rows, Array]:
-    """Rows in the middle of these cells, and the relative errors of the table there, of shape (cells,)."""
+    """Rows in the middle of these cells, and the relative errors of the table there, of shape (cells,).
+
+    The cubics must meet the slopes, too: beside a kink one may meet the value by chance.
+    """
     middle, half = (left + right) / 2, (right - left) / 2
-    between = waves(middle, interpolate_states(rows, middle))
-    log_W, slope = interpolate(rows, middle)
-    by_slope = SLOPE_SHARE * half * np.abs(between.slope - slope)
+    between = waves(middle, _interpolated_states(rows, middle))
+    log_W, power = log_compression(rows.closure, log_load_at(middle))
+    by_slope = SLOPE_SHARE * half * np.abs(between.slope - power * POSITION_SCALE * np.cosh(middle))
     return between, np.maximum(np.abs(between.log_compliance - log_W), by_slope)
-
-
-def halve(left: Array, right: Array) -> tuple[Array, Array]:
-    """The left and right ends of the two halves of each cell, in order."""
-    middle = (left + right) / 2
-    return np.stack([left, middle], 1).ravel(), np.stack([middle, right], 1).ravel()
 
 
 def merge(rows: Rows, more: Rows) -> Rows:
@@ -120,13 +113,7 @@ def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceErro
     )
 
 
-def interpolate(rows: Rows, position: Array) -> tuple[Array, Array]:
-    """ln W and its slope at positions of shape (n,), by the cubics between the rows."""
-    log_W, power = compressions(rows.closure, log_load_at(position))
-    return log_W, power * POSITION_SCALE * np.cosh(position)
-
-
-def interpolate_states(rows: Rows, position: Array) -> Array:
+def _interpolated_states(rows: Rows, position: Array) -> Array:
     """States at these positions, of shape (n, unknowns), from the cubics through states and tangents."""
     right = np.clip(np.searchsorted(rows.position, position), 1, rows.position.size - 1)
     left = right - 1
