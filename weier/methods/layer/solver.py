@@ -139,7 +139,7 @@ def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Ar
 
 
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
-    """The closure of a layer for an infinite series: ln W and d ln W/d ln xi at each ln xi, from loads of 1e-18 on."""
+    """The closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
     waves = _finer_waves(BOTTOM_POSITIONS[0], (D, gamma, math.inf), (POINTS, ACCURACY, TOLERANCE))
     flat = _flat_waves(log_load, waves, Scaling.of(D, gamma))
     log_W, power = log_compression(waves.rows.closure, flat.log_load)
