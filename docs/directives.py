@@ -21,6 +21,7 @@ from weier.scene.schema import kind_of, schema
 
 ROOT = Path(__file__).resolve().parents[1]
 MAX_WORD = 24  # letters of a word that a cell of a table holds in one line
+NUMBER = r"[-+]?[\d.]+(e[-+]?\d+)?|inf|nan"
 COLON = "\ue000"  # of a private range: no text has it
 
 
@@ -147,12 +148,16 @@ def skip_fields(app, what, name, obj, skip, options):
 
 
 def mark_cells(app, doctree):
-    """Numbers and long words in tables have a class, for the style sheet."""
+    """Long words in tables have a class for the style sheet, and so have columns of numbers."""
     for entry in doctree.findall(nodes.entry):
         if any(len(word) > MAX_WORD for word in entry.astext().split()):
             entry["classes"].append("long")
-        if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?|inf|nan", entry.astext()):
-            entry["classes"].append("number")
+    for body in doctree.findall(nodes.tbody):
+        for column in zip(*(row.children for row in body.children), strict=False):
+            numbers = [entry for entry in column if re.fullmatch(NUMBER, entry.astext())]
+            if 2 * len(numbers) > sum(bool(entry.astext()) for entry in column):  # units are words, though some are 1
+                for entry in numbers:
+                    entry["classes"].append("number")
 
 
 def configure(app, config):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from importlib.resources import files
@@ -120,6 +121,6 @@ def kind_of(part: Mapping[str, Any], known: Mapping[str, Any]) -> str:
     if "anyOf" in part:
         return " or ".join(dict.fromkeys(kind_of(each, known) for each in part["anyOf"]))
     if part.get("type") == "array":
-        return f"a list of {kind_of(part['items'], known)}"
+        return "a list of " + re.sub(r"^a (\w+)$", r"\1s", kind_of(part["items"], known))
     kinds = part.get("type", "object")
     return " or ".join(KINDS[kind] for kind in (kinds if isinstance(kinds, list) else [kinds]))
