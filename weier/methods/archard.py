@@ -15,16 +15,12 @@ Heights are in g_0, pressures in p_0*.
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array, Indices
-from weier.kernels.jit import kernel
+from weier.kernels.arrays import Array
 from weier.methods.estimate import multiprecision_sums, solve_by
-from weier.methods.flattened import Runs, add_flat_waves, over_series, scale_behind_flat_waves
+from weier.methods.flattened import Remaining, remaining
 from weier.methods.method import Method, Style
 from weier.theory.series import full_contact_pressure
 
@@ -33,7 +29,6 @@ NEGLIGIBLE = 1e-20  # less than the rounding of the differences that it keeps po
 DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point
 TAYLOR_TERMS = 12  # of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16
 MAX_MINUS_LOG = 750.0  # more than -ln of any double
-CHUNK = 512  # loads at a time: five arrays of 4 kB stay next to the processor
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -52,7 +47,8 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     ndarray
         Compliance in g_0, of the broadcast shape.
     """
-    return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
+    waves = remaining(mean_pressure, D, gamma, m, _fixed_point)
+    return waves.with_flat_waves(_sums(waves, (waves.D - 2) * np.log(waves.gamma), 1.0))  # of h_n (19), (21)
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -60,129 +56,49 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
     The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
-    return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
+    waves = remaining(mean_pressure, D, gamma, m, _fixed_point)
+    # The derivative of ln zeta halves from term to term (18).
+    slope = _sums(waves, (waves.D - 2) * np.log(waves.gamma) - LN2, 0.0) / waves.load
+    return waves.behind_flat_waves(slope)
 
 
-def _fixed(D: Array, gamma: Array) -> Array:
+def _fixed_point(D: Array, gamma: Array) -> Array:
     """The fixed point of zeta = gamma^(1-D) (1 + zeta) (18)."""
     return 1 / np.expm1((D - 1) * np.log(gamma))
 
 
-def _compliance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
-    """Sum of h_n (19), (21)."""
-    _sums_at_light_loads(zeta, log_zeta, _unflattened_sums(runs, (runs.D - 2) * np.log(runs.gamma), 1.0))
-    return add_flat_waves(log_zeta, runs)
+def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
+    """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat, zeta_k+1 = shrink sqrt(zeta_k).
 
-
-def _resistance(zeta: Array, log_zeta: Array, runs: Runs) -> Array:
-    """Derivative of the sum of h_n with zeta: the derivative of ln zeta halves from term to term (18)."""
-    _sums_at_light_loads(zeta, log_zeta, _unflattened_sums(runs, (runs.D - 2) * np.log(runs.gamma) - LN2, 0.0))
-    return scale_behind_flat_waves(np.divide(log_zeta, zeta, out=log_zeta), runs)
-
-
-class UnflattenedSums(NamedTuple):
-    """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat; arrays of shape (runs,).
-
-    end : index behind the last load of the run
-    shrink, log_shrink : 2 gamma^(1-D), as zeta_{k+1} = shrink sqrt(zeta_k), and its logarithm
-    ratio : of successive weights
-    direct : number of waves to sum directly
-    rest : Taylor coefficients of the sum over all later waves, shape (runs, TAYLOR_TERMS); (runs, 0) without any
+    The first terms are summed one by one, until ln zeta is close to its fixed point or all waves are flat again.
     """
-
-    end: Indices
-    shrink: Array
-    log_shrink: Array
-    ratio: Array
-    direct: Array
-    rest: Array
-    constant: float
-
-
-def _unflattened_sums(runs: Runs, log_ratio: Array, constant: float) -> UnflattenedSums:
-    shrink, log_shrink = 2 * full_contact_pressure(-1, runs.D, runs.gamma), LN2 - (runs.D - 1) * np.log(runs.gamma)
+    shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
+    log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
     # Where ln zeta approaches a point above 0, all waves are flat again after so many.
-    rising = np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE))
-    direct = np.minimum(np.where(log_shrink > 0, np.ceil(rising), DIRECT_TERMS), runs.left)
-    later, rest = runs.left - direct, np.empty((direct.size, 0))
-    if np.any(later > 0):
-        rest = _taylor_coefficients(np.minimum(2 * log_shrink, 0), later, log_ratio, constant)
-    return UnflattenedSums(runs.end, shrink, log_shrink, np.exp(log_ratio), direct, rest, constant)
+    rising = np.ceil(np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE)))
+    direct = np.minimum(np.where(log_shrink > 0, rising, DIRECT_TERMS), waves.waves)
+    zeta, log_zeta = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)
+    total, weight = np.zeros(direct.shape), np.ones(direct.shape)
+    for wave in range(int(direct.max(initial=0))):
+        here = wave < direct
+        total = np.where(here, total + weight * zeta * (constant - log_zeta), total)
+        weight = np.where(here, weight * ratio, weight)
+        zeta = np.where(here, np.minimum(shrink * np.sqrt(zeta), 1.0), zeta)
+        log_zeta = np.where(here, np.minimum(log_shrink + log_zeta / 2, 0.0), log_zeta)
+    fixed = np.minimum(2 * log_shrink, 0)
+    return total + weight * _taylor_series(log_zeta - fixed, fixed, waves.waves - direct, log_ratio, constant)
 
 
-def _taylor_coefficients(fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
-    """Taylor coefficients of such a sum, in the distance of ln zeta from its fixed point."""
+def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
+    """Such a sum over so many more terms, at this distance of ln zeta from its fixed point."""
     # Order j of exp(x) (constant - x) has the coefficient exp(fixed) (constant - fixed - j)/j!, and the
     # powers of distance/2^k sum to geometric series.
-    rest = np.empty((fixed.size, TAYLOR_TERMS))
     order, ratio, power, halved = np.exp(fixed), np.exp(log_ratio), np.exp(log_ratio * terms), np.exp2(-terms)
-    rest[:, 0] = order * (constant - fixed) * np.expm1(log_ratio * terms) / np.expm1(log_ratio)
+    total = order * (constant - fixed) * np.expm1(log_ratio * terms) / np.expm1(log_ratio)
     for j in range(1, TAYLOR_TERMS):
-        order, power, ratio = order / j, power * halved, ratio / 2
-        rest[:, j] = order * (constant - fixed - j) * (1 - power) / (1 - ratio)
-    return rest
-
-
-@kernel
-def _sums_at_light_loads(zeta: Array, log_zeta: Array, sums: UnflattenedSums) -> None:
-    """The sums, in place of ln zeta, a few loads at a time."""
-    start, total, z, later = 0, np.empty(CHUNK), np.empty(CHUNK), sums.rest.shape[1] > 0
-    for r in range(sums.end.size):
-        waves, shrink, log_shrink, ratio = int(sums.direct[r]), sums.shrink[r], sums.log_shrink[r], sums.ratio[r]
-        while start < sums.end[r]:
-            stop = min(start + CHUNK, sums.end[r])
-            y = log_zeta[start:stop]
-            _start(zeta[start:stop], y, total, z)
-            weight = 1.0
-            for wave in range(waves):
-                _add_wave(total, z, y, weight, sums.constant)
-                weight *= ratio
-                if later or wave < waves - 1:
-                    _hand_on(z, y, shrink, log_shrink)
-            if later:
-                _add_rest(total, y, z, weight, sums.rest[r], min(2 * log_shrink, 0.0))
-            for i in range(y.size):
-                y[i] = total[i]
-            start = stop
-
-
-@kernel
-def _start(zeta: Array, y: Array, total: Array, z: Array) -> None:
-    """What the first wave carries, and its logarithm; nothing is summed."""
-    for i in range(y.size):
-        total[i], z[i], y[i] = 0.0, _at_most(1.0, zeta[i]), _at_most(0.0, y[i])
-
-
-@kernel
-def _add_wave(total: Array, z: Array, y: Array, weight: float, constant: float) -> None:
-    """Add the term of one wave."""
-    for i in range(y.size):
-        total[i] += weight * z[i] * (constant - y[i])
-
-
-@kernel
-def _at_most(limit: float, value: float) -> float:
-    """The smaller of both, or NaN for NaN."""
-    return limit if value > limit else value
-
-
-@kernel
-def _hand_on(z: Array, y: Array, shrink: float, log_shrink: float) -> None:
-    """What the next wave carries, and its logarithm, in place."""
-    for i in range(y.size):
-        z[i], y[i] = _at_most(1.0, shrink * math.sqrt(z[i])), _at_most(0.0, log_shrink + y[i] / 2)
-
-
-@kernel
-def _add_rest(total: Array, y: Array, series: Array, weight: float, rest: Array, fixed: float) -> None:
-    """Add the Taylor series of all later waves, at the distance of y from its fixed point."""
-    for i in range(y.size):
-        series[i] = rest[-1]
-    for j in range(rest.size - 2, -1, -1):
-        for i in range(y.size):
-            series[i] = series[i] * (y[i] - fixed) + rest[j]
-    for i in range(y.size):
-        total[i] += weight * series[i]
+        order, power, ratio = order * distance / j, power * halved, ratio / 2
+        total = total + order * (constant - fixed - j) * (1 - power) / (1 - ratio)
+    return total
 
 
 METHOD = Method(

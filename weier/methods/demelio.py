@@ -11,10 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array, Indices
-from weier.kernels.jit import kernel
+from weier.kernels.arrays import Array
 from weier.methods.estimate import multiprecision_sums, offer, solve_by
-from weier.methods.flattened import Runs, add_flat_waves, over_series, scale_behind_flat_waves
+from weier.methods.flattened import remaining
 from weier.methods.method import Method, Style
 from weier.methods.segment import Segment, Task
 
@@ -24,7 +23,10 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
     The arguments and the shape are those of `weier.methods.archard.compliance`. Compliances are in g_0.
     """
-    return over_series(_compliance, _fixed, mean_pressure, D, gamma, m)
+    waves = remaining(mean_pressure, D, gamma, m)
+    zeroth, first = _moments(waves.gamma, waves.waves)
+    xi, step = np.minimum(waves.load, 1.0), (waves.D - 1) * np.log(waves.gamma)
+    return waves.with_flat_waves(xi * (zeroth * (1 - np.log(xi)) + step * first))
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -32,47 +34,10 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
     The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
-    return over_series(_resistance, _fixed, mean_pressure, D, gamma, m)
-
-
-def _fixed(D: Array, _: Array) -> Array:
-    return np.zeros_like(D)
-
-
-def _compliance(xi: Array, log_xi: Array, runs: Runs) -> Array:
-    """Compliance of all waves, by (26) for those that are not flat."""
-    zeroth, first = _moments(runs.gamma, runs.left)
-    _compliance_at_light_loads(xi, log_xi, runs.end, zeroth, zeroth + (runs.D - 1) * np.log(runs.gamma) * first)
-    return add_flat_waves(log_xi, runs)
-
-
-def _resistance(_: Array, log_xi: Array, runs: Runs) -> Array:
-    """Derivative of the compliance with xi."""
-    zeroth, first = _moments(runs.gamma, runs.left)
-    _resistance_at_light_loads(log_xi, runs.end, zeroth, (runs.D - 1) * np.log(runs.gamma) * first)
-    return scale_behind_flat_waves(log_xi, runs)
-
-
-@kernel
-def _compliance_at_light_loads(xi: Array, log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
-    """xi (constant - slope ln xi), in place of ln xi."""
-    start = 0
-    for r in range(end.size):
-        x, y = xi[start : end[r]], log_xi[start : end[r]]
-        for i in range(y.size):
-            y[i] = min(x[i], 1.0) * (constant[r] - slope[r] * min(y[i], 0.0))
-        start = end[r]
-
-
-@kernel
-def _resistance_at_light_loads(log_xi: Array, end: Indices, slope: Array, constant: Array) -> None:
-    """Constant - slope ln xi, in place of ln xi."""
-    start = 0
-    for r in range(end.size):
-        y = log_xi[start : end[r]]
-        for i in range(y.size):
-            y[i] = constant[r] - slope[r] * min(y[i], 0.0)
-        start = end[r]
+    waves = remaining(mean_pressure, D, gamma, m)
+    zeroth, first = _moments(waves.gamma, waves.waves)
+    step = (waves.D - 1) * np.log(waves.gamma)
+    return waves.behind_flat_waves(step * first - zeroth * np.log(np.minimum(waves.load, 1.0)))
 
 
 def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
