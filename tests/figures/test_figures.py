@@ -19,7 +19,7 @@ from tests.scenes import solve_scene
 from weier import figures, scene
 from weier.data import dataset
 from weier.data.dataset import Status
-from weier.figures import checks, style, truncated_compliance, truncation
+from weier.figures import checks, style, truncation
 from weier.figures.captions import caption
 from weier.methods import registry
 from weier.methods.method import Style
@@ -290,9 +290,7 @@ def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict
         h = curves.numerical(case, "compliance")
         assert h is not None
         whole = 1 / (1 - 3**-0.75)  # G for D = 1.25, gamma = 3 (22)
-        gap = whole - truncated_compliance.from_the_infinite_series(
-            h, float(case["total_amplitude"]), truncation.infinite_amplitude(case)
-        )
+        gap = whole - truncation.from_one_datum(case, "compliance", h)
         assert np.all(np.diff(gap) < 0)
         assert np.all(gap > -1e-9)  # the surfaces do not overlap
         assert gap[0] < case["total_amplitude"]  # they touch no earlier than the highest crest does

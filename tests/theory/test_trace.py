@@ -177,7 +177,6 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
             "shortest must lie between two steps and the length of the trace, 0.02 and 1 m",
         ),
         (COS, 1.0, {"shortest": 2.0}, "shortest must lie between two steps"),
-        (COS, 1.0, {"source": 3}, "source must be a text, got 3"),
         (COS, 1.0, {"ends": "cut"}, "ends must be one of mirrored, periodic, tapered, got 'cut'"),
         (rough(10**6), 1.0, {}, "shortest must leave at most 100000 of the finest waves in a period"),
     ],

@@ -31,7 +31,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     (27) bounds the mean gap d, so that curves of different m are compared as G - d with the same G, the amplitude of
     all terms, not at their own full contact nor at first contact.
     """
-    figure, panels = truncation.compare(studies, title, "compliance", from_the_infinite_series)
+    figure, panels = truncation.compare(studies, title, "compliance")
     for axes, cases in panels:
         axes.set_xlim(0, curves.full_contact_load(cases))
         axes.set_ylim(bottom=0)
@@ -41,20 +41,16 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     return figure
 
 
-def from_the_infinite_series(h: np.ndarray, total_amplitude: float, infinite_amplitude: float) -> np.ndarray:
-    """The compliance counted from where all waves of the infinite series peak together, G - d, in g_0."""
-    return h + (infinite_amplitude - total_amplitude)
-
-
 def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     """An inset that shows the bounds apart from the curve, which on the whole axes they are too close to."""
     longest = cases[-1]
-    loads, h = longest["mean_pressure"].values, truncation.numerical_or_nan(longest, "compliance")
+    if (h := curves.numerical(longest, "compliance")) is None:
+        return
     load = ZOOM_AT * axes.get_xlim()[1]
-    total, infinite = float(longest["total_amplitude"]), truncation.infinite_amplitude(longest)
-    value = np.interp(load, loads, from_the_infinite_series(h, total, infinite))
+    drawn = truncation.from_one_datum(longest, "compliance", h)
+    value = np.interp(load, longest["mean_pressure"].values, drawn)
     across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
     inset = axes.inset_axes(INSET, xlim=(load - across, load + across), ylim=(value - up, value + up))
-    truncation.draw_curves(inset, cases, "compliance", from_the_infinite_series)
+    truncation.draw_curves(inset, cases, "compliance")
     inset.set(xticks=[], yticks=[])
     axes.indicate_inset_zoom(inset, edgecolor="0.4")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -18,13 +17,9 @@ CAPTION = (
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Resistance over mean pressure for each number of terms, with the bounds as a band."""
-    figure, panels = truncation.compare(studies, title, "resistance", _unshifted)
+    figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
         style.set_logarithmic_axes(axes, cases[-1:], "resistance")
         axes.set_ylabel(style.LABELS["resistance"])
         axes.legend(loc="lower left")
     return figure
-
-
-def _unshifted(resistance: np.ndarray, total_amplitude: float, infinite_amplitude: float) -> np.ndarray:
-    return resistance

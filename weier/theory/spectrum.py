@@ -13,6 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import scipy  # its parts load when they are used
 
 from weier.kernels.arrays import Array, Indices
 from weier.theory.arguments import checked_number, shown
@@ -24,7 +25,6 @@ WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say li
 MIN_RATIO = 4.0  # of the longest wavelength to the shortest one: the slope of less than two octaves is not known
 NEAR = 1 + 1e-9  # what quotients of decimal numbers are off
 STEEPEST = 40.0  # of the exponents that are looked for; 1 to 3 are those of a series
-BISECTIONS = 60
 
 
 @dataclass(frozen=True)
@@ -165,10 +165,7 @@ def _exponent(k: Indices, power: Array) -> tuple[float, float]:
         values = np.exp(exponent - exponent.max())
         return values / values.sum()
 
-    low, high = -STEEPEST, STEEPEST
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if shares(middle) @ x < 0 else (low, middle)
-    share = shares(low)
+    beta = scipy.optimize.brentq(lambda beta: float(shares(beta) @ x), -STEEPEST, STEEPEST)
+    share = shares(beta)
     scatter = x * (share - weight / weight.sum())
-    return low, math.sqrt(scatter @ scatter) / float(share @ x**2)
+    return beta, math.sqrt(scatter @ scatter) / float(share @ x**2)

@@ -11,11 +11,11 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.theory.arguments import checked_number, checked_numbers, checked_word, shown
@@ -33,14 +33,6 @@ DECIMAL_COMMAS = r"\d,\d+(\s*;|\s+)[-+]?\d+,\d"  # in numbers that something els
 MENDED = {"step": "cut the trace there", "spike": "cut the trace there, or interpolate the heights between"}
 UNEVEN = 0.01  # of a step: the digits that files give of positions
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}  # micro sign and Greek mu
-
-
-class Spectrum(NamedTuple):
-    """Waves of a period, coarse to fine: their numbers, heights and phases, each of shape (waves,)."""
-
-    waves_per_period: Indices
-    amplitude: Array
-    phase: Array
 
 
 class Trace(Waves):
@@ -100,20 +92,18 @@ class Trace(Waves):
             raise ValueError(f"heights must be numbers, got {shown(heights)}: weier.Trace.read takes a file")
         z = _checked_heights(heights)
         self.lambda_0 = checked_number("length", length, "be positive and finite, in m", lambda x: 0 < x < math.inf)
-        if not isinstance(source, str):
-            raise ValueError(f"source must be a text, got {shown(source)}")
-        self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), source, z.size
+        self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), str(source), z.size
         step = self.lambda_0 / z.size
         self.shortest = _checked_shortest(2 * step if shortest is None else shortest, step, self.lambda_0)
         level = _levelled(z, self.ends)
         _check_jumps(level if self.ends != PERIODIC else np.append(level, level[0]), step)
-        found = _waves(_continued(level, self.ends), self.period * self.lambda_0 / self.shortest)
-        self.g_0 = math.sqrt(float(found.amplitude @ found.amplitude) / 2)
+        waves, coefficient = _waves(_continued(level, self.ends), self.period * self.lambda_0 / self.shortest)
+        self.g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
         if not self.g_0 > ROUNDING * np.abs(z).max():
             raise ValueError(f"heights must be rough, got none with waves of {self.shortest:g} m or longer")
-        rough = found.amplitude > ROUNDING * self.g_0
-        self._spectrum = Spectrum(found.waves_per_period[rough], found.amplitude[rough], found.phase[rough])
-        self.m = self.amplitude.size
+        rough = np.abs(coefficient) > ROUNDING * self.g_0
+        self._waves, self._coefficient = waves[rough], coefficient[rough]
+        self.m = self._waves.size
         told = [self.lambda_0, self.shortest, self.ends]
         self.digest = hashlib.sha256(repr(told).encode() + z.tobytes()).hexdigest()[:12]
         if (finest := self.waves_per_period[-1]) > MAX_WAVES:
@@ -168,22 +158,22 @@ class Trace(Waves):
     @property
     def amplitude(self) -> Array:
         """Amplitudes of the waves, shape (m,), in g_0."""
-        return self._spectrum.amplitude / self.g_0
+        return np.abs(self._coefficient) / self.g_0
 
     @property
     def full_contact_pressure(self) -> Array:
         """Mean pressures that flatten each wave alone, shape (m,), in p_0*."""
-        return self.amplitude * self._spectrum.waves_per_period / self.period
+        return self.amplitude * self._waves / self.period
 
     @property
     def phase(self) -> Array:
         """Phases, shape (m,), in radians; x = 0 is the first height."""
-        return self._spectrum.phase
+        return np.angle(self._coefficient)
 
     @property
     def waves_per_period(self) -> list[int]:
         """Waves of each kind in one period, ascending, m of them."""
-        return [int(waves) for waves in self._spectrum.waves_per_period]
+        return [int(waves) for waves in self._waves]
 
     @property
     def period(self) -> int:
@@ -194,11 +184,6 @@ class Trace(Waves):
     def total_amplitude(self) -> float:
         """The highest point above the mean plane, in g_0: compliance counts from first contact."""
         return self.crest[1]
-
-    @property
-    def tail_amplitude(self) -> float:
-        """What finer waves have is not known."""
-        return math.nan
 
     @property
     def listed_terms(self) -> int:
@@ -279,12 +264,11 @@ def _continued(z: Array, ends: str) -> Array:
     return z * np.sin(np.pi / 2 * share) ** 2
 
 
-def _waves(z: Array, most: float) -> Spectrum:
-    """The waves of a period of which no more than so many fit into it."""
+def _waves(z: Array, most: float) -> tuple[Indices, NDArray[np.complex128]]:
+    """The waves of a period of which no more than so many fit into it: their numbers and complex amplitudes."""
     # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
     waves = np.arange(1, min(math.floor(most * (1 + 1e-9)), (z.size - 1) // 2) + 1)
-    coefficient = 2 * np.fft.rfft(z)[waves] / z.size
-    return Spectrum(waves, np.abs(coefficient), np.angle(coefficient))
+    return waves, 2 * np.fft.rfft(z)[waves] / z.size
 
 
 def _table(path: Path) -> Array:

@@ -6,6 +6,7 @@ lambda_0 and g_0 are.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from functools import cached_property
@@ -72,9 +73,9 @@ class Waves(ABC):
         return float(self.waves_per_period[-1])
 
     @property
-    @abstractmethod
     def tail_amplitude(self) -> float:
-        """Sum of the amplitudes of finer waves that are left out, in g_0; NaN if nobody knows it."""
+        """Sum of the amplitudes of finer waves that are left out, in g_0; NaN where nobody knows it."""
+        return math.nan
 
     @property
     def terms(self) -> int:
