@@ -24,3 +24,17 @@ def telling(told: Callable[[], None] | None) -> Iterator[None]:
         yield
     finally:
         _TOLD.reset(token)
+
+
+@contextmanager
+def also_telling(told: Callable[[], None]) -> Iterator[None]:
+    """Call this, too, after what is told already; an error that it raises stops the solver between two loads."""
+    before = _TOLD.get()
+
+    def both() -> None:
+        if before is not None:
+            before()
+        told()
+
+    with telling(both):
+        yield

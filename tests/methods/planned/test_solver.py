@@ -2,6 +2,7 @@
 
 import math
 import re
+from time import thread_time
 
 import numpy as np
 import pytest
@@ -12,8 +13,11 @@ from tests.verification import verify, verify_infinite
 from weier import Profile, plan, solve
 from weier.methods import bem, patches, registry
 from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
+from weier.methods.method import Method
 from weier.methods.planned import solver as planned
 from weier.methods.planned.candidates import candidates
+from weier.methods.progress import count_load
+from weier.methods.segment import SegmentSolution, make_segment
 
 LOADS = np.geomspace(1e-3, 10, 12)
 
@@ -172,21 +176,48 @@ def test_the_largest_and_least_loads_are_planned_in_silence(quantity, m, loads):
         plan(profile, [5e-324, *loads], 0.5, quantity)
 
 
+def slow(task):
+    """Contact patches that say they take no time, and take 40 ms a load."""
+
+    def solve(loads):
+        for _ in loads:
+            begin = thread_time()
+            while thread_time() < begin + 0.04:
+                pass
+            count_load()
+        solved = patches.curve(task.profile, loads)
+        return SegmentSolution(solved.compliance, solved.resistance, solved.compliance_error, 0 * loads)
+
+    yield make_segment(task, "slow", "a toy", solve)
+
+
+SLOW = Method(name="slow", label="slow", summary="a toy", solve=lambda profile, loads: None, candidates=slow)
+
+
 def test_what_takes_far_longer_than_planned_is_stopped_with_the_next_way(monkeypatch):
-    """Every look at the clock is 40 s later; contact patches are planned to take a second a load."""
-    clock = iter(np.arange(100) * 40.0)
-    monkeypatch.setattr(planned, "thread_time", lambda: next(clock))
-    monkeypatch.setattr(patches.error_model, "SECONDS_LOAD", 1.0)
-    monkeypatch.setattr(bem.error_model, "SECONDS_LOAD", 1.1)
-    loads = [0.1, 0.2, 0.3, 0.4]
+    loads = np.geomspace(0.1, 0.4, 4)
+    solved = planned.curve(THREE_WAVES, loads, (SLOW, patches.METHOD), 1e-5)
+    assert solved.planned_method.tolist() == ["slow"] * 4  # less than a minute is no matter
+    monkeypatch.setattr(planned, "MIN_OVERRUN_SECONDS", 0.06)
     with pytest.raises(ConvergenceError) as stopped:
-        solve(THREE_WAVES, loads, "planned", tolerance=1e-5)
+        planned.curve(THREE_WAVES, loads, (SLOW, patches.METHOD), 1e-5)
     assert re.fullmatch(
-        r"patches with 3 terms was expected to take 4 s, and was stopped after 80 s with 2 of 4 loads solved; "
-        r"the next way is bem with 3 terms, in 4\.\d s for all loads: take that method, or a larger tolerance",
+        r"slow with 3 terms was expected to take 0 s, and was stopped after 0 s with [12] of 4 loads solved; "
+        r"the next way is patches with 3 terms, in 0\.\d+ s for all loads: take that method, or a larger tolerance",
         str(stopped.value),
     )
-    monkeypatch.setattr(bem.error_model, "PLANNED_POINTS_PER_WAVE", ())
     with pytest.raises(ConvergenceError, match="no other method is as accurate"):
-        solve(THREE_WAVES, loads, "planned", tolerance=1e-5)
-    assert solve(THREE_WAVES, loads[:2], "planned", tolerance=1e-5).planned_method.values.tolist() == ["patches"] * 2
+        planned.curve(THREE_WAVES, loads, (SLOW,), 1e-5)
+    planned.curve(THREE_WAVES, loads[:1], (SLOW,), 1e-5)  # which is done
+
+
+@pytest.mark.parametrize("method", ["bem", "patches", "hybrid"])
+def test_every_slow_method_can_be_stopped_between_two_loads(monkeypatch, method):
+    """Each tells of its loads: with no time at all it is stopped after the first."""
+    monkeypatch.setattr(planned, "MIN_OVERRUN_SECONDS", -1.0)
+    monkeypatch.setattr(planned, "MAX_OVERRUN", 0.0)
+    profile, tolerance = (Profile(1.1, 3, math.inf, 1.0), 0.02) if method == "hybrid" else (THREE_WAVES, 1e-5)
+    with pytest.raises(
+        ConvergenceError, match=f"{method} with .* terms was .* stopped after .* with 1 of [23] loads"
+    ):
+        planned.curve(profile, np.array([0.1, 0.2, 0.3]), (registry.find_method(method),), tolerance)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
 from time import thread_time
 from typing import NamedTuple
 
@@ -12,17 +11,18 @@ from numpy.typing import NDArray
 
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
+from weier.kernels.jit import compiling_seconds
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.plan import Plan, plan
+from weier.methods.progress import also_telling
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
 
 ROUNDING = 1e-9  # of a tolerance: expected errors and those found are sums that may be rounded differently
 MAX_OVERRUN, MIN_OVERRUN_SECONDS = 10, 60.0  # times the seconds planned, and at least, before a segment is stopped
-PART_SECONDS = 1.0  # expected, between looks at the clock
 METHOD_NAME = VARIABLES["planned_method"].dtype
 
 
@@ -126,31 +126,21 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
 
 
 def _attempt_in_time(profile: Profile, segment: Segment) -> SolvedLoads:
-    """Run a segment part by part; TimeoutError if it takes far longer than planned.
-
-    The clock starts after the first part, in which kernels may be compiled.
-    """
+    """Run a segment; TimeoutError, between two of its loads, if it takes far longer than planned."""
     allowed = max(MAX_OVERRUN * segment.seconds, MIN_OVERRUN_SECONDS)
-    solved: list[SolvedLoads] = []
-    start = 0.0
-    for number, part in enumerate(_parts(segment)):
-        seconds = thread_time() - start if number > 0 else 0.0
-        if seconds > allowed:
+    start, done, count = thread_time() - compiling_seconds(), 0, segment.mean_pressure.size
+
+    def look_at_clock() -> None:
+        nonlocal done
+        done, seconds = done + 1, thread_time() - compiling_seconds() - start
+        if seconds > allowed and done < count:
             raise TimeoutError(
                 f"{_described(segment)} was expected to take {segment.seconds:.2g} s, and was stopped after "
-                f"{seconds:.0f} s with {sum(each.compliance.size for each in solved)} of "
-                f"{segment.mean_pressure.size} loads solved"
+                f"{seconds:.0f} s with {done} of {count} loads solved"
             )
-        solved.append(_attempt(profile, part))
-        start = thread_time() if number == 0 else start
-    return _joined(solved)
 
-
-def _parts(segment: Segment) -> Iterator[Segment]:
-    """The segment in parts of so many expected seconds, or of one load."""
-    second = np.cumsum(segment.seconds_load) // PART_SECONDS
-    ends = [0, *(np.flatnonzero(np.diff(second)) + 1).tolist(), second.size]
-    return (segment.at(slice(first, last)) for first, last in pairwise(ends))
+    with also_telling(look_at_clock):
+        return _attempt(profile, segment)
 
 
 def _next_way(made: Plan, methods: Sequence[Method], stopped: Segment, failed: Sequence[Segment]) -> str:
