@@ -54,7 +54,7 @@ onstart:
     remove_leftovers("results")
     bring_to_present("results", str(CONFIG))
     for name in scene_names():
-        if refusal := forecast(name).refusal:
+        if refusal := forecast(name)[1]:
             sys.exit(f"weier: {refusal}")
 
 
@@ -79,7 +79,7 @@ onsuccess:
 rule solve:
     input:
         batch="results/{scene}/batches/{batch}.json",
-        kernels=lambda w: kernels(batch(w.scene, w.batch).methods),
+        kernels=lambda w: kernels(w.scene),
     output:
         "results/{scene}/batches/{batch}.nc",
     log:

@@ -1,4 +1,3 @@
-from weier.methods.registry import names
 from weier.kernels.digests import MEASURED, PICTURES, digest_of_program
 
 # What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
@@ -36,7 +35,7 @@ for study, figure in {
 # On its own, since other jobs beside it would disturb the seconds.
 rule measure_tradeoff:
     input:
-        kernels=kernels(names()),
+        kernels=kernels(),
         scene=in_checkout("config/accuracy/tradeoff.yaml"),
     output:
         data="results/tradeoff/tradeoff.nc",
@@ -54,7 +53,7 @@ rule measure_tradeoff:
 
 rule measure_convergence:
     input:
-        kernels=kernels(names()),
+        kernels=kernels(),
         scene=in_checkout("config/accuracy/infinite.yaml"),
     output:
         "results/convergence/convergence.nc",
@@ -70,7 +69,7 @@ rule measure_convergence:
 
 rule measure_extremes:
     input:
-        kernels=kernels(names()),
+        kernels=kernels(),
     output:
         data="results/extremes/extremes.nc",
         summary="results/extremes/extremes.md",

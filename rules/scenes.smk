@@ -9,7 +9,7 @@ from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
 from weier.kernels.jit import announce_compiling, cache_folder
-from weier.methods.registry import find_method
+from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import Solutions, read_batch
 from weier.pipeline.forecast import forecast_scene
 from weier.scene import SceneError
@@ -97,15 +97,16 @@ def batch(name, stem):
     return read_batch(f"results/{name}/batches/{stem}.json")
 
 
-def kernels(methods):
-    """What says that kernels are compiled, which is no reason to solve again.
+def kernels(*names):
+    """What says that the kernels of scenes are compiled, or without a scene all: that is no reason to solve again.
 
     Those of closed forms take seconds, and no job of their own.
     """
-    slow = [method for method in methods if find_method(method).numerical]
-    return ancient(
-        [f"results/kernels/{cache_folder().name}/{method}" for method in slow]
-    )
+    used = [find_method(each) for name in names for each in scene(name).layout.methods]
+    if not names or any(method.runs_others for method in used):
+        used = METHODS
+    folder = f"results/kernels/{cache_folder().name}"
+    return ancient([f"{folder}/{method.name}" for method in used if method.numerical])
 
 
 def drawn_together():

@@ -75,7 +75,7 @@ def files(folder):
 
 
 def test_cf_strict_finds_nothing(files, tmp_path):
-    assert len(files) == 5
+    assert len(files) == 4
     answers = check(files, "cf:1.11", tmp_path)
     assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
     assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())

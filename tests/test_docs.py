@@ -20,8 +20,8 @@ from weier import scene
 from weier.data import variables
 from weier.data.check import Check
 from weier.figures import kinds
-from weier.methods import registry
-from weier.pipeline import batch, claims, curves
+from weier.methods import curves, registry
+from weier.pipeline import batch, claims
 from weier.pipeline.claims import paper
 from weier.pipeline.claims.ensemble import judge
 from weier.scene.schema import schema

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import weier
+from weier.cli import result
 from weier.pipeline import single
 
 MODULES = [module.name for module in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in module.name]
@@ -29,7 +30,7 @@ def test_the_public_interface_has_examples(name):
 def test_examples_are_true(name, tmp_path):
     path = tmp_path / "contact.nc"
     parameters = {"D": 1.25, "gamma": 5, "m": 2, "phases": 1.0}
-    single.write(single.solve_one(parameters, np.array([0.1, 1.0]), ["demelio"], {}), path)
-    result = doctest.testmod(import_module(name), extraglobs={"path": path})
-    assert result.attempted > 0
-    assert result.failed == 0
+    result.write(single.solve_one(parameters, np.array([0.1, 1.0]), ["demelio"], {}), path)
+    done = doctest.testmod(import_module(name), extraglobs={"path": path})
+    assert done.attempted > 0
+    assert done.failed == 0

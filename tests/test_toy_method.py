@@ -13,8 +13,8 @@ from weier import figures, scene
 from weier.data import dataset
 from weier.figures import style
 from weier.methods import registry
+from weier.methods.compile import compile_kernels
 from weier.pipeline import batch
-from weier.pipeline.compile import compile_kernels
 from weier.pipeline.gather import gather
 
 PROFILE = weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -84,9 +84,11 @@ def test_a_plan_may_choose_it():
 
 def test_it_is_compiled_with_the_others(monkeypatch):
     solved = []
-    monkeypatch.setattr(
-        "weier.pipeline.compile.solve", lambda profile, loads, method, **settings: solved.append((method, settings))
-    )
+
+    def noted(profile, loads, method, settings):
+        solved.append((method.name, settings))
+
+    monkeypatch.setattr("weier.methods.compile.solve_curve", noted)
     compile_kernels()
     assert ("toy", {"share": 0.1}) in solved
 

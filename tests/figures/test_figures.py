@@ -21,9 +21,8 @@ from weier.data import dataset
 from weier.data.dataset import Status
 from weier.figures import checks, style, truncation
 from weier.figures.captions import caption
-from weier.methods import registry
+from weier.methods import curves, registry
 from weier.methods.method import Style
-from weier.pipeline import curves
 from weier.pipeline.gather import read_study
 
 SCENE = """
@@ -145,7 +144,7 @@ def test_listing_the_kinds_imports_no_matplotlib() -> None:
 
 TOY = """
 from weier.figures import style
-from weier.pipeline import curves
+from weier.methods import curves
 
 CAPTION = "The load of full contact. It grows with roughness."
 

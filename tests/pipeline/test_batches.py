@@ -143,7 +143,6 @@ def test_a_batch_says_what_it_holds(tmp_path):
     (path,) = Solutions(load(tmp_path), tmp_path).files()
     batch = read_batch(path.with_suffix(".json"))
     assert batch.title == "12 cases of one"
-    assert batch.methods == ["archard", "demelio"]
     assert batch.scene.loads.tolist() == [0.1, 1.0]
     path.with_suffix(".json").write_text(json.dumps({"cases": 1}))
     with pytest.raises(ValueError, match=r"json does not describe a batch: delete it"):

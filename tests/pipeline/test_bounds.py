@@ -8,8 +8,8 @@ import pytest
 from weier import Profile, scene
 from weier.methods import bem, patches
 from weier.pipeline import batch
-from weier.pipeline.batch import first_contact, infinite_series_bounds
 from weier.pipeline.gather import read_study
+from weier.theory.bounds import first_contact, infinite_series_bounds
 
 BETWEEN_NODES = """
 title: crests of all waves at one place, half a node off the grid

@@ -136,11 +136,10 @@ def test_one_number_decides() -> None:
         }.items()
     ]  # fmt: skip
     assert said == [
-        "Least excess of Archard's compliance in partial contact: 0.1 g_0; limit: at least -0.001 g_0; all 6 say yes",
+        "Least excess of Archard's compliance in partial contact: 0.1 g_0; limit: at least -0.001 g_0; 6 of 6 say yes",
         "Largest excess of Demelio's compliance at low loads: 0.1 g_0; limit: below 0; 4 of 6 say no, 2 too close to "
         "call",
-        "Mean excess of the layer's compliance at high loads: -0.0001 g_0; limit: below 0; all 6 are too close to "
-        "call",
+        "Mean excess of the layer's compliance at high loads: -0.0001 g_0; limit: below 0; 6 of 6 too close to call",
     ]
     judged = claims.evaluate("archard_above", [ensemble(0.1, 0.1, low)])
     assert report.decisive_cells(judged)[1:] == ("at least -0.001 g_0", "4 of 6 say yes, 2 say no")
@@ -352,15 +351,6 @@ def test_a_case_of_two_studies_counts_once() -> None:
     assert len(claims.evaluate("archard_above", [ensemble(0.1), ensemble(0.1)]).decisive.values) == 6
 
 
-def test_unknown_claim(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"no claim 'everything'.*twelve_elements, phase_spread"):
-        claims.evaluate("everything", [])
-    (mistake,) = claims.check_names(scene_of({"archard_above": ("a",), "archard_abov": ("a",)}))
-    assert mistake.keys == ("claims", "archard_abov")
-    assert mistake.text.endswith("did you mean 'archard_above'?")
-    assert not list(claims.check_names(scene_of(dict.fromkeys(claims.CLAIMS, ("a",)))))
-
-
 def test_a_new_claim_is_one_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing but the row is added, and the claim is checked, measured, written, and read again."""
 
@@ -432,11 +422,3 @@ def test_scene_without_claims(tmp_path: Path) -> None:
     claims.write(solutions_of(tmp_path, {"smooth": estimate(0.1)}), tmp_path / "contact.nc", tmp_path / "claims.md")
     assert "claim" not in dataset.read(tmp_path / "contact.nc").sizes
     assert "no claims" in (tmp_path / "claims.md").read_text()
-
-
-def test_unknown_claim_writes_nothing(tmp_path: Path) -> None:
-    made = tmp_path / "made"
-    solutions = solutions_of(made, {"a": estimate(0)}, everything=("a",))
-    with pytest.raises(ValueError, match="no claim 'everything'"):
-        claims.write(solutions, tmp_path / "contact.nc", tmp_path / "claims.md")
-    assert [path.name for path in tmp_path.iterdir()] == ["made"]

@@ -44,14 +44,14 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     weier solve --trace shaft.csv --shortest 1e-5 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     """  # noqa: D301 - click wants the character
-    from weier.pipeline import single  # xarray takes half a second, and the help of the command needs none of it
+    from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
 
     data = _solved((DEFAULT,), **options)
     if output is None:
-        click.echo(single.as_csv(data) if csv else single.as_json(data))
+        click.echo(result.as_csv(data) if csv else result.as_json(data))
     else:
-        single.write(data, output)
-    single.check_solved(data)
+        result.write(data, output)
+    result.check_solved(data)
 
 
 @click.command(cls=SolvingCommand)
@@ -67,9 +67,9 @@ def plot(path: Path, quantity: str, **options: Any) -> None:
     weier plot -D 1.25 --gamma 5 -m 3 --phases 1 curves.png
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
     """  # noqa: D301 - click wants the character
+    from weier.cli import result
     from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
-    from weier.pipeline import single
 
     data = _solved(PLOTTED, **options)
     draw(quantity, [data], "", path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
-    single.check_solved(data)
+    result.check_solved(data)

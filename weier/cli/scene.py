@@ -23,7 +23,7 @@ BATCHES = click.argument("batches", type=FILE)
 @click.argument("methods", nargs=-1)
 def compile(methods: Sequence[str]) -> None:
     """Compile the kernels of METHODS, or all, once for all later runs."""
-    from weier.pipeline.compile import compile_kernels  # only this command needs it
+    from weier.methods.compile import compile_kernels  # only this command needs it
 
     with job("compile", *methods, announce_compiling=not methods):
         compile_kernels(methods)

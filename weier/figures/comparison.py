@@ -20,8 +20,8 @@ from matplotlib.patches import Patch
 
 from weier.figures import MAX_PANELS, lines, style
 from weier.kernels.arrays import Array
+from weier.methods import curves
 from weier.methods.registry import names, numerical_names
-from weier.pipeline import curves
 from weier.scene import BY_DEFAULT, Grouping
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
 from weier.theory.conduction import Interface

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import style
 from weier.kernels.arrays import Array
-from weier.pipeline import curves
+from weier.methods import curves
 
 CAPTION = (
     "The profile and, below it, where it is in contact over mean pressure. Contacts are born as points, grow, and "

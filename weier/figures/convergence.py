@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from weier.figures import lines, style
-from weier.pipeline import curves
+from weier.methods import curves
 
 CAPTION = (
     "The infinite series. Bands are rigorous bounds, which hold whatever the terms are that are not resolved: the "

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from weier.kernels.arrays import Array, Flags
-from weier.pipeline import curves
+from weier.methods import curves
 
 PIECES = 8  # between two loads
 DECADES = 4  # that a resistance falls on its way to 0, beyond which no axis shows it

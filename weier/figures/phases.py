@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from weier.figures import lines, style
-from weier.pipeline import curves
+from weier.methods import curves
 
 CAPTION = (
     "What the phase between the waves changes: the compliance over mean pressure. A dashed line is one phase, from "

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from weier.figures import style
-from weier.pipeline import curves
+from weier.methods import curves
 from weier.theory.profile import Profile
 
 CAPTION = "The profiles over two of their longest wavelengths."

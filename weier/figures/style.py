@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
 from weier.figures import MAX_PANELS
-from weier.methods import registry
+from weier.methods import curves, registry
 from weier.methods.method import DEFAULT_STYLE, Style
-from weier.pipeline import curves
 from weier.scene import Axis
 from weier.theory.profile import MAX_DENOMINATOR
 

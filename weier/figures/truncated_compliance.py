@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.figures import style, truncation
-from weier.pipeline import curves
+from weier.methods import curves
 
 CAPTION = (
     "What further terms change in the compliance. All series are counted from the infinite one, undeformed and with "

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import lines, style
 from weier.kernels.arrays import Array
-from weier.pipeline import curves
+from weier.methods import curves
 
 
 def compare(

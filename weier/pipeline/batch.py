@@ -25,9 +25,8 @@ from weier.methods.solve import solve_checked
 from weier.pipeline.progress import LOG_SECONDS, Loads
 from weier.scene.case import Case
 from weier.scene.cases import Scene
-from weier.theory.bounds import complete_bounds, resistance_bounds
+from weier.theory.bounds import first_contact, infinite_series_bounds
 from weier.theory.limits import resolvable
-from weier.theory.profile import Profile
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
@@ -143,28 +142,6 @@ def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str
     if method.solution_error is None or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
         return {}
     return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(profile, solution))
-
-
-def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: float) -> dict[str, Array]:
-    """Bounds on both curves of the infinite series, by the names of their variables.
-
-    From the compliance of the terms of a profile, in g_0, which an error widens that it may have, in g_0.
-    `weier.methods.hybrid.truncation_bounds.bounds` says which part of them is proved and which is measured.
-    """
-    total, tail = profile.total_amplitude, profile.tail_amplitude
-    lower, upper = complete_bounds(compliance, tail, total + tail, error)
-    flattest, steepest = resistance_bounds(loads, compliance, tail + error, first_contact(profile))
-    return {
-        "compliance_lower": lower,
-        "compliance_upper": upper,
-        "resistance_lower": flattest,
-        "resistance_upper": steepest,
-    }
-
-
-def first_contact(profile: Profile) -> float:
-    """Compliance of a finite series at first contact, sum g_n - max z, in g_0."""
-    return profile.total_amplitude - profile.crest[1]
 
 
 def _settings_text(settings: Mapping[str, Any]) -> str:

@@ -19,8 +19,9 @@ import numpy as np
 from weier.data.files import write_text
 from weier.kernels.arrays import Array
 from weier.kernels.digests import NUMBERS, digest, digest_of_program
+from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
-from weier.methods.registry import PLANNED, find_method, names
+from weier.methods.registry import PLANNED, find_method
 from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene
@@ -109,15 +110,12 @@ class Solutions:
         for case, home in zip(self.scene.distinct, self.scene.studies_of_cases, strict=True):
             if not studies or not set(home).isdisjoint(studies):
                 here |= {self._solved[curve].batch for curve in case.curves.values() if curve in self._solved}
+                lacking = tuple(method for method, curve in case.curves.items() if curve not in self._solved)
                 group = missing.setdefault(home if studies else (), [])
-                if lacking := self._lacking(case):
+                if lacking:
                     group.append(missing_case(case.by(lacking), home, self.scene.loads))
         cut = (part for group in missing.values() for part in cut_into_batches(group, self.scene, cores))
         return [path.with_suffix(".nc") for path in (*sorted(here), *map(self._describe, cut))]
-
-    def _lacking(self, case: Case) -> tuple[str, ...]:
-        """The methods of a case that have not solved it."""
-        return tuple(method for method, curve in case.curves.items() if curve not in self._solved)
 
     def _describe(self, members: Sequence[Missing]) -> Path:
         """The description of a batch of these cases, which is written unless it is there."""
@@ -158,14 +156,6 @@ class Batch(NamedTuple):
         """A scene of its loads, for which it is solved."""
         loads, edges = np.array(self.common["loads"]), self.common["contact_edges"]
         return Scene("batch", self.title, loads, {}, contact_edges=edges)
-
-    @property
-    def methods(self) -> list[str]:
-        """The methods that it runs, or that a plan may choose to run."""
-        used = [find_method(method) for case in self.cases for method in case.methods]
-        return (
-            names() if any(method.runs_others for method in used) else list(dict.fromkeys(each.name for each in used))
-        )
 
     @property
     def title(self) -> str:
@@ -209,9 +199,7 @@ def missing_case(case: Case, studies: tuple[str, ...], loads: Array) -> Missing:
     """A case with what its methods and its plan expect."""
     methods = [find_method(name) for name in case.methods]
     seconds = [CASE_SECONDS, *(each.seconds(case.profile, loads) for each in methods if each.takes(case.profile))]
-    if PLANNED not in case.methods:
-        return Missing(case, studies, sum(seconds))
-    found = plan_case(case, loads)
+    found = plan_case(case, loads) if PLANNED in case.methods else None
     if isinstance(found, Plan):
-        return Missing(case, studies, sum(seconds) + found.seconds)
-    return Missing(case, studies, sum(seconds), str(found))
+        seconds.append(found.seconds)
+    return Missing(case, studies, sum(seconds), str(found) if isinstance(found, OutOfReachError) else "")

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import NamedTuple
 
 from weier.kernels.arrays import Array
 from weier.methods import registry
 from weier.methods.errors import OutOfReachError
-from weier.methods.method import Method
-from weier.methods.planned.candidates import candidates
 from weier.methods.planned.plan import TOLERANCE
 from weier.methods.registry import PLANNED, find_method
-from weier.methods.segment import COMPLIANCE
 from weier.pipeline.batches import Missing
 from weier.pipeline.plan import plan
 from weier.scene import Case, Scene
@@ -46,54 +42,36 @@ def forecast(case: Case, loads: Array) -> list[str]:
                 f"{seconds:.0e} s for {case.profile.describe()}: {_cheaper(case.profile, loads)}"
             )
         if seconds > LONG:
-            cost = f"up to {significant(seconds, 2)} s{_memory(method, case.profile, loads)}"
-            lines.append(f"{name} may take {cost}: {_cheaper(case.profile, loads)}")
+            lines.append(f"{name} may take up to {significant(seconds, 2)} s: {_cheaper(case.profile, loads)}")
     return lines
 
 
-class SceneForecast(NamedTuple):
-    """What the batches of a scene take, in lines for people, and why they may not run; empty where they may."""
+def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> tuple[list[str], str]:
+    """What batches take that are still to be solved, in lines for people, and why they may not run, if so.
 
-    lines: list[str]
-    refusal: str = ""
-
-
-def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> SceneForecast:
-    """What the batches that are still to be solved take in all, and each case that its plan refuses, with the reason.
-
-    Only a scene with plans, or with a limit of its own, says so: other methods know no more than the most they take.
-    One that would take longer than it allows is refused, with the key that allows more.
+    The lines name each case that its plan refuses, with the reason. Only a scene with plans, or with a limit of its
+    own, says so: other methods know no more than the most they take. One that would take longer than it allows is
+    refused, with the key that allows more.
     """
     members = [each for batch in batches for each in batch]
     with_plans = any(PLANNED in each.case.methods for each in members)
     if not members or (not with_plans and scene.max_seconds is None):
-        return SceneForecast([])
+        return [], ""
     longest = max((sum(each.seconds for each in batch) for batch in batches), default=0.0)
     seconds = max(sum(each.seconds for each in members) / cores, longest)
-    refusals = [each.refusal for each in members if each.refusal]
+    refused = [f"  {each.refusal}" for each in members if each.refusal]
     count, on = f"{len(members)} case{'s' * (len(members) != 1)}", f"{cores} core{'s' * (cores > 1)}"
     lines = [f"{scene.name}: {count} to solve, in about {significant(seconds, 2)} s on {on}"]
-    lines += [f"{scene.name}: no plan for {len(refusals)} of them:"] if refusals else []
-    lines += [f"  {each}" for each in refusals[:LISTED]]
-    lines += [f"  and {len(refusals) - LISTED} more"] if len(refusals) > LISTED else []
+    if refused:
+        lines += [f"{scene.name}: no plan for {len(refused)} of them:", *refused[:LISTED]]
+    if len(refused) > LISTED:
+        lines += [f"  and {len(refused) - LISTED} more"]
     limit = MAX_SCENE_SECONDS if scene.max_seconds is None else scene.max_seconds
     if seconds <= limit:
-        return SceneForecast(lines)
+        return lines, ""
     more = f"add max_seconds: {significant(1.2 * seconds, 2)} to the scene"
     what = f"it would take longer than {limit:g} s: {more}, or take a larger tolerance, fewer cases or more cores"
-    return SceneForecast(lines, f"{scene.name}: {what}")
-
-
-def _memory(method: Method, profile: Waves, loads: Array) -> str:
-    """What a plan expects of the method, where it offers itself to plans."""
-    if not (isinstance(profile, Profile) and find_method(PLANNED).takes(profile)):
-        return ""
-    offers = [
-        offer.memory
-        for offer in candidates(profile, loads, TOLERANCE, COMPLIANCE, [method])
-        if offer.method == method.name and offer.terms == profile.m
-    ]
-    return f" and {significant(min(offers) / 1e6, 2)} MB" if offers else ""
+    return lines, f"{scene.name}: {what}"
 
 
 def _cheaper(profile: Waves, loads: Array) -> str:

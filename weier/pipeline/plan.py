@@ -38,16 +38,10 @@ class ScenePlan:
         """Expected seconds on one core."""
         return sum(each.seconds for each in self.plans)
 
-    @property
-    def memory(self) -> float:
-        """Expected bytes beyond those of the interpreter."""
-        return max((each.memory for each in self.plans), default=0.0)
-
     def __repr__(self) -> str:
         """The plan of every case, and what all of them take."""
-        others = [f"  {each}" for each in self._others]
-        blocks = [f"{each}\n" for each in self.plans]  # a case a block
-        return "\n".join([*blocks, self._sum_up, *(["not the others:", *others] if others else [])])
+        others = ["not the others:", *(f"  {each}" for each in self._others)] if self._others else []
+        return "\n".join([*(f"{each}\n" for each in self.plans), self._sum_up, *others])
 
     def _repr_html_(self) -> str:
         """Tables for notebooks."""
@@ -61,9 +55,9 @@ class ScenePlan:
 
     @property
     def _sum_up(self) -> str:
-        found, total = len(self.plans), len(self.cases)
-        cost = f"{significant(self.seconds, 2)} s and {significant(self.memory / 1e6, 2)} MB"
-        return f"{found} of {total} cases can be solved, in about {cost}"
+        memory = max((each.memory for each in self.plans), default=0.0)  # bytes
+        cost = f"{significant(self.seconds, 2)} s and {significant(memory / 1e6, 2)} MB"
+        return f"{len(self.plans)} of {len(self.cases)} cases can be solved, in about {cost}"
 
 
 @overload

@@ -109,7 +109,7 @@ def _solve_all(
     from weier.scene.case import Case
     from weier.scene.cases import Scene
 
-    checked = _settings(methods, settings)
+    checked = settings_by_method(methods, settings)
     cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     scene = Scene("solve", title, loads, {}, len(cases), contact_edges=edges)
@@ -120,14 +120,16 @@ def _solve_all(
     return name_cases(data.assign_attrs(provenance.of_results(title)))
 
 
-def _settings(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """The settings of each of several methods, checked."""
     for name, own in settings.items():
-        if name not in methods or not isinstance(own, Mapping):
+        if not isinstance(own, Mapping):
             raise ValueError(
                 f'settings of several methods must be given by the method, such as bem={{"points": 640}}, got '
                 f"{name}={shown(own)} for {', '.join(methods)}"
             )
+        if name not in methods:
+            raise ValueError(f"settings were given for method {name!r}, which is not run, only {', '.join(methods)}")
     return {name: checked_settings(find_method(name), own) for name, own in settings.items()}
 
 

@@ -2,7 +2,7 @@
 
 Roughness within a band of half-height G moves the mean gap at a given load by at most G. So the complete curve
 lies within G of the truncated one when both count from the mean plane, and as it is concave, so does its slope
-between two lines. The functions know arrays only: any consistent units will do.
+between two lines. But for the last two, the functions know arrays only: any consistent units will do.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.theory.profile import Profile
 
 
 def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:
@@ -160,3 +161,25 @@ def chord_bounds(
         shallowest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
         start = top / p
     return shallowest.max(axis=1, initial=0.0), np.minimum(steepest.min(axis=1, initial=np.inf), start)
+
+
+def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: float) -> dict[str, Array]:
+    """Bounds on both curves of the infinite series, by the names of their variables.
+
+    From the compliance of the terms of a profile, in g_0, which an error widens that it may have, in g_0.
+    `weier.methods.hybrid.truncation_bounds.bounds` says which part of them is proved and which is measured.
+    """
+    total, tail = profile.total_amplitude, profile.tail_amplitude
+    lower, upper = complete_bounds(compliance, tail, total + tail, error)
+    flattest, steepest = resistance_bounds(loads, compliance, tail + error, first_contact(profile))
+    return {
+        "compliance_lower": lower,
+        "compliance_upper": upper,
+        "resistance_lower": flattest,
+        "resistance_upper": steepest,
+    }
+
+
+def first_contact(profile: Profile) -> float:
+    """Compliance of a finite series at first contact, sum g_n - max z, in g_0."""
+    return profile.total_amplitude - profile.crest[1]

@@ -12,10 +12,9 @@ from scipy.optimize import nnls
 
 from weier.accuracy.metrics import by_load
 from weier.kernels.arrays import Array
-from weier.methods import bem, demelio, error_model, layer, patches
+from weier.methods import bem, curves, demelio, error_model, layer, patches
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
-from weier.pipeline import curves
 from weier.theory.profile import Profile
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from weier.data.files import write_text
-from weier.pipeline import curves
+from weier.methods import curves
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
 from weier.pipeline.claims.claim import Claim, Judgement
@@ -25,11 +25,10 @@ __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
     """The claims of a scene that are not in CLAIMS."""
-    return (Mistake(("claims", name), _unknown(name)) for name in scene.claims if name not in CLAIMS)
-
-
-def _unknown(name: str) -> str:
-    return f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
+    for name in scene.claims:
+        if name not in CLAIMS:
+            what = f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
+            yield Mistake(("claims", name), what)
 
 
 def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
@@ -41,11 +40,6 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
         Of the scene, which names the claims and the studies each looks at.
     path, table : path
         The netCDF file and the Markdown file to write.
-
-    Raises
-    ------
-    ValueError
-        If the scene names a claim that is not in CLAIMS.
 
     """
     from weier.pipeline.gather import gather, read_study  # xarray, which the names of claims do without
@@ -60,7 +54,5 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
 
 def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Judgement:
     """What comes of a claim on these studies; each case counts once, in however many studies it stands."""
-    if name not in CLAIMS:
-        raise ValueError(_unknown(name))
     distinct = {str(case["key"].values): case for case in curves.cases(studies)}
     return judge(CLAIMS[name], list(distinct.values()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -14,13 +13,6 @@ if TYPE_CHECKING:
 
 Cases: TypeAlias = "Sequence[xr.Dataset]"
 OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and this times it, nothing is decided
-
-
-class Kind(enum.Enum):
-    """What a statement is about."""
-
-    every = "every member: one that contradicts is enough for a no"
-    most = "most members: a tendency"
 
 
 class Limits(NamedTuple):
@@ -70,7 +62,7 @@ class Condition(NamedTuple):
     quantity, unit : what is measured for it; "%" for parts of a whole, empty for a number
     measure : from the cases of one member to the value
     limits : of the value
-    kind : whether it is about every member or about most
+    most : whether it is about most members, a tendency, or about every one, so that one is enough for a no
     ensembles : which of the ensembles it is about
     """
 
@@ -79,7 +71,7 @@ class Condition(NamedTuple):
     unit: str
     measure: Callable[..., float]
     limits: Limits
-    kind: Kind = Kind.every
+    most: bool = False
     ensembles: slice = slice(None)
 
 
@@ -127,12 +119,10 @@ class Finding(NamedTuple):
     @property
     def votes(self) -> str:
         """How many members say what."""
-        total = len(self.checks)
-        counts = [(self.checks.count(check), words) for check, words in VOTES.items() if check in self.checks]
+        total, undecided = len(self.checks), VOTES[Check.not_decided]
         if total == 1:
-            return "too close to call" if Check.not_decided in self.checks else ""
-        if len(counts) == 1:
-            return f"all {total} {'are ' * (Check.not_decided in self.checks)}{counts[0][1]}"
+            return undecided * (Check.not_decided in self.checks)
+        counts = [(self.checks.count(check), words) for check, words in VOTES.items() if check in self.checks]
         (first, words), *others = counts
         return ", ".join([f"{first} of {total} {words}", *(f"{count} {words}" for count, words in others)])
 

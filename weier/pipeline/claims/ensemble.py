@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weier.data.check import Check
-from weier.pipeline import curves
-from weier.pipeline.claims.claim import Cases, Claim, Condition, Ensemble, Finding, Judgement, Kind, written
+from weier.methods import curves
+from weier.pipeline.claims.claim import Cases, Claim, Condition, Ensemble, Finding, Judgement, written
 from weier.pipeline.claims.measures import MissingError, describe, need
 
 if TYPE_CHECKING:
@@ -87,25 +87,16 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     A value is uncertain by as much as it changes where every second load is left out: what depends on the choice of
     the loads decides nothing.
     """
-    limits, kind = condition.limits, condition.kind
+    limits, most = condition.limits, condition.most
     values = [float(condition.measure(*member)) for member in ensemble.members]
     fewer = [condition.measure(*map(_every_second_load, member)) for member in ensemble.members]
     checks = [limits.check(value, abs(value - other)) for value, other in zip(values, fewer, strict=True)]
     worst = max(values, key=lambda value: limits.sign * value)
-    return Finding(
-        condition.text,
-        condition.quantity,
-        condition.unit,
-        ensemble.name,
-        f"{limits.word} {written(limits.nominal, condition.unit)}",
-        limits.met,
-        limits.missed,
-        limits.sign,
-        float(worst if kind is Kind.every else np.median(values)),
-        values,
-        checks,
-        _outcome(checks, kind, ensemble.complete),
-    )
+    limit = f"{limits.word} {written(limits.nominal, condition.unit)}"
+    value = float(np.median(values) if most else worst)
+    outcome = _outcome(checks, most, ensemble.complete)
+    words = condition.text, condition.quantity, condition.unit, ensemble.name, limit
+    return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome)
 
 
 def _every_second_load(case: xr.Dataset) -> xr.Dataset:
@@ -113,11 +104,10 @@ def _every_second_load(case: xr.Dataset) -> xr.Dataset:
     return case.isel(mean_pressure=slice((case.sizes["mean_pressure"] - 1) % THIN, None, THIN))
 
 
-def _outcome(checks: Sequence[Check], kind: Kind, complete: bool) -> Check:
-    least = 1.0 if kind is Kind.every else MIN_SHARE
-    against = 0.0 if kind is Kind.every else MIN_SHARE
-    share = {check: checks.count(check) / len(checks) for check in (Check.yes, Check.no)}
+def _outcome(checks: Sequence[Check], most: bool, complete: bool) -> Check:
+    least = MIN_SHARE if most else 1.0
+    yes, no = (checks.count(check) / len(checks) for check in (Check.yes, Check.no))
     enough = complete or len(checks) >= MIN_MEMBERS
-    if share[Check.no] > 0 and share[Check.no] >= against and (enough or kind is Kind.every):
+    if (no >= MIN_SHARE and enough) if most else no > 0:
         return Check.no
-    return Check.yes if share[Check.yes] >= least and enough else Check.not_decided
+    return Check.yes if yes >= least and enough else Check.not_decided

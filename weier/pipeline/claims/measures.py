@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags
+from weier.methods import curves
 from weier.methods.registry import find_method
-from weier.pipeline import curves
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import tail_amplitude
 
@@ -39,20 +39,18 @@ def need(available: object, what: str) -> None:
         raise MissingError(f"there are no {what}")
 
 
-def curve(case: xr.Dataset, method: str, quantity: str = "compliance") -> Array:
+def curve(case: xr.Dataset, method: str | None, quantity: str = "compliance") -> Array:
     """The values of a quantity over the loads by one method; raises MissingError if the method has none."""
     values = curves.curve(case, quantity, method)
     if values is None:
-        raise MissingError(f"{describe(case)} has no {quantity} by {find_method(method).label}")
+        what = f"{quantity} by {find_method(method).label}" if method else "numerical solution"
+        raise MissingError(f"{describe(case)} has no {what}")
     return values
 
 
 def numerical(case: xr.Dataset, quantity: str = "compliance") -> Array:
     """The values by the most accurate method that solved the case; raises MissingError if none did."""
-    values = curves.numerical(case, quantity)
-    if values is None:
-        raise MissingError(f"{describe(case)} has no numerical solution")
-    return values
+    return curve(case, curves.numerical_method(case), quantity)
 
 
 def describe(case: xr.Dataset) -> str:

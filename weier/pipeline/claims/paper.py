@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
+from weier.methods import curves
 from weier.methods.registry import find_method
-from weier.pipeline import curves
 from weier.pipeline.claims import measures
-from weier.pipeline.claims.claim import OPEN_FACTOR, Cases, Claim, Condition, Ensemble, Kind
+from weier.pipeline.claims.claim import OPEN_FACTOR, Cases, Claim, Condition, Ensemble
 
 from weier.pipeline.claims.claim import at_least, at_most, negative, positive  # isort: skip
 from weier.pipeline.claims.ensemble import MIN_MEMBERS, MIN_SHARE, by_phases, series
@@ -64,7 +64,7 @@ def _growth(method: str) -> Condition:
     label = find_method(method).label
     return Condition(
         f"the largest error of {label} grows with D", f"growth of the largest error of {label}, of full contact", "%",
-        partial(measures.growth_of_error, method), positive(NUMERICAL_ERROR), Kind.most,
+        partial(measures.growth_of_error, method), positive(NUMERICAL_ERROR), most=True,
     )  # fmt: skip
 
 
@@ -129,12 +129,12 @@ CLAIMS = {
         Condition(
             "the layer underestimates the compliance at high loads",
             "mean excess of the layer's compliance at high loads", "g_0",
-            lambda case: measures.mean_excess_at_high_loads(case, "layer"), negative(NUMERICAL_ERROR), Kind.most,
+            lambda case: measures.mean_excess_at_high_loads(case, "layer"), negative(NUMERICAL_ERROR), most=True,
         ),
         Condition(
             "the layer gives good results at low loads",
             "largest error of the layer's compliance at low loads, of full contact", "%",
-            lambda case: measures.error_at_low_loads(case, "layer"), at_most(CLOSE), Kind.most,
+            lambda case: measures.error_at_low_loads(case, "layer"), at_most(CLOSE), most=True,
         ),
     ),
     "errors_grow_with_dimension": Claim(
@@ -156,18 +156,18 @@ CLAIMS = {
         Condition(
             "the layer's largest error is an overestimate",
             "largest overestimate of the layer's resistance less its largest underestimate", "%",
-            lambda case: sum(measures.resistance_range(case, "layer")), positive(RESISTANCE_ERROR), Kind.most,
+            lambda case: sum(measures.resistance_range(case, "layer")), positive(RESISTANCE_ERROR), most=True,
         ),
         Condition(
             "the layer is the best estimate of the resistance",
             "root mean square error of the layer's resistance less that of the better of the others", "%",
-            measures.layer_behind_others, negative(RESISTANCE_ERROR), Kind.most,
+            measures.layer_behind_others, negative(RESISTANCE_ERROR), most=True,
         ),
         Condition(
             "Archard underestimates the resistance at high loads",
             "mean relative error of Archard's resistance at high loads", "%",
             lambda case: measures.mean_resistance_error_at_high_loads(case, "archard"),
-            negative(RESISTANCE_ERROR), Kind.most,
+            negative(RESISTANCE_ERROR), most=True,
         ),
         Condition(
             "Demelio overestimates the resistance at all loads", "least relative error of Demelio's resistance", "%",

@@ -13,7 +13,7 @@ from weier.methods import registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.fields import events, fields
 from weier.methods.registry import find_method
-from weier.pipeline.solve import solve
+from weier.methods.solve import solve_curve
 from weier.theory.profile import Profile
 
 LOADS = np.geomspace(1e-3, 10, 12)  # few contacts and few gaps: the patches have a problem of their own for each
@@ -29,7 +29,7 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
         for settings in (*method.algorithms, *method.options):
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
-                    solve(profile, loads, method.name, **settings)
+                    solve_curve(profile, loads, method, settings)
         method.run_rare_kernels()
     if not methods:
         fields(TWO_WAVES, 0.1)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.marks import compiled
 from weier.kernels.digests import PACKAGE
-from weier.pipeline.compile import compile_kernels
+from weier.methods.compile import compile_kernels
 
 # Notes what Python calls, in a process that has solved nothing before, and so remembers no result.
 PROGRAM = """
@@ -21,7 +21,7 @@ def noted(kernel, *arguments):
     return run(kernel, *arguments)
 
 Kernel.__call__ = noted
-from weier.pipeline.compile import compile_kernels
+from weier.methods.compile import compile_kernels
 
 compile_kernels()
 print(*called, sep="\\n")
@@ -97,5 +97,5 @@ def test_every_kernel_is_compiled():
 
 def test_nothing_is_run_where_nothing_is_compiled(monkeypatch):
     monkeypatch.setattr("weier.kernels.jit.disabled", lambda: True)
-    monkeypatch.setattr("weier.pipeline.compile.solve", lambda *_: pytest.fail("solved"))
+    monkeypatch.setattr("weier.methods.compile.solve_curve", lambda *_: pytest.fail("solved"))
     compile_kernels()

@@ -1,0 +1,83 @@
+"""What `weier solve` and `weier plot` leave of one profile: JSON, comma-separated values or netCDF."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from weier.data import dataset
+from weier.data.dataset import Status
+from weier.data.files import write_text
+from weier.data.variables import VARIABLES
+from weier.kernels.arrays import Array
+from weier.methods.registry import find_method
+
+PROFILE = tuple(
+    name
+    for name, entry in VARIABLES.items()
+    if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.optional
+)
+WHY = {Status.not_applicable: "does not apply", Status.not_converged: "missed its tolerance"}
+
+
+def write(data: xr.Dataset, path: Path) -> None:
+    """Write the curves as netCDF or, where the name ends in .json or .csv, as such a text."""
+    if path.suffix in TEXTS:
+        write_text(path, TEXTS[path.suffix](data) + "\n")
+    else:
+        dataset.write(data, path, data.attrs["title"], "solved", data.attrs["scene"])
+
+
+def as_csv(data: xr.Dataset) -> str:
+    """The curves as comma-separated values, one row for each method and load; what is missing is empty."""
+    return str(data.weier.table().to_csv(index=False)).rstrip("\n")
+
+
+def as_json(data: xr.Dataset) -> str:
+    """The curves of one case as JSON, by method; null stands for a missing number or minus infinity."""
+    case = data.isel(case=0)
+    parameters = {name: _plain(case[name].values) for name in PROFILE}
+    parameters |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}
+    curves = {method: _curves(case, method) for method in case["solution_method"].values.tolist()}
+    loads = case["mean_pressure"].values.tolist()
+    measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
+    units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
+    header = {"title": data.attrs["title"], "normalisation": dataset.NORMALISED, "units": units, **parameters}
+    return json.dumps(header | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
+
+
+def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
+    """The variables of one method that have values, without those of the profile and those of other methods."""
+    run, returned = case.sel(solution_method=method), {*find_method(method).returns, "seconds"}
+    own = {
+        str(name): _plain(values.values)
+        for name, values in run.items()
+        if (name in returned or not VARIABLES[str(name)].optional) and values.notnull().any()
+        if (name not in PROFILE if values.dtype.kind == "f" else values.dims == ("mean_pressure",))
+    }
+    return own | {"settings": json.loads(str(run["settings"].values))}
+
+
+def _plain(values: Array) -> Any:
+    """Numbers and texts as JSON can hold them: it has no nan and no inf."""
+    if values.dtype.kind == "U":
+        return values.tolist()
+    plain = values.astype(object)
+    plain[~np.isfinite(values)] = None
+    plain[np.isposinf(values)] = "inf"
+    return plain.tolist()
+
+
+def check_solved(data: xr.Dataset) -> None:
+    """Refuse curves that lack one which was asked for."""
+    numbers = zip(data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True)
+    missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
+    if missing:
+        raise ValueError(f"{', '.join(missing)}, as said above; the curves of the others are there")
+
+
+TEXTS = {".json": as_json, ".csv": as_csv}  # by the end of a file's name
