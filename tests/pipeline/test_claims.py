@@ -136,7 +136,8 @@ def test_one_number_decides() -> None:
         }.items()
     ]  # fmt: skip
     assert said == [
-        "Least excess of Archard's compliance in partial contact: 0.1 g_0; limit: at least -0.001 g_0; 6 of 6 say yes",
+        "Least excess of Archard's compliance in partial contact: 0.1 g_0; limit: at least -0.001 g_0; 6 of 6 say "
+        "yes",
         "Largest excess of Demelio's compliance at low loads: 0.1 g_0; limit: below 0; 4 of 6 say no, 2 too close to "
         "call",
         "Mean excess of the layer's compliance at high loads: -0.0001 g_0; limit: below 0; 6 of 6 too close to call",
@@ -349,6 +350,13 @@ def test_without_the_curves_a_claim_is_not_measured(name: str) -> None:
 
 def test_a_case_of_two_studies_counts_once() -> None:
     assert len(claims.evaluate("archard_above", [ensemble(0.1), ensemble(0.1)]).decisive.values) == 6
+
+
+def test_a_scene_names_claims_that_there_are() -> None:
+    (mistake,) = claims.check_names(scene_of({"archard_above": ("a",), "archard_abov": ("a",)}))
+    assert mistake.keys == ("claims", "archard_abov")
+    assert mistake.text.endswith("did you mean 'archard_above'?")
+    assert not list(claims.check_names(scene_of(dict.fromkeys(claims.CLAIMS, ("a",)))))
 
 
 def test_a_new_claim_is_one_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -154,8 +154,8 @@ class Batch(NamedTuple):
     @property
     def scene(self) -> Scene:
         """A scene of its loads, for which it is solved."""
-        loads, edges = np.array(self.common["loads"]), self.common["contact_edges"]
-        return Scene("batch", self.title, loads, {}, contact_edges=edges)
+        loads = np.array(self.common["loads"])
+        return Scene("batch", self.title, loads, {}, contact_edges=self.common["contact_edges"])
 
     @property
     def title(self) -> str:

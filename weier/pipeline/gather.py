@@ -68,10 +68,9 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
 
 def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
     """Those of all files of these cases, each once."""
-    files = {place.batch.with_suffix(".nc") for case in cases for place in solutions.places(case).values()}
     found = dict[str, None]()
-    for path in sorted(files):
-        with dataset.reading(path) as data:
+    for batch in sorted({place.batch for case in cases for place in solutions.places(case).values()}):
+        with dataset.reading(batch.with_suffix(".nc")) as data:
             found[data.attrs.get("history", "")] = None
     return list(found)
 

@@ -127,11 +127,10 @@ def plan(
 
 
 def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:
-    every = "tolerance" in wanted
     series = {key: case for key, case in scene.cases.items() if isinstance(case.profile, Profile)}
     if not series:
         raise ValueError(f"scene {scene.name} has traces alone: plan for the series that weier.fit finds for them")
-    cases = {key: case for key, case in series.items() if every or PLANNED in case.methods}
+    cases = {key: case for key, case in series.items() if "tolerance" in wanted or PLANNED in case.methods}
     if not cases:
         raise ValueError(f"scene {scene.name} has no tolerance to plan for: add one, such as tolerance: 1.0e-3")
     return ScenePlan({key: plan_case(case, loads, **wanted) for key, case in cases.items()})

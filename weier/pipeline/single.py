@@ -55,8 +55,7 @@ def solve_one(
     with waiting(f"solving by {', '.join(methods)}") as show:
         data = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
     if not (data["status"] == Status.solved).any():
-        unconverged = (data["status"] == Status.not_converged).any()
-        raise (ConvergenceError if unconverged else ValueError)("; ".join(failures))
+        raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
     return data.assign_attrs(title=title, scene=scene.text)
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from weier.data.files import write_text
 from weier.methods import curves
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
-from weier.pipeline.claims.claim import Claim, Judgement
+from weier.pipeline.claims.claim import Cases, Claim, Judgement
 from weier.pipeline.claims.ensemble import judge
 from weier.pipeline.claims.paper import CLAIMS
 from weier.scene import Mistake, Scene
 from weier.theory.arguments import suggestion
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
@@ -52,7 +48,7 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     write_text(table, report.to_markdown(solutions.scene.title, judged))
 
 
-def evaluate(name: str, studies: Sequence[xr.Dataset]) -> Judgement:
+def evaluate(name: str, studies: Cases) -> Judgement:
     """What comes of a claim on these studies; each case counts once, in however many studies it stands."""
     distinct = {str(case["key"].values): case for case in curves.cases(studies)}
     return judge(CLAIMS[name], list(distinct.values()))

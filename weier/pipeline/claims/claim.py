@@ -11,7 +11,8 @@ from weier.theory.tables import significant
 if TYPE_CHECKING:
     import xarray as xr
 
-Cases: TypeAlias = "Sequence[xr.Dataset]"
+Case: TypeAlias = "xr.Dataset"
+Cases: TypeAlias = Sequence[Case]
 OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and this times it, nothing is decided
 
 

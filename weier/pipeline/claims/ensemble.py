@@ -9,17 +9,13 @@ them. Where neither is the case, the statement is not decided.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weier.data.check import Check
 from weier.methods import curves
-from weier.pipeline.claims.claim import Cases, Claim, Condition, Ensemble, Finding, Judgement, written
+from weier.pipeline.claims.claim import Case, Cases, Claim, Condition, Ensemble, Finding, Judgement, written
 from weier.pipeline.claims.measures import MissingError, describe, need
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MIN_MEMBERS = 6  # of an ensemble: fewer profiles say nothing of the others
 MIN_SHARE = 5 / 6  # of an ensemble, to say what usually happens
@@ -52,13 +48,13 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
     return found
 
 
-def _row(cases: Cases, last: xr.Dataset, varied: str) -> Cases:
+def _row(cases: Cases, last: Case, varied: str) -> Cases:
     """One case of each value of a parameter, in its order, with the phases of the last."""
     same = {float(case[varied]): case for case in cases if _same_phases(case, last)}
     return [same[value] for value in sorted(same)]
 
 
-def _same_phases(one: xr.Dataset, other: xr.Dataset) -> bool:
+def _same_phases(one: Case, other: Case) -> bool:
     differences = one["phases"].values - other["phases"].values
     return bool((np.abs(differences[np.isfinite(differences)]) < 1e-12).all())
 
@@ -67,11 +63,7 @@ def judge(claim: Claim, cases: Cases) -> Judgement:
     """A claim by its conditions, each of which has to hold on each of the ensembles that it is about."""
     try:
         ensembles = claim.ensembles(cases)
-        findings = tuple(
-            _examine(condition, ensemble)
-            for condition in claim.conditions
-            for ensemble in ensembles[condition.ensembles]
-        )
+        findings = tuple(_examine(each, on) for each in claim.conditions for on in ensembles[each.ensembles])
     except MissingError as error:
         return Judgement(claim.statement, Check.not_measured, missing=str(error))
     outcomes = {finding.outcome for finding in findings}
@@ -91,15 +83,14 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     values = [float(condition.measure(*member)) for member in ensemble.members]
     fewer = [condition.measure(*map(_every_second_load, member)) for member in ensemble.members]
     checks = [limits.check(value, abs(value - other)) for value, other in zip(values, fewer, strict=True)]
-    worst = max(values, key=lambda value: limits.sign * value)
+    value = float(np.median(values)) if most else max(values, key=lambda value: limits.sign * value)
     limit = f"{limits.word} {written(limits.nominal, condition.unit)}"
-    value = float(np.median(values) if most else worst)
     outcome = _outcome(checks, most, ensemble.complete)
     words = condition.text, condition.quantity, condition.unit, ensemble.name, limit
     return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome)
 
 
-def _every_second_load(case: xr.Dataset) -> xr.Dataset:
+def _every_second_load(case: Case) -> Case:
     """The case at every second load, and at the last."""
     return case.isel(mean_pressure=slice((case.sizes["mean_pressure"] - 1) % THIN, None, THIN))
 

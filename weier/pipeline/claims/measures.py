@@ -7,18 +7,14 @@ loads end at interpolated compliances, so that no number depends on how the load
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.methods import curves
 from weier.methods.registry import find_method
+from weier.pipeline.claims.claim import Case
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import tail_amplitude
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 ESTIMATES = ("archard", "demelio", "layer")  # the three approximations of Section 4
 LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, high loads above
@@ -39,7 +35,7 @@ def need(available: object, what: str) -> None:
         raise MissingError(f"there are no {what}")
 
 
-def curve(case: xr.Dataset, method: str | None, quantity: str = "compliance") -> Array:
+def curve(case: Case, method: str | None, quantity: str = "compliance") -> Array:
     """The values of a quantity over the loads by one method; raises MissingError if the method has none."""
     values = curves.curve(case, quantity, method)
     if values is None:
@@ -48,17 +44,17 @@ def curve(case: xr.Dataset, method: str | None, quantity: str = "compliance") ->
     return values
 
 
-def numerical(case: xr.Dataset, quantity: str = "compliance") -> Array:
+def numerical(case: Case, quantity: str = "compliance") -> Array:
     """The values by the most accurate method that solved the case; raises MissingError if none did."""
     return curve(case, curves.numerical_method(case), quantity)
 
 
-def describe(case: xr.Dataset) -> str:
+def describe(case: Case) -> str:
     """The profile of a case in words."""
     return curves.profile(case).describe()
 
 
-def _total(case: xr.Dataset) -> float:
+def _total(case: Case) -> float:
     """The compliance at full contact, sum g_n, in g_0."""
     return float(case["total_amplitude"])
 
@@ -67,14 +63,14 @@ def _largest(values: Array) -> float:
     return float(np.abs(values).max())
 
 
-def _partial_contact(case: xr.Dataset) -> Flags:
+def _partial_contact(case: Case) -> Flags:
     """At which loads the contact is partial; raises MissingError if at none."""
     partial: Flags = numerical(case, "contact_fraction") < 1 - ROUNDING
     need(partial.any(), "loads of partial contact")
     return partial
 
 
-def _between(case: xr.Dataset, values: Array, low: float, high: float) -> tuple[Array, Array]:
+def _between(case: Case, values: Array, low: float, high: float) -> tuple[Array, Array]:
     """Loads, and values there, where the numerical compliance lies in a range, in parts of that at full contact.
 
     The ends of the range are interpolated, so that they do not depend on the spacing of the loads. A range up to
@@ -96,7 +92,7 @@ def _mean(loads: Array, values: Array) -> float:
     return float(np.trapezoid(values, loads) / (loads[-1] - loads[0]))
 
 
-def errors_of_elements(case: xr.Dataset) -> tuple[float, float]:
+def errors_of_elements(case: Case) -> tuple[float, float]:
     """The largest relative errors of elements on one wave, with one of them in contact and with more."""
     h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
     points = float(case["points"].values[case["solution_method"].values.tolist().index("bem")])
@@ -105,12 +101,12 @@ def errors_of_elements(case: xr.Dataset) -> tuple[float, float]:
     return _largest((h / exact - 1)[single]), _largest((h / exact - 1)[~single])
 
 
-def _relative_curves(phases: tuple[xr.Dataset, ...]) -> Array:
+def _relative_curves(phases: tuple[Case, ...]) -> Array:
     """The curves of some phases, shape (phases, loads), relative to the compliance at full contact."""
     return np.array([numerical(case) / _total(case) for case in phases])
 
 
-def distances_from_average(*phases: xr.Dataset) -> tuple[float, float]:
+def distances_from_average(*phases: Case) -> tuple[float, float]:
     """The largest distance of a curve from the average of all, among phases close to zero and pi and among others."""
     h, angle = _relative_curves(phases), np.array([curves.phase_angle(case) for case in phases])
     close = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
@@ -119,43 +115,43 @@ def distances_from_average(*phases: xr.Dataset) -> tuple[float, float]:
     return _largest(distance[close]), _largest(distance[~close])
 
 
-def spread_of_phases(*phases: xr.Dataset) -> float:
+def spread_of_phases(*phases: Case) -> float:
     """The largest distance between the curves of two phases."""
     return float(np.ptp(_relative_curves(phases), axis=0).max())
 
 
-def excess(case: xr.Dataset, method: str) -> Array:
+def excess(case: Case, method: str) -> Array:
     """The compliance by an estimate less the numerical one, in g_0, shape (loads,)."""
     return curve(case, method) - numerical(case)
 
 
-def least_excess(case: xr.Dataset, method: str) -> float:
+def least_excess(case: Case, method: str) -> float:
     """The least of it in partial contact."""
     return float(excess(case, method)[_partial_contact(case)].min())
 
 
-def excess_at_low_loads(case: xr.Dataset, method: str) -> Array:
+def excess_at_low_loads(case: Case, method: str) -> Array:
     """All of it at low loads."""
     return _between(case, excess(case, method), 0, LOW_COMPLIANCE)[1]
 
 
-def mean_excess_at_high_loads(case: xr.Dataset, method: str) -> float:
+def mean_excess_at_high_loads(case: Case, method: str) -> float:
     """The mean of it at high loads."""
     return _mean(*_between(case, excess(case, method), LOW_COMPLIANCE, 1))
 
 
-def error_at_low_loads(case: xr.Dataset, method: str) -> float:
+def error_at_low_loads(case: Case, method: str) -> float:
     """The largest size of it at low loads, of full contact."""
     return _largest(excess_at_low_loads(case, method)) / _total(case)
 
 
-def growth_of_error(method: str, *cases: xr.Dataset) -> float:
+def growth_of_error(method: str, *cases: Case) -> float:
     """How the largest error of an estimate, of full contact, grows from the first case to the last."""
     first, last = (_largest(excess(case, method)) / _total(case) for case in (cases[0], cases[-1]))
     return last - first
 
 
-def resistance_errors(case: xr.Dataset, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
+def resistance_errors(case: Case, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
     """Loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
     exact = numerical(case, "resistance")
     with np.errstate(divide="ignore", invalid="ignore"):  # in full contact, which is no intermediate compliance
@@ -163,55 +159,55 @@ def resistance_errors(case: xr.Dataset, method: str, lowest: float = INTERMEDIAT
     return _between(case, error, lowest, INTERMEDIATE[1])
 
 
-def resistance_range(case: xr.Dataset, method: str) -> tuple[float, float]:
+def resistance_range(case: Case, method: str) -> tuple[float, float]:
     """The least and the largest of these errors."""
     error = resistance_errors(case, method)[1]
     return float(error.min()), float(error.max())
 
 
-def mean_resistance_error_at_high_loads(case: xr.Dataset, method: str) -> float:
+def mean_resistance_error_at_high_loads(case: Case, method: str) -> float:
     """The mean of these errors at high loads."""
     return _mean(*resistance_errors(case, method, LOW_COMPLIANCE))
 
 
-def layer_behind_others(case: xr.Dataset) -> float:
+def layer_behind_others(case: Case) -> float:
     """The root mean square of these errors of the layer less that of the better of the other estimates."""
     squares = {method: resistance_errors(case, method) for method in ESTIMATES}
     size = {method: np.sqrt(_mean(loads, error**2)) for method, (loads, error) in squares.items()}
     return float(size["layer"] - min(size["archard"], size["demelio"]))
 
 
-def discretisation_ratio(case: xr.Dataset) -> float:
+def discretisation_ratio(case: Case) -> float:
     """The largest relative error of boundary elements in resistance over that in compliance, of full contact."""
     partial = _partial_contact(case)
     resistance, exact = (curve(case, method, "resistance")[partial] for method in ("bem", "patches"))
     return _largest(resistance / exact - 1) / (_largest(curve(case, "bem") - curve(case, "patches")) / _total(case))
 
 
-def _change(shorter: xr.Dataset, longer: xr.Dataset) -> float:
+def _change(shorter: Case, longer: Case) -> float:
     """The largest change of the mean gap between two series, in g_0."""
     gaps = [_total(case) - numerical(case) for case in (shorter, longer)]
     return _largest(gaps[1] - gaps[0])
 
 
-def last_change(*lengths: xr.Dataset) -> float:
+def last_change(*lengths: Case) -> float:
     """The largest change of the mean gap with the last term, of full contact."""
     return _change(*lengths[-2:]) / _total(lengths[-1])
 
 
-def last_change_over_others(*lengths: xr.Dataset) -> float:
+def last_change_over_others(*lengths: Case) -> float:
     """The largest change with the last term over the least with the terms before."""
     return _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf)
 
 
-def _wave_and_tail(case: xr.Dataset, wave: xr.Dataset) -> tuple[Array, float]:
+def _wave_and_tail(case: Case, wave: Case) -> tuple[Array, float]:
     """The compliance of one wave, by the closed form if there is one, and the amplitude G_1 of all finer ones."""
     exact = curves.curve(wave, "compliance", "westergaard")
     tail = float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
     return numerical(wave) if exact is None else exact, tail
 
 
-def distance_from_one_wave(case: xr.Dataset, wave: xr.Dataset) -> float:
+def distance_from_one_wave(case: Case, wave: Case) -> float:
     """The largest distance of an estimate of the compliance from the one-wave solution, of G_1.
 
     Counted from the mean plane, the infinite series lies within G_1 of that solution, and a series of m terms, such
@@ -223,8 +219,8 @@ def distance_from_one_wave(case: xr.Dataset, wave: xr.Dataset) -> float:
     return max(_largest(2 * each - lower - upper) for each in estimates) / (2 * tail)
 
 
-def resistance_beyond_bounds(case: xr.Dataset, wave: xr.Dataset) -> float:
+def resistance_beyond_bounds(case: Case, wave: Case) -> float:
     """The largest distance of an estimate of the resistance beyond its bounds from the one-wave solution."""
     low, high = resistance_bounds(case["mean_pressure"].values, *_wave_and_tail(case, wave), 0.0)
-    estimates = [curve(case, method, "resistance") for method in ESTIMATES]
-    return float(max(max((low - each).max(), (each - high).max()) for each in estimates))
+    estimates = np.array([curve(case, method, "resistance") for method in ESTIMATES])
+    return float(np.maximum(low - estimates, estimates - high).max())
