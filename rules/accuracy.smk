@@ -73,7 +73,6 @@ rule measure_extremes:
     output:
         data="results/extremes/extremes.nc",
         summary="results/extremes/extremes.md",
-        rows="results/extremes/rows.md",
     log:
         "results/logs/extremes/measure.log",
     conda:

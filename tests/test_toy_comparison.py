@@ -57,8 +57,8 @@ def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
         "two waves, toy: not within band",
         "two waves, toy 0.1: not within band",
     ]
-    extremes.write_rows(data, "Toy", tmp_path / "toy.md")
-    assert "| two waves | toy | 3: " in (tmp_path / "toy.md").read_text()
+    extremes.write_summary(data, "Toy", tmp_path / "toy.md")
+    assert "\n- two waves, toy: not within band\n" in (tmp_path / "toy.md").read_text()
     figures.draw("extremes", [data], "", tmp_path / "toy.png")
 
 

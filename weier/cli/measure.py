@@ -56,11 +56,10 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 @click.command()
 @output("path")
 @output("summary")
-@output("rows")
-def extremes(path: Path, summary: Path, rows: Path) -> None:
+def extremes(path: Path, summary: Path) -> None:
     """Examine every method where digits are lost.
 
-    The data go to PATH, and pages to SUMMARY and ROWS.
+    The data go to PATH, and a page of the worst to SUMMARY.
     """
     from weier.accuracy import extremes as report  # as in tradeoff
     from weier.data import dataset
@@ -70,7 +69,6 @@ def extremes(path: Path, summary: Path, rows: Path) -> None:
         data = report.measure()
         dataset.write(data, path, title, "examined")
         report.write_summary(data, title, summary)
-        report.write_rows(data, title, rows)
 
 
 @click.command()

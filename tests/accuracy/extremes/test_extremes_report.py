@@ -10,7 +10,6 @@ from tests.conventions import check, complaints
 from weier import figures
 from weier.accuracy import extremes, runner
 from weier.accuracy.comparison import Comparison
-from weier.accuracy.extremes.report import _columns
 from weier.accuracy.runner import Outcome
 from weier.data import dataset
 from weier.data.check import Check
@@ -79,18 +78,11 @@ def test_the_data_are_by_the_conventions(measured, tmp_path):
                 assert not (variable[...] > getattr(variable, "valid_max", np.inf)).any(), variable.name
 
 
-def test_table_figure_and_data(measured, tmp_path):
+def test_figure_and_data(measured, tmp_path):
     dataset.write(measured, tmp_path / "extremes.nc", "Small", "examined")
     again = dataset.read(tmp_path / "extremes.nc")
-    extremes.write_rows(again, "Small", tmp_path / "rows.md")
-    text = (tmp_path / "rows.md").read_text(encoding="utf-8")
-    assert text.count("clear error (1) |") == 2
-    assert "1. ValueError: the finest wave must fit at most 100000 times" in text
-    assert "one \\| wave" in text
-    widths = {line.count(" | ") for line in text.splitlines() if line.startswith(("| one", "| three", "| too"))}
-    assert widths == {len(_columns([])) - 1}
     figures.draw("extremes", [again], "", tmp_path / "extremes.png")
-    assert {path.suffix for path in tmp_path.iterdir()} == {".nc", ".md", ".png", ".pdf", ".svg"}
+    assert {path.suffix for path in tmp_path.iterdir()} == {".nc", ".png", ".pdf", ".svg"}
     with pytest.raises(ValueError, match="no digits"):
         figures.draw(
             "extremes", [again.assign(compliance_digits=again["compliance_digits"] * np.nan)], "", tmp_path / "no.png"

@@ -1,4 +1,4 @@
-"""The extremes as Markdown: a summary, and a page of all rows."""
+"""The extremes as a page of Markdown."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from weier.data.check import Check
 from weier.data.markdown import plain, table
 
 MADE = (
-    "Made by `snakemake --cores 2 extremes`, with a figure, all numbers as netCDF, and a page of all rows, "
-    "`results/extremes/rows.md`. `docs/stability.md` is a copy of this summary."
+    "Made by `snakemake --cores 2 extremes`, with a figure, and all numbers as netCDF. `docs/stability.md` is a copy "
+    "of this page."
 )
 PICTURE = "![Digits of one profile over all loads, and condition numbers](extremes.png)"
 NOTE = """\
@@ -54,7 +54,6 @@ does not apply or would take minutes."""
 MESSAGES = "## What errors say\n\nOne of each kind:"
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
 FAULTS = (Outcome.unclear_error, Outcome.not_finite)
-MARKS = {Check.no: "**no**", Check.yes: "yes", Check.not_measured: ""}
 
 
 def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
@@ -79,14 +78,6 @@ def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
         NOTE,
     ]
     write_page(path, title, blocks)
-
-
-def write_rows(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write a row for each extreme and variant, and all error messages."""
-    runs = _runs(data)
-    messages = _messages(runs)
-    numbered = "\n".join(f"{position}. {plain(message)}" for position, message in enumerate(messages, 1))
-    write_page(path, title, [rows_as_table(_columns(messages), runs), "## Error messages", numbered])
 
 
 def _messages(runs: Sequence[xr.Dataset]) -> list[str]:
@@ -144,42 +135,6 @@ def _runs(data: xr.Dataset) -> list[xr.Dataset]:
     """One dataset for each variant that was run on an extreme."""
     run = (data["outcome"].values != Outcome.not_run).any(axis=-1)
     return [data.isel(case=case, variant=variant) for case, variant in np.argwhere(run)]
-
-
-def _columns(messages: list[str]) -> list[Column[xr.Dataset]]:
-    return [
-        Column("extreme", lambda run: plain(run["extreme"].item())),
-        Column("method", lambda run: plain(run["variant"].item())),
-        Column("loads", _loads),
-        Column("outcome", lambda run: _outcome(run, messages)),
-        Column("rises", lambda run: MARKS[Check(run["monotone"].item())]),
-        Column("concave", lambda run: MARKS[Check(run["concave"].item())]),
-        Column("in bounds", lambda run: MARKS[Check(run["within_band"].item())]),
-        Column("as stated", lambda run: MARKS[Check(run["within_stated_error"].item())]),
-        Column("digits of h", lambda run: number(np.fmin.reduce(run["compliance_digits"].values), ".1f")),
-        Column("of R", lambda run: number(np.fmin.reduce(run["resistance_digits"].values), ".1f")),
-        Column("error of h", lambda run: number(np.fmax.reduce(run["compliance_error"].values))),
-        Column("reference", lambda run: run["reference"].item()),
-    ]
-
-
-def _loads(run: xr.Dataset) -> str:
-    loads = run["mean_pressure"].values[run["outcome"].values != Outcome.not_run]
-    return f"{loads.size}: {loads[0]:.0e}..{loads[-1]:.0e}" if loads.size > 1 else f"{loads[0]:.0e}"
-
-
-def _outcome(run: xr.Dataset, messages: list[str]) -> str:
-    outcome, message = run["outcome"].values, run["message"].item()
-    counts = {kind: int((outcome == kind).sum()) for kind in COUNTED}
-    several = sum(count > 0 for count in counts.values()) > 1
-    text = ", ".join(
-        f"{count} {COUNTED[kind]}" if several else COUNTED[kind] for kind, count in counts.items() if count
-    )
-    if run["without_warning"] == Check.no:
-        text += ", warned"
-    if message and not (several or set(outcome) - {Outcome.not_run, Outcome.finite}):
-        text += ", but one by one"
-    return f"{text} ({messages.index(message) + 1})" if message else text
 
 
 SUMMARY: list[Column[list[xr.Dataset]]] = [
