@@ -11,7 +11,7 @@ from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 import weier
 from weier.kernels.blas import one_thread
 from weier.methods.bem import direct
-from weier.methods.patches import collocation
+from weier.methods.patches import newton
 
 PATIENCE = 60  # seconds
 LOADS = np.array([0.05, 0.5])
@@ -39,7 +39,7 @@ def test_one_thread_inside_and_what_there_was_outside():
 
 @pytest.mark.parametrize(
     ("place", "name", "method", "settings"),
-    [(collocation, "assemble", "patches", {}), (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"})],
+    [(newton, "assemble", "patches", {}), (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"})],
 )
 def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):
     seen, real = [], getattr(place, name)

@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from weier.kernels.arrays import Array
+from weier.kernels.jit import kernel
 
 ZETA_TERMS = 16  # summed one by one; the rest is a series in 1/ZETA_TERMS^2
 # (2k)!-th parts of Bernoulli's numbers B_2k times 3 4 ... (2k + 1), for k = 1 to 5: the next leaves 2e-17.
@@ -64,3 +65,15 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
 def influence_coefficients(points: int, period: float = 1.0) -> Array:
     """Displacement at node j when the pressure is 1 at node 0, shape (points,), in g_0/p_0*."""
     return np.fft.irfft(eigenvalues(points, period), points)
+
+
+@kernel
+def displacement_at_distance(x: float, period: float) -> float:
+    """Displacement at the distance x from a unit force on a line, and its images: -2 ln|2 sin(pi x/L)|, of mean 0."""
+    return -2 * np.log(abs(2 * np.sin(np.pi / period * x)))
+
+
+@kernel
+def displacement_of_punch(half_width: float, period: float) -> float:
+    """Displacement under a flat punch of unit force, far narrower than the period: -2 ln(pi r/L)."""
+    return -2 * np.log(np.pi / period * half_width)

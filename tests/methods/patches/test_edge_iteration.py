@@ -6,10 +6,10 @@ import pytest
 from weier import Profile
 from weier.kernels.blas import one_thread
 from weier.methods.patches.edge_iteration import Problem, Stage, make_guess, next_guess, take_step
-from weier.methods.patches.punches import Bounds
+from weier.methods.patches.given_edges import Bounds
 from weier.methods.patches.surface import surface_of
 
-STAGE = Stage(150.0, 5.0, Bounds(1e-10, 1e-14, 1e-10))
+STAGE = Stage(True, 1e-8, 143.0, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
 
 
 @one_thread

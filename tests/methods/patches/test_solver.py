@@ -254,38 +254,6 @@ def test_more_waves_than_a_computer_holds():
         patches.curve(Profile(1.5, 10**6, 3), 0.1)
 
 
-@pytest.mark.parametrize(
-    ("profile", "load"),
-    [
-        (Profile(1.724892437284055, "3/2", 5, [0, 0, 9.370281009450643e-05, 0, np.pi]), 0.0057882),
-        (Profile(1.457857122522744, "5/2", 3, [0, 0, -8.79e-10]), 0.0094374859),
-    ],
-    ids=["apart", "close"],
-)
-def test_two_crests_side_by_side_are_not_taken_for_one(profile, load):
-    """Between them the gap is widest, and has no slope: a search from there finds neither.
-
-    The boundary elements have another set of equations, and state how far they may be off.
-    """
-    exact, grid = patches.curve(profile, [load]), bem.curve(profile, [load], points_per_wave=64)
-    assert exact.patch_count[0] == grid.patch_count[0] == 3
-    assert abs(exact.compliance[0] - grid.compliance[0]) < grid.compliance_error[0]
-    assert abs(exact.resistance[0] - grid.resistance[0]) < grid.resistance_error[0]
-
-
-@pytest.mark.parametrize(
-    ("profile", "load"),
-    [
-        (Profile(1.080102518396713, 4, 5, [-2.3109469589938273e-10, 0, 0, 0, np.pi]), 0.006514588790873907),
-        (Profile(1.1082688033410402, 10, 4, [0, np.pi, 0.0035676096921934625, np.pi]), 0.00053027583758587),
-    ],
-    ids=["five waves", "four waves"],
-)
-def test_a_thin_gap_under_a_light_load_is_solved_though_rounding_moves_its_edges(profile, load):
-    exact, grid = patches.curve(profile, [load]), bem.curve(profile, [load], points_per_wave=64)
-    assert abs(exact.compliance[0] - grid.compliance[0]) < grid.compliance_error[0]
-
-
 # A resolved curve, gaps (1.5), contacts beside a merger, a thousand waves, and twin crests.
 @pytest.mark.parametrize(
     ("profile", "loads"),
@@ -326,11 +294,14 @@ def test_a_contact_beside_two_probes_that_nearly_coincide_is_found():
     assert abs(loose.compliance - tight.compliance) <= loose.compliance_error
 
 
-# The minimum of the gap is narrow, and beside the crest: probes see nothing of it, and differences over their
-# distances little. The load, and the contacts that boundary elements find on 128 points a wave.
+# Two crests side by side, between which the gap is widest and has no slope; minima of the gap that are narrow, and
+# beside the crest, so that probes see nothing of them; a single node among the contacts of a coarse grid; and a thin
+# gap under a light load, whose edges rounding moves.
 @pytest.mark.parametrize(
     ("profile", "load", "contacts"),
     [
+        (Profile(1.724892437284055, "3/2", 5, [0, 0, 9.370281009450643e-05, 0, np.pi]), 0.0057882, 3),
+        (Profile(1.457857122522744, "5/2", 3, [0, 0, -8.79e-10]), 0.0094374859, 3),
         (Profile(1.1613856409079433, "5/2", 4, (0, np.pi, 3.1416018016584557, np.pi)), 0.002084083173835998, 3),
         (Profile(1.9114697804879395, "2", 7, (0, 0, *4 * [np.pi], 3.1415926535879355)), 0.10618670080719707, 4),
         (Profile(1.1369860985013425, "11/3", 2, (0, 1.0280190854269363e-05)), 0.004170824264919964, 2),
@@ -344,13 +315,18 @@ def test_a_contact_beside_two_probes_that_nearly_coincide_is_found():
             7.679964705543523,
             459,
         ),
+        (Profile(1.25, 5, 6), 0.5, 353),
+        (Profile(1.080102518396713, 4, 5, [-2.3109469589938273e-10, 0, 0, 0, np.pi]), 0.006514588790873907, None),
+        (Profile(1.1082688033410402, 10, 4, [0, np.pi, 0.0035676096921934625, np.pi]), 0.00053027583758587, None),
     ],
 )  # fmt: skip
-def test_a_small_contact_beside_its_crest_is_found(profile, load, contacts):
+def test_hard_places_against_boundary_elements(profile, load, contacts):
+    """They have another set of equations, and state how far they may be off."""
     exact, grid = patches.curve(profile, load), bem.curve(profile, load, points_per_wave=64)
-    assert exact.patch_count == contacts
     assert abs(exact.compliance - grid.compliance) <= grid.compliance_error
-    assert abs(exact.resistance - grid.resistance) <= grid.resistance_error
+    if contacts is not None:
+        assert exact.patch_count == contacts
+        assert abs(exact.resistance - grid.resistance) <= grid.resistance_error
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])

@@ -1,7 +1,19 @@
 """Contact patches: the exact solution, in which the edges of contact are unknowns.
 
 The method meshes either the contacts, on which the pressure is unknown, or the gaps between them, whichever takes
-fewer nodes. Modules, each of which uses only those before it:
+fewer nodes. Each load is solved by itself:
+
+1. Boundary elements on a coarse grid, or crests where contacts are tiny, tell the contacts that the load is likely to
+   have (`start`).
+2. Newton's method finds density and edges. For a few contacts it takes a dense matrix of all unknowns (`newton`). For
+   many, the pressure on contacts with given edges follows from conjugate gradients with fast sums (`given_edges`,
+   `pair_sums`), and its singularities at the edges tell how these must move (`edge_iteration`).
+3. Tension on a contact or overlap outside shows that the set of contacts is wrong (`inequalities`). Then contacts are
+   cut, added, removed and merged, and step 2 begins anew (`many_contacts`).
+4. What is left of all conditions, evaluated at other points from closed forms (`fields`), certifies the solution and
+   bounds the error of its compliance (`inequalities`).
+
+Modules, each of which uses only those before it:
 
 chebyshev
     densities with square-root edges on an interval, and their integrals in closed form
@@ -9,23 +21,20 @@ surface
     the profile as a cosine series, evaluated from its crests
 segments
     contacts or gaps with their Chebyshev nodes
-collocation, defect_correction
-    the equations on a given number of segments with Newton's method for them on few nodes, and without their matrix,
-    with the solution on many nodes, corrected by that on few
+pair_sums
+    sums over all pairs of nodes, in a time that grows as their number does
 fields
-    pressure and gap anywhere, from a solution of the equations
-initial_guess
-    the contacts that a load is likely to have, by crests or by boundary elements on a coarse grid
-pair_kernel, pair_sums, punch_forces, punches
-    any number of contacts or gaps with given edges, by fast sums and conjugate gradients
-edge_iteration
-    Newton's method on their edges
+    pressure and gap anywhere, from a density
+start
+    the contacts to start from
+given_edges, edge_iteration
+    any number of contacts or gaps: their pressure, and Newton's method on their edges
 inequalities
-    tension and overlap: which segments are missing, and which must be cut
-few_contacts
-    one load on a few contacts or gaps, whose set is right, by a dense matrix
+    which segments are missing or must be cut, and what a solution violates
+newton
+    one load on a few contacts or gaps, whose set is right
 many_contacts
-    one load on any number of contacts or gaps, whose set is corrected
+    one load on any number of them, whose set is corrected
 solver, event_search
     what users call: curves and solutions, and the loads at which contacts are born or merge
 error_model, method

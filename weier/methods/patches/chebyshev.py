@@ -12,17 +12,18 @@ Both hold at the edges and beyond them, where quadrature would lose all digits.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 
 
 @kernel
 def nodes(count: int) -> Array:
-    """Gauss-Chebyshev nodes of the second kind in descending order: cos(q pi/(count+1)), q = 1..count."""
+    """Gauss-Chebyshev nodes of the second kind in ascending order: -cos(q pi/(count+1)), q = 1..count."""
     node = np.empty(count)
     for q in range(count):
-        node[q] = np.cos((q + 1) * (np.pi / (count + 1)))
+        node[q] = -np.cos((q + 1) * (np.pi / (count + 1)))
     return node
 
 
@@ -38,7 +39,7 @@ def weights(count: int) -> Array:
 @kernel
 def collocation_point(a: int, count: int) -> float:
     """Zero number a = 0..count of T_(count+1), at which the quadrature of the Cauchy integral is exact."""
-    return np.cos((a + 0.5) * (np.pi / (count + 1)))
+    return -np.cos((a + 0.5) * (np.pi / (count + 1)))
 
 
 @kernel
@@ -63,7 +64,7 @@ def expansion_coefficients(values: Array) -> Array:
         angle = 0
         for q in range(count):
             angle = advance(angle, k + 1, sine.size)
-            a[k] += sine[q + 1] * sine[angle] * values[q]
+            a[k] += sine[q + 1] * sine[angle] * values[count - 1 - q]
         a[k] *= 2 / (count + 1)
     return a
 
@@ -154,3 +155,14 @@ def partial_integral(a: Array, t: float) -> float:
     for k in range(1, a.size):
         total += 0.5 * a[k] * (np.sin((k + 2) * angle) / (k + 2) - np.sin(k * angle) / k)
     return total
+
+
+def degrees(first_node: Indices) -> Indices:
+    """The degree of the polynomial whose coefficient is kept at each node's place, from 0 on each segment."""
+    return np.arange(first_node[-1]) - np.repeat(first_node[:-1], np.diff(first_node))
+
+
+def end_sums(first_node: Indices, coefficient: Array) -> NDArray[np.float64]:
+    """The sums of the coefficients of each segment, shape (segments, 2): at -1, with the sign (-1)^k, and at 1."""
+    signed = np.where(degrees(first_node) % 2 == 0, coefficient, -coefficient)
+    return np.stack([np.add.reduceat(each, first_node[:-1]) for each in (signed, coefficient)], axis=1)

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.punches import (
-    MAX_NODES,
+from weier.methods.patches.chebyshev import degrees, end_sums
+from weier.methods.patches.given_edges import (
     Bounds,
     Forces,
     Punches,
@@ -33,10 +33,10 @@ from weier.methods.patches.punches import (
     make_punches,
     moved_expansion,
     regular_part,
-    sample_forces,
     solve_forces_on_contacts,
     transfer_forces,
 )
+from weier.methods.patches.segments import MAX_NODES, estimate_node_count
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)
@@ -49,10 +49,6 @@ MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
 MIN_GROWTH = -0.85  # of a half-width in one step: with less of it left, the contact vanishes
 SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their error
 MAX_UNSETTLED = 0.3  # of the contacts, while their set is corrected: those beside a missing one may never settle
-# Of the finest wave on a half-width: coefficients decay from one a radian on, and with fewer, the pressure of wide
-# contacts is so far off that sound ones are cut.
-NODES_PER_RADIAN = 1.2
-MIN_DISTANCE, MAX_DISTANCE = 1e-4, 1e6  # of a neighbour over the half-width, for the estimate of the nodes
 NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
 
 
@@ -75,35 +71,18 @@ class EdgeMoves(NamedTuple):
         return float(self.relative.max())
 
 
-def singular_parts(punches: Punches, b: Array) -> Sides:
-    """psi(-1) and psi(1) of each contact, in p_0*."""
-    return _end_sums(punches, b)
-
-
-def distances(left: Array, right: Array, period: float) -> Array:
-    """From each right edge to the next left one, round the period."""
-    after = np.concatenate([left[1:], left[:1] + period])
-    return after - right
-
-
 def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     """The moves from the coefficients of psi in T_k and of its regular part in U_k."""
     r, outward_sign = punches.half_width, np.array([1.0, -1.0 if punches.dual else 1.0])
-    psi = outward_sign * singular_parts(punches, b)
-    gap = distances(punches.centre - r, punches.centre + r, punches.period)
-    phi = outward_sign * _end_sums(punches, a * (punches.degree + 1))
-    inward_fall = -outward_sign * _end_sums(punches, b * punches.degree**2)
+    psi = outward_sign * end_sums(punches.first_node, b)
+    gap, degree = punches.gap, degrees(punches.first_node)
+    phi = outward_sign * end_sums(punches.first_node, a * (degree + 1))
+    inward_fall = -outward_sign * end_sums(punches.first_node, b * degree**2)
     by_contact = _moves_by_contact(r, psi, phi)
     by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
     room = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
     return EdgeMoves(outward, closing, np.abs(outward).max(axis=1) / room)
-
-
-def _end_sums(punches: Punches, coefficient: Array) -> Sides:
-    """The sums over k of the coefficients of each contact, at -1 with the sign (-1)^k."""
-    first, signed = punches.first_node[:-1], np.where(punches.degree % 2 == 0, coefficient, -coefficient)
-    return np.stack([np.add.reduceat(signed, first), np.add.reduceat(coefficient, first)], axis=1)
 
 
 def _moves_by_contact(r: Array, psi: Sides, phi: Sides) -> Sides:
@@ -167,16 +146,23 @@ class Problem(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """How accurately the iteration solves.
+    """How accurately the iteration solves, and what it takes for a violation of the inequalities.
 
-    base_nodes, nodes_per_neighbour : of a contact, besides those for the waves; the latter over ln(rho), where rho
-        belongs to the Bernstein ellipse through its nearest neighbour
+    fine : whether edges are to settle, or the set of contacts is still to be corrected
+    tolerance, more_nodes : each contact has as many nodes as its density needs for this tolerance, and some more
     bounds : of the residual on contacts with given edges
+    outside : overlap, in g_0, or (dual) tension, in p_0*, beyond which a segment is missing
+    inside : tension over the largest pressure of a contact, or (dual) overlap over the largest gap
+    opening : height, in g_0, of gaps or (dual) contacts too small to be cut in, since no edges are found for them
     """
 
-    base_nodes: float
-    nodes_per_neighbour: float
+    fine: bool
+    tolerance: float
+    more_nodes: float
     bounds: Bounds
+    outside: float
+    inside: float
+    opening: float
 
 
 class Guess(NamedTuple):
@@ -233,7 +219,8 @@ def make_guess(problem: Problem, left: Array, right: Array, carried: Array | Non
     turn = period * np.floor(left / period)
     order = np.argsort(left - turn)
     left, right = (left - turn)[order], (right - turn)[order]
-    half_width, count = 0.5 * (right - left), estimate_nodes(problem, left, right, stage)
+    centre, half_width = 0.5 * (left + right), 0.5 * (right - left)
+    count = estimate_nodes(problem, centre, half_width, stage)
     force = np.zeros(count.sum())
     if carried is not None:
         b = (carried[order] / half_width)[:, None] * np.array([1.0, 0.0, -1.0]) / np.pi  # of Hertz's pressure
@@ -241,19 +228,14 @@ def make_guess(problem: Problem, left: Array, right: Array, carried: Array | Non
             here = np.flatnonzero(count == each)
             nodes = (np.cumsum(count) - count)[here][:, None] + np.arange(each)
             force[nodes] = forces_of_expansion(b[here], half_width[here], int(each), problem.dual)
-    return Guess(0.5 * (left + right), half_width, count, force, np.zeros(left.size, bool))
+    return Guess(centre, half_width, count, force, np.zeros(left.size, bool))
 
 
-def estimate_nodes(problem: Problem, left: Array, right: Array, stage: Stage) -> Indices:
-    """Nodes for the waves within each contact and for the singularities at the edges of its neighbours."""
-    half_width, gap = 0.5 * (right - left), distances(left, right, problem.series.period)
-    nearest = np.clip(np.minimum(gap, np.roll(gap, 1)) / half_width, MIN_DISTANCE, MAX_DISTANCE)
-    ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
-    return round_up_nodes(
-        stage.base_nodes
-        + NODES_PER_RADIAN * problem.series.wavenumber[-1] * half_width
-        + stage.nodes_per_neighbour / ln_rho
-    )
+def estimate_nodes(problem: Problem, centre: Array, half_width: Array, stage: Stage) -> Indices:
+    """Nodes of contacts in order."""
+    none = np.zeros(centre.size)
+    count = estimate_node_count(centre, none, half_width, problem.series, stage.tolerance)
+    return round_up_nodes(np.asarray(count + stage.more_nodes, float))
 
 
 def round_up_nodes(count: NDArray[np.float64]) -> Indices:
@@ -271,14 +253,14 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     b = expansion(punches, forces.force)
     a = regular_part(punches.first_node, b)
     moves = edge_moves(punches, b, a)
-    r, gap = guess.half_width, distances(guess.centre - guess.half_width, guess.centre + guess.half_width, period)
+    r, gap = guess.half_width, punches.gap
     carried = np.add.reduceat(forces.force, punches.first_node[:-1])
     vanishing = (carried <= 0) | (moves.outward.mean(axis=1) < MIN_GROWTH * r)
     vanishing[np.argmax(carried)] = False
     next_outward = np.roll(moves.outward[:, 0], -1)
     tight = gap - moves.outward[:, 1] - next_outward < MIN_GAP_LEFT * gap
     merging = (moves.closing | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)
-    singular = 2 * np.pi * r * np.abs(singular_parts(punches, b)).max(axis=1)
+    singular = 2 * np.pi * r * np.abs(end_sums(punches.first_node, b)).max(axis=1)
     return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
 
 
@@ -294,7 +276,7 @@ def next_guess(problem: Problem, step: Step, stage: Stage, more_nodes: Array | N
 def _moved_edges(step: Step) -> tuple[Array, Array]:
     """The edges after their moves, but no gap loses more than a share of itself."""
     r, centre, outward = step.punches.half_width, step.punches.centre, step.moves.outward.copy()
-    gap = distances(centre - r, centre + r, step.punches.period)
+    gap = step.punches.gap
     j = np.flatnonzero(step.tight)
     after = (j + 1) % r.size
     loss = np.maximum(outward[j, 1], 0) + np.maximum(outward[after, 0], 0)
@@ -333,14 +315,7 @@ def rearrange(
     order = np.argsort(left - turn)
     left, right, origin, tight = (left - turn)[order], (right - turn)[order], origin[order], tight[order]
     centre, half_width = 0.5 * (left + right), 0.5 * (right - left)
-    count = estimate_nodes(problem, left, right, stage)
+    count = estimate_nodes(problem, centre, half_width, stage)
     if more_nodes is not None:
         count = np.where(origin >= 0, round_up_nodes(more_nodes[origin]), count)
-    force = transfer_forces(step.punches, b, origin, half_width, count)
-    first, old = np.concatenate([[0], np.cumsum(count)]), step.punches
-    if not problem.dual:  # a new gap lies in contact, where it starts from nothing
-        sample_forces(
-            old.centre, old.half_width, old.first_node, step.b, period,
-            centre, half_width, first, np.flatnonzero(origin < 0), force,
-        )  # fmt: skip
-    return Guess(centre, half_width, count, force, tight)
+    return Guess(centre, half_width, count, transfer_forces(step.punches, b, origin, half_width, count), tight)

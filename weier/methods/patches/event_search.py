@@ -21,7 +21,6 @@ from weier.kernels.blas import one_thread
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
-from weier.methods.patches.few_contacts import solve_on_segments
 from weier.methods.patches.fields import (
     MIN_SUM_SEGMENTS,
     ContactState,
@@ -31,10 +30,11 @@ from weier.methods.patches.fields import (
     density,
     gap_from_slope,
 )
-from weier.methods.patches.initial_guess import Starts, transfer_density
-from weier.methods.patches.segments import distances_to_next
+from weier.methods.patches.newton import on_few_nodes, solve_on_segments
+from weier.methods.patches.segments import contacts_of
 from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
-from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, surface_of
+from weier.methods.patches.start import Starts
+from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, nearest_crests, surface_of
 from weier.theory.profile import Profile
 
 MAX_DECADES = 1.0  # between two loads at first
@@ -254,16 +254,14 @@ class _Search(NamedTuple):
             return start
         if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
             return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
-        return solve_on_segments(self.surface, transfer_density(self.surface, start), load, self.starts.tolerance)[0]
+        few = on_few_nodes(start.iterate, self.surface.series(start.dual))
+        return solve_on_segments(self.surface, few, load, self.starts.tolerance)[0]
 
 
 def _contacts_of(state: ContactState, period: float) -> _Contacts:
     """The contacts of a state, whether its segments are contacts or gaps."""
-    segments = state.segments
-    left, right = segments.centre - segments.half_width, segments.centre + segments.half_width
-    if state.dual:
-        return _Contacts(segments.origin, right, right + distances_to_next(segments, period))
-    return _Contacts(segments.origin, left, right)
+    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
+    return _Contacts(origin, centre - half_width, centre + half_width)
 
 
 def _gaps_between(contacts: _Contacts, which: range, period: float) -> Iterator[_Event]:
@@ -288,7 +286,8 @@ def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, lef
         sign = np.sign(_gap_slopes(state, series, at.ravel(), y.ravel())).reshape(y.shape)
     else:
         around = origin[:, None] + (left[:, None] + width * _shares(number))
-        rise = np.diff(complementary_residuals(state, series, around.ravel()).reshape(around.shape), axis=1)
+        at_crests = nearest_crests(series, around.ravel())
+        rise = np.diff(complementary_residuals(state, series, *at_crests).reshape(around.shape), axis=1)
         sign, unknown = np.sign(rise), np.abs(rise) < _gap_rounding(state, series)
         sign[unknown] = np.sign(_gap_slopes(state, series, at[unknown], y[unknown]))
     for i in range(1, SLOPES):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches.chebyshev import (
     cauchy_integral,
@@ -19,10 +19,9 @@ from weier.methods.patches.chebyshev import (
     log_integral,
     partial_integral,
 )
-from weier.methods.patches.pair_kernel import take_logarithms
-from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import Segments
-from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest_crest
+from weier.methods.patches.pair_sums import make_tree, potential, take_logarithms
+from weier.methods.patches.segments import Iterate, Segments
+from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest_crest, nearest_crests
 
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
 # from 250 on among 71 gaps: the time of their tree and that of one point both grow as the nodes do.
@@ -68,6 +67,11 @@ class ContactState(NamedTuple):
     sensitivity: Array
     residual: float
     error: float
+
+    @property
+    def iterate(self) -> Iterate:
+        """What an iteration may start from."""
+        return Iterate(self.dual, self.segments, self.phi, self.approach)
 
 
 @kernel
@@ -260,54 +264,38 @@ def complementary_residual_slope(state: ContactState, series: CosineSeries, cres
     return change - evaluate_series(series, crest, y)[1]
 
 
-def complementary_residuals(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    """`complementary_residual` at positions x."""
-    if x.size < MIN_SUM_POINTS or state.segments.centre.size < MIN_SUM_SEGMENTS:
-        return np.asarray(_residuals_one_by_one(state, series, x))
-    x = x - series.period * np.floor(x / series.period)
-    order, value = np.argsort(x, kind="stable"), np.empty(x.size)
-    value[order] = residuals_by_sums(state, series, x[order])
-    return value
+def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
+    """`complementary_residual` at points, each given by a crest and the distance from it."""
+    if y.size < MIN_SUM_POINTS or state.segments.centre.size < MIN_SUM_SEGMENTS:
+        return np.asarray(residuals_one_by_one(state, series, crest, y))
+    return residuals_by_sums(state, series, crest, y)
 
 
 @kernel
-def _residuals_one_by_one(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    value = np.empty(x.size)
-    for i in range(x.size):
-        crest, y = nearest_crest(series, x[i])
-        value[i] = complementary_residual(state, series, crest, y)
+def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
+    """`complementary_residuals`, each from closed forms and quadrature over all segments."""
+    value = np.empty(y.size)
+    for i in range(y.size):
+        value[i] = complementary_residual(state, series, crest[i], y[i])
     return value
 
 
-def residuals_by_sums(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    """The complementary residual at many positions, in the time O(points + nodes): by fast sums.
+def residuals_by_sums(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
+    """`complementary_residuals`, in the time O(points + nodes): by fast sums.
 
     Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy
     integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms stay.
-
-    Parameters
-    ----------
-    state : ContactState
-        With contacts, or with gaps (dual).
-    series : CosineSeries
-        The heights or, dual, the pressure of full contact.
-    x : Array
-        One position at least, ascending and within [0, L), in lambda_0, shape (points,).
-
-    Returns
-    -------
-    Array
-        The gap, in g_0, or the pressure (dual), in p_0*, shape (points,); 0 to rounding on the segments.
-
     """
-    segments = state.segments
-    first, count = segments.first_node, np.diff(segments.first_node)
-    ascending = np.repeat(first[:-1] + first[1:] - 1, count) - np.arange(first[-1])
-    offset = np.repeat(segments.half_width, count) * segments.node
-    tree = make_tree(np.repeat(segments.origin + segments.centre, count), offset[ascending])
-    force = _node_forces(state)
-    total = potential(tree, force[ascending], x, series.period, state.dual)
-    return np.asarray(_correct_near_segments(state, series, force, x, total))
+    segments, period = state.segments, series.period
+    origin = series.crest_position[crest]
+    origin = origin - period * np.floor((origin + y) / period)
+    order = np.argsort(origin + y, kind="stable")
+    origin, y, value = origin[order], y[order], np.empty(y.size)
+    count, force = np.diff(segments.first_node), _node_forces(state)
+    offset = np.repeat(segments.centre, count) + np.repeat(segments.half_width, count) * segments.node
+    total = potential(make_tree(np.repeat(segments.origin, count), offset), force, origin, y, period, state.dual)
+    value[order] = _correct_near_segments(state, series, force, crest[order], origin, y, total)
+    return value
 
 
 @kernel
@@ -327,22 +315,23 @@ def _node_forces(state: ContactState) -> Array:
 
 
 @kernel
-def _correct_near_segments(state: ContactState, series: CosineSeries, force: Array, x: Array, total: Array) -> Array:
-    """The complementary residual at x from the quadrature over all segments, by closed forms where one is near."""
-    segments, period = state.segments, series.period
+def _correct_near_segments(
+    state: ContactState, series: CosineSeries, force: Array, crest: Indices, origin: Array, y: Array, total: Array
+) -> Array:
+    """The complementary residual from the quadrature over all segments, by closed forms where one is near."""
+    segments, period, x = state.segments, series.period, origin + y
     for j in range(segments.centre.size):
         centre = segments.origin[j] + segments.centre[j]
         reach = min(segments.far_field[j] * segments.half_width[j], 0.5 * period)
         for image in range(-1, 2):
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
-                t = local_coordinate(segments, j, period, x[i], 0.0)
+                t = local_coordinate(segments, j, period, origin[i], y[i])
                 near = _near_field(state, j, t, period, CAUCHY if state.dual else POTENTIAL)
                 total[i] += -near * period / np.pi if state.dual else near
                 total[i] -= _quadrature(state, force, j, t, period)
     for i in range(x.size):
-        crest, y = nearest_crest(series, x[i])
-        value = evaluate_series(series, crest, y)[0]
+        value = evaluate_series(series, crest[i], y[i])[0]
         if state.dual:
             total[i] = state.load - series.maximum - value - 0.5 / period**2 * total[i]
         else:
@@ -362,21 +351,12 @@ def _quadrature(state: ContactState, force: Array, j: int, t: float, period: flo
     return total
 
 
-def pressures(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    """The pressure at positions x, in p_0*."""
+def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, of_gaps: bool) -> Array:
+    """The pressure at positions x, in p_0*, or the gap there, in g_0."""
     inside, value = _values_on_segments(state, series, x)
-    if state.dual:
+    if of_gaps != state.dual:
         value = np.zeros(x.size)
-        value[~inside] = complementary_residuals(state, series, x[~inside])
-    return value
-
-
-def gaps(state: ContactState, series: CosineSeries, x: Array) -> Array:
-    """The gap at positions x, in g_0."""
-    inside, value = _values_on_segments(state, series, x)
-    if not state.dual:
-        value = np.zeros(x.size)
-        value[~inside] = complementary_residuals(state, series, x[~inside])
+        value[~inside] = complementary_residuals(state, series, *nearest_crests(series, x[~inside]))
     return value
 
 

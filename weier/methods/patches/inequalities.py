@@ -7,6 +7,7 @@ here, too, for both solvers.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -16,23 +17,25 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
-from weier.methods.patches.edge_iteration import Problem, Step, distances
+from weier.methods.patches.edge_iteration import Problem, Step
 from weier.methods.patches.fields import (
     CAUCHY,
+    MIN_SUM_SEGMENTS,
     POTENTIAL,
     ContactState,
     complementary_residual,
-    complementary_residual_slope,
+    complementary_residuals,
     density_integral,
+    residuals_by_sums,
+    residuals_one_by_one,
     segment_at,
 )
 from weier.methods.patches.pair_sums import potential
-from weier.methods.patches.segments import distances_to_next
-from weier.methods.patches.surface import CosineSeries, nearest_crest
+from weier.methods.patches.segments import Segments, distances_to_next
+from weier.methods.patches.surface import CosineSeries, nearest_crest, nearest_crests
 
-PROBES_PER_WAVE, MIN_PROBES = 6, 7  # in each interval between segments, closer at its ends, while segments are added
+PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
 MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by rounding
-CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES = 8, 12  # of a result: nothing comes after it that would see what it misses
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
@@ -48,12 +51,10 @@ MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
 # twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
 SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
+DIRECT_SUMS = 40  # points at which the residuals of many segments are checked without fast sums
 
 
-@kernel
-def sample_count(nodes: int) -> int:
-    """Of the zeros of a Chebyshev polynomial that tell the largest residual on a segment within `SAMPLED_FACTOR`."""
-    return int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
+Residual = Callable[[Array], Array]
 
 
 class Violations(NamedTuple):
@@ -98,50 +99,22 @@ class NegativeIntervals(NamedTuple):
 
     segment : index of the segment
     start, end : in its coordinate t, -1..1
+    lowest : pressure, in p_0*, or gap, in g_0
+    share : the lowest sqrt(1-t^2) times the function of `_inequality`, over the largest value of that on the segment;
+        so rounding at an end, where neither a pressure nor a gap can be large, counts for little
     """
 
     segment: Indices
     start: Array
     end: Array
+    lowest: Array
+    share: Array
 
     def select(self, which: Flags) -> NegativeIntervals:
         """Some of the intervals."""
-        return NegativeIntervals(self.segment[which], self.start[which], self.end[which])
-
-
-@kernel
-def lowest_outside(state: ContactState, series: CosineSeries, limit: float) -> float:
-    """The lowest minimum of the complementary residual outside the segments, if it is below -limit; else 0 or above.
-
-    Below 0, a segment is missing.
-    """
-    segments, distance = state.segments, distances_to_next(state.segments, series.period)
-    edge = segments.origin + (segments.centre + segments.half_width)
-    probe, interval = _probe_points(edge, distance, series, CHECK_PROBES_PER_WAVE, MIN_CHECK_PROBES)
-    slope, doubtful = np.full(probe.size, np.nan), doubtful_cells(state, series)
-    bend = np.sum(np.abs(series.amplitude) * series.wavenumber**2)
-    lowest, before = 0.0, cell_of(series, probe[0])
-    for i in range(probe.size - 1):
-        cell, after = before, cell_of(series, probe[i + 1])
-        before = after
-        is_safe = not (doubtful[cell] or doubtful[after]) and after - cell in (0, 1, 1 - doubtful.size)
-        if is_safe or interval[i] != interval[i + 1]:
-            continue
-        for k in (i, i + 1):
-            if np.isnan(slope[k]):
-                crest, y = nearest_crest(series, probe[k])
-                slope[k] = complementary_residual_slope(state, series, crest, y)
-        if slope[i] < 0 and slope[i + 1] >= 0:
-            lowest = min(lowest, _minimum_between(state, series, -limit, bend, probe[i], probe[i + 1]))
-    return lowest
-
-
-@kernel
-def cell_of(series: CosineSeries, x: float) -> int:
-    """Index of the crest between whose valleys a position lies."""
-    last = series.valley_position[-1]
-    x -= series.period * (np.floor((x - last) / series.period) + 1)
-    return min(int(np.searchsorted(series.valley_position, x)), series.valley_position.size - 1)
+        return NegativeIntervals(
+            self.segment[which], self.start[which], self.end[which], self.lowest[which], self.share[which]
+        )
 
 
 @kernel
@@ -169,16 +142,15 @@ def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
 
 
 @kernel
-def _probe_points(
-    left: Array, length: Array, series: CosineSeries, per_wave: int, least: int
-) -> tuple[Array, Indices]:
+def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
     """Points in intervals between segments, and the interval of each; ascending in each.
 
     They are some for each of the finest waves, and the crests and valleys of the series: two crests that stand side
     by side would else look like one.
     """
-    per_length = per_wave * series.wavenumber[-1] / (2 * np.pi)
-    count = least + np.ceil(per_length * np.maximum(length, 0.0)).astype(np.int64)  # 0 between segments that overlap
+    per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
+    length = np.maximum(length, 0.0)  # segments may overlap
+    count = MIN_PROBES + np.ceil(per_length * length).astype(np.int64)
     point, interval, end = np.empty(count.sum()), np.repeat(np.arange(length.size), count), 0
     for j in range(length.size):
         for i in range(count[j]):
@@ -198,81 +170,31 @@ def _probe_points(
 
 
 @kernel
-def _minimum_between(
-    state: ContactState, series: CosineSeries, limit: float, bend: float, left: float, right: float
-) -> float:
-    """A minimum of the complementary residual between two points, by bisection; 0 if none is below the limit.
-
-    Between segments the displacement by their densities is convex, so that the residual bends down by no more than
-    the series: by `bend`, the sum of the sizes of its second derivatives. Parabolas from both points are below it.
-    """
-    before, falling = _residual_and_slope(state, series, left)
-    after, rising = _residual_and_slope(state, series, right)
-    for _ in range(SEARCH_STEPS):
-        half = 0.5 * (right - left)
-        if min(before - abs(falling) * half, after - abs(rising) * half) - 0.5 * bend * half**2 >= limit:
-            return 0.0
-        value, slope = _residual_and_slope(state, series, left + half)
-        if slope < 0:
-            left, before, falling = left + half, value, slope
-        else:
-            right, after, rising = right - half, value, slope
-    return min(before, after)
-
-
-@kernel
-def _residual_and_slope(state: ContactState, series: CosineSeries, x: float) -> tuple[float, float]:
-    crest, y = nearest_crest(series, x)
-    value = complementary_residual(state, series, crest, y)
-    return value, complementary_residual_slope(state, series, crest, y)
-
-
-@kernel
-def find_negative_intervals(state: ContactState, tolerance: Array) -> NegativeIntervals:
-    """Intervals on segments with a pressure (primal) or gap (dual) below -tolerance, over the segment's largest.
-
-    `tolerance` has the shape (segments,). It is of sqrt(1-t^2) times the function of `_inequality`, so that rounding
-    at an end, where neither a pressure nor a gap can be large, counts for little.
-    """
+def find_negative_intervals(state: ContactState) -> NegativeIntervals:
+    """Intervals on segments with a negative pressure (primal) or gap (dual)."""
     first = state.segments.first_node
     size = SAMPLES_PER_NODE * first[-1] + 2 * first.size
     segment, start, end = np.zeros(size, np.int64), np.zeros(size), np.zeros(size)
-    count = 0
+    lowest, share, count = np.zeros(size), np.zeros(size), 0
     for j in range(first.size - 1):
         a = state.coefficient[first[j] : first[j + 1]]
         t, value = _sample_inequality(state.dual, a)
-        largest = 0.0
-        for v in value:
-            largest = max(largest, abs(v))
-        i = 0
+        largest, i = np.abs(value).max(), 0
         while i < t.size:
-            if value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) < -tolerance[j] * largest:
-                k = i
-                while k + 1 < t.size and value[k + 1] < 0:
-                    k += 1
-                while i > 0 and value[i - 1] < 0:
-                    i -= 1
+            if value[i] < 0:
                 segment[count] = j
                 start[count] = _find_zero(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
-                end[count] = _find_zero(state.dual, a, t[k], t[k + 1]) if k + 1 < t.size else 1.0
+                while i < t.size and value[i] < 0:
+                    end_distance = (1 - t[i]) * (1 + t[i])
+                    here = value[i] * np.sqrt(end_distance)
+                    share[count] = min(share[count], here / largest)
+                    here *= state.segments.half_width[j] * end_distance if state.dual else 1.0
+                    lowest[count] = min(lowest[count], here)
+                    i += 1
+                end[count] = _find_zero(state.dual, a, t[i - 1], t[i]) if i < t.size else 1.0
                 count += 1
-                i = k
             i += 1
-    return NegativeIntervals(segment[:count], start[:count], end[:count])
-
-
-@kernel
-def lowest_inside(state: ContactState) -> float:
-    """The lowest pressure or, dual, gap on the segments if it is negative, and else 0."""
-    lowest, first = 0.0, state.segments.first_node
-    for j in range(first.size - 1):
-        t, value = _sample_inequality(state.dual, state.coefficient[first[j] : first[j + 1]])
-        for i in range(t.size):
-            if value[i] < 0:
-                end = (1 - t[i]) * (1 + t[i])
-                here = state.segments.half_width[j] * value[i] * end**1.5 if state.dual else value[i] * np.sqrt(end)
-                lowest = min(lowest, here)
-    return lowest
+    return NegativeIntervals(segment[:count], start[:count], end[:count], lowest[:count], share[:count])
 
 
 @kernel
@@ -355,10 +277,75 @@ def _find_zero(dual: bool, a: Array, negative: float, positive: float) -> float:
     return positive
 
 
-def certify(state: ContactState, residual: float, period: float, tolerance: float) -> ContactState:
-    """The state with its residual, in g_0, if that is small and contacts carry the load."""
+def contact_residual(state: ContactState, series: CosineSeries) -> Array:
+    """What is left of the equations on each segment: the gap on a contact or, dual, pressure in a gap.
+
+    The potentials come from closed forms, or from fast sums for many segments, at other points than the nodes, so
+    that neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some.
+    """
+    if state.segments.centre.size < MIN_SUM_SEGMENTS:
+        return np.asarray(_residual_of_few(state, series))
+    first, crest, y = _sample_points(state.segments, True)
+    off = np.abs(residuals_by_sums(state, series, crest, y))
+    some = np.random.default_rng(off.size).choice(off.size, DIRECT_SUMS, replace=False)  # the same ones each time
+    off[some] = np.maximum(off[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
+    return np.asarray(np.maximum.reduceat(off, first))
+
+
+@kernel
+def _residual_of_few(state: ContactState, series: CosineSeries) -> Array:
+    first, crest, y = _sample_points(state.segments, False)
+    off, largest = residuals_one_by_one(state, series, crest, y), np.zeros(first.size)
+    for j in range(first.size):
+        largest[j] = np.abs(off[first[j] :] if j + 1 == first.size else off[first[j] : first[j + 1]]).max()
+    return largest
+
+
+@kernel
+def _sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
+    """Zeros of a Chebyshev polynomial on each segment, as crests and distances from them; and the first of each.
+
+    Of twice as many as the nodes and their ends have intervals, each stands `apart`, as far from all nodes as it can.
+    """
+    nodes = np.diff(segments.first_node)
+    count = 2 * (nodes + 1) if apart else np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)).astype(np.int64)
+    first = np.cumsum(count) - count
+    crest, y = np.repeat(segments.crest, count), np.empty(count.sum())
+    for j in range(count.size):
+        for q in range(count[j]):
+            t = np.cos((q + 0.5) * (np.pi / count[j]))
+            y[first[j] + q] = segments.centre[j] - segments.half_width[j] * t
+    return first, crest, y
+
+
+def certify(
+    state: ContactState, residual: Array, outside: float, inside: float, period: float, tolerance: float
+) -> ContactState:
+    """The state with its largest violation of a condition, in g_0, and the bound on its error.
+
+    residual : what is left of the equations on each segment
+    outside : the lowest gap between contacts or, dual, pressure between gaps if it is negative, and else 0
+    inside : the lowest pressure on contacts or, dual, gap, likewise
+
+    ConvergenceError is raised if the conditions are violated, or if contacts do not carry the load.
+    """
+    r, closure, height = state.segments.half_width, 0.0, residual
+    if state.dual:  # the height of a pressure is a displacement over the width; and all gaps must close
+        height = 2 * r * residual
+        closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
+    state = state._replace(residual=max(float(height.max()), closure))
+    check_violation(state, period, tolerance)
+    worst = SAMPLED_FACTOR * float(residual.max())
+    unmet = Violations(max(worst, -outside), -inside)
+    if state.dual:
+        unmet = Violations(max(closure, -inside), max(worst, -outside))
+    return state._replace(error=error_bound(state, unmet, period))
+
+
+def check_violation(state: ContactState, period: float, tolerance: float) -> None:
+    """ConvergenceError if what a state violates is not small, or if contacts do not carry the load."""
     scale = state.load * period if state.dual else state.approach
-    relative = residual / scale if scale > 0 else np.inf  # no indentation: all digits were lost on the way
+    relative = state.residual / scale if scale > 0 else np.inf  # no indentation: all digits were lost on the way
     relative = max(relative, abs(carried_load(state, period) / state.load - 1))
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(
@@ -366,25 +353,103 @@ def certify(state: ContactState, residual: float, period: float, tolerance: floa
             f"more than {MAX_RESIDUAL * tolerance:.1e}; take a larger tolerance or boundary elements",
             relative,
         )
-    return state._replace(residual=residual)
 
 
-class _Brackets(NamedTuple):
-    """Points low < middle < high with a minimum between them, and the index of the contact on their left."""
+class Minima(NamedTuple):
+    """Minima of the complementary residual, each of shape (minima,).
 
-    low: Array
-    middle: Array
-    high: Array
+    position, value, curvature : of each, with the position in lambda_0
+    interval : index of the segment on the left
+    """
+
+    position: Array
+    value: Array
+    curvature: Array
     interval: Indices
 
+    @property
+    def lowest(self) -> float:
+        """The lowest value if it is negative, and else 0."""
+        return float(self.value.min(initial=0.0))
 
-def gap_or_pressure(problem: Problem, step: Step, x: Array) -> Array:
-    """The gap or, dual, the pressure at ascending points off the segments; negative where a segment is missing."""
-    punches, forces, dual = step.punches, step.forces, problem.dual
-    total = potential(punches.matrix.tree, forces.force, x, punches.period, dual)
-    if dual:
-        return np.asarray(-0.5 / punches.period**2 * total - problem.forcing(x))
-    return np.asarray(forces.plane - 2 * total - problem.forcing(x))
+    def select(self, which: Flags) -> Minima:
+        """Some of the minima."""
+        return Minima(self.position[which], self.value[which], self.curvature[which], self.interval[which])
+
+
+def minima_outside(state: ContactState, series: CosineSeries) -> Minima:
+    """Where the gap between contacts or, dual, the pressure between gaps is negative: there a segment is missing."""
+
+    def residual(x: Array) -> Array:
+        return complementary_residuals(state, series, *nearest_crests(series, x))
+
+    return _negative_minima(*_sample_gaps(state, series), residual, 0.0)
+
+
+@kernel
+def _sample_gaps(state: ContactState, series: CosineSeries) -> tuple[Array, Indices, Array]:
+    """Points outside the segments, the index of the segment on their left, and the complementary residual there.
+
+    That is left out, as inf, where it is positive for certain.
+    """
+    segments = state.segments
+    right = segments.origin + (segments.centre + segments.half_width)
+    x, interval = _probe_points(right, distances_to_next(segments, series.period), series)
+    doubtful, needed, value = doubtful_cells(state, series), np.zeros(x.size + 2, np.bool_), np.full(x.size, np.inf)
+    for i in range(x.size):
+        if doubtful[_cell_of(series, x[i])]:
+            needed[i : i + 3] = True  # it and its neighbours, which are counted from 1 here
+    for i in range(x.size):
+        if needed[i + 1]:
+            crest, y = nearest_crest(series, x[i])
+            value[i] = complementary_residual(state, series, crest, y)
+    return x, interval, value
+
+
+@kernel
+def _cell_of(series: CosineSeries, x: float) -> int:
+    """Index of the crest between whose valleys a position lies."""
+    last = series.valley_position[-1]
+    x -= series.period * (np.floor((x - last) / series.period) + 1)
+    return min(int(np.searchsorted(series.valley_position, x)), series.valley_position.size - 1)
+
+
+def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Minima:
+    """Negative minima of a function of ascending positions, from its values at some of them in some intervals.
+
+    They are sought where no parabola through a low sample and its neighbours stays above the margin for certain.
+    """
+    at = 1 + np.flatnonzero(
+        (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (interval[:-2] == interval[2:])
+    )
+    at = at[np.isfinite(value[at - 1] + value[at + 1])]
+    low, middle, high = x[at - 1], x[at], x[at + 1]
+    rise = (value[at + 1] - value[at]) / (high - middle) - (value[at] - value[at - 1]) / (middle - low)
+    bend, farthest = 2 * np.maximum(rise, 0) / (high - low), 0.5 * np.maximum(high - middle, middle - low)
+    some = value[at] < 0.5 * MAX_FALL * bend * farthest**2 + margin
+    low, middle, high, interval = low[some], middle[some], high[some], interval[at[some]]
+    # Newton's method on differences. The lowest point that was seen counts: where crests stand side by side,
+    # differences tell of neither.
+    stencil, lowest = FIRST_STENCIL * (high - low), np.full((3, middle.size), np.inf)
+    for refinement in range(1, REFINEMENTS + 1):
+        if middle.size == 0:
+            break
+        points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
+        order, value = np.argsort(points, axis=None), np.empty(points.size)
+        value[order] = residual(points.ravel()[order])
+        below, here, above = value.reshape(-1, 3).T
+        slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
+        lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
+        shift = -slope / np.where(curvature > 0, curvature, np.inf)
+        inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)  # the last takes its middle
+        shift = np.clip(middle + shift, low + inner_end, high - inner_end) - middle
+        # The stencil tells slopes less well than a minimum must be known: it may be as far off as that is wide.
+        off = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
+        some = np.minimum(here - off, lowest[1]) < 0
+        some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
+        low, middle, high, interval = low[some], (middle + shift)[some], high[some], interval[some]
+        stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]
+    return Minima(lowest[0], lowest[1], lowest[2], interval)
 
 
 def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArray[np.float64], float]:
@@ -392,96 +457,56 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
 
     And the lowest of all minima, of which those above -tolerance need no segment; 0 if none is negative.
     """
-    none = np.empty((0, 2))
-    right, gap = _gaps(step)
-    x, gap_before = _probe_points(right, gap, problem.series, PROBES_PER_WAVE, MIN_PROBES)
-    value = gap_or_pressure(problem, step, x)
-    lowest = 1 + np.flatnonzero(
-        (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (gap_before[:-2] == gap_before[2:])
-    )
-    low, middle, high = x[lowest - 1], x[lowest], x[lowest + 1]
-    rise = (value[lowest + 1] - value[lowest]) / (high - middle) - (value[lowest] - value[lowest - 1]) / (
-        middle - low
-    )
-    bend, farthest = 2 * np.maximum(rise, 0) / (high - low), 0.5 * np.maximum(high - middle, middle - low)
-    some = value[lowest] < 0.5 * MAX_FALL * bend * farthest**2 + tolerance
-    if not np.any(some):
-        return none, 0.0
-    brackets = _Brackets(low[some], middle[some], high[some], gap_before[lowest[some]])
-    centre, depth, curvature, interval = _minima(problem, step, brackets)
-    deepest = float(depth.min(initial=0.0))
-    apart = _is_apart(step, centre, interval) & (depth < -tolerance)
-    if not np.any(apart):
-        return none, deepest
-    centre, depth, curvature, interval = centre[apart], depth[apart], curvature[apart], interval[apart]
-    reach = np.sqrt(-2 * depth / np.maximum(curvature, -depth / _room(step, centre, interval) ** 2))
-    alone = _is_alone(centre, depth, reach, interval)
-    centre, reach, room = centre[alone], reach[alone], _room(step, centre[alone], interval[alone])
-    half_width = np.minimum((NEW_GAP_WIDTH if problem.dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
-    return np.stack([centre - half_width, centre + half_width], axis=1), deepest
+    punches, dual = step.punches, problem.dual
+
+    def residual(x: Array) -> Array:
+        total = potential(punches.matrix.tree, step.forces.force, np.zeros(x.size), x, punches.period, dual)
+        factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
+        return np.asarray(plane + factor * total - problem.forcing(x))
+
+    x, interval = _probe_points(punches.right, punches.gap, problem.series)
+    minima = _negative_minima(x, interval, residual(x), residual, tolerance)
+    deepest, minima = minima.lowest, minima.select(minima.value < -tolerance)
+    minima = minima.select(_is_apart(step, minima))
+    depth = -minima.value
+    reach = np.sqrt(2 * depth / np.maximum(minima.curvature, depth / _room(step, minima) ** 2))
+    alone = _is_alone(minima, reach)
+    minima, reach = minima.select(alone), reach[alone]
+    widening = NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH
+    half_width = np.minimum(widening * reach, MAX_NEW_WIDTH * _room(step, minima))
+    return np.stack([minima.position - half_width, minima.position + half_width], axis=1), deepest
 
 
-def _minima(problem: Problem, step: Step, brackets: _Brackets) -> tuple[Array, Array, Array, Indices]:
-    """Position, value, curvature and gap of negative minima, by Newton's method on differences.
-
-    Brackets whose minimum is above for certain are left out as soon as that is known. The lowest point that was seen
-    counts: where crests stand side by side, differences tell of neither.
-    """
-    stencil, lowest = FIRST_STENCIL * (brackets.high - brackets.low), np.full((3, brackets.middle.size), np.inf)
-    for refinement in range(1, REFINEMENTS + 1):
-        low, middle, high, interval = brackets
-        points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
-        order, value = np.argsort(points, axis=None), np.empty(points.size)
-        value[order] = gap_or_pressure(problem, step, points.ravel()[order])
-        below, here, above = value.reshape(-1, 3).T
-        slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
-        lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
-        shift = -slope / np.where(curvature > 0, curvature, np.inf)
-        inner = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)  # the last takes its middle
-        shift = np.clip(middle + shift, low + inner, high - inner) - middle
-        # The stencil tells slopes less well than a minimum must be known: it may be as far off as that is wide.
-        margin = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
-        some = np.minimum(here - margin, lowest[1]) < 0
-        some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
-        brackets = _Brackets(low[some], (middle + shift)[some], high[some], interval[some])
-        stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]
-        if not np.any(some):
-            break
-    return lowest[0], lowest[1], lowest[2], brackets.interval
-
-
-def _is_alone(centre: Array, depth: Array, reach: Array, interval: Indices) -> Flags:
+def _is_alone(minima: Minima, reach: Array) -> Flags:
     """Whether no deeper minimum lies within the same overlap, which reaches so far from each."""
-    near = (np.diff(centre) < np.maximum(reach[:-1], reach[1:])) & (np.diff(interval) == 0)
-    hidden = np.zeros(centre.size, bool)
-    hidden[:-1] |= near & (depth[:-1] > depth[1:])
-    hidden[1:] |= near & (depth[1:] >= depth[:-1])
+    value = minima.value
+    near = (np.diff(minima.position) < np.maximum(reach[:-1], reach[1:])) & (np.diff(minima.interval) == 0)
+    hidden = np.zeros(value.size, bool)
+    hidden[:-1] |= near & (value[:-1] > value[1:])
+    hidden[1:] |= near & (value[1:] >= value[:-1])
     return ~hidden
 
 
-def _is_apart(step: Step, centre: Array, interval: Indices) -> Flags:
+def _is_apart(step: Step, minima: Minima) -> Flags:
     """Whether a minimum is not merely the overlap beside an edge that is about to grow over it.
 
     With p = (k_0 + k_1 s)/sqrt(s) within an edge, the gap is negative as far as 3 k_0/k_1 outside, and the edge moves
     out by 2 k_0/k_1.
     """
-    right, gap = _gaps(step)
-    outward, distance = step.moves.outward, centre - right[interval]
-    beyond_left = distance > OVERLAP_BESIDE_EDGE * outward[interval, 1]
-    after = (interval + 1) % right.size
-    return np.asarray(beyond_left & (gap[interval] - distance > OVERLAP_BESIDE_EDGE * outward[after, 0]))
+    to_left, to_right = _distances_to_ends(step, minima)
+    outward, after = OVERLAP_BESIDE_EDGE * step.moves.outward, (minima.interval + 1) % step.punches.gap.size
+    return np.asarray((to_left > outward[minima.interval, 1]) & (to_right > outward[after, 0]))
 
 
-def _room(step: Step, centre: Array, interval: Indices) -> Array:
+def _distances_to_ends(step: Step, minima: Minima) -> tuple[Array, Array]:
+    """From each minimum to the ends of its gap."""
+    to_left = minima.position - step.punches.right[minima.interval]
+    return to_left, step.punches.gap[minima.interval] - to_left
+
+
+def _room(step: Step, minima: Minima) -> Array:
     """From each new contact to the ends of its gap, or halfway to another new one."""
-    right, gap = _gaps(step)
-    halfway = 0.5 * np.diff(centre)
-    to_left = np.minimum(centre - right[interval], np.append(np.inf, halfway))
-    to_right = np.minimum(right[interval] + gap[interval] - centre, np.append(halfway, np.inf))
-    return np.minimum(to_left, to_right)
-
-
-def _gaps(step: Step) -> tuple[Array, Array]:
-    """The left end and the width of the gap on the right of each contact."""
-    centre, r = step.punches.centre, step.punches.half_width
-    return centre + r, distances(centre - r, centre + r, step.punches.period)
+    to_left, to_right = _distances_to_ends(step, minima)
+    halfway = 0.5 * np.diff(minima.position)
+    none = np.full(min(to_left.size, 1), np.inf)
+    return np.minimum(np.minimum(to_left, np.append(none, halfway)), np.minimum(to_right, np.append(halfway, none)))

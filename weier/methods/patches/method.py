@@ -11,10 +11,9 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums
-from weier.methods.patches.initial_guess import Starts
-from weier.methods.patches.punch_forces import MAX_DENSE, invert_punches
-from weier.methods.patches.solver import TOLERANCE, Curve, curve
-from weier.methods.patches.surface import surface_of
+from weier.methods.patches.given_edges import MAX_DENSE, invert_punches
+from weier.methods.patches.solver import TOLERANCE, Curve, curve, solve_loads
+from weier.methods.patches.surface import nearest_crests, surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
@@ -48,9 +47,11 @@ def _solve_without_matrix() -> None:
     """A few contacts by what serves thousands, and the forces that only these have."""
     surface = surface_of(THREE_WAVES)
     for load in (0.3, 0.9 * surface.full_contact_load):  # contacts, and gaps
-        guess = list(Starts(THREE_WAVES, surface, TOLERANCE).guesses(load))[-1]
-        state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
-        residuals_by_sums(state, surface.series(state.dual), np.linspace(0, 0.9, 10))
+        state = solve_loads(THREE_WAVES, load)[0].state
+        assert state is not None
+        series = surface.series(state.dual)
+        many_contacts.solve_many_contacts(surface, state.iterate, load, TOLERANCE)
+        residuals_by_sums(state, series, *nearest_crests(series, np.linspace(0, 0.9, 10)))
     centre = np.arange(2.0 * MAX_DENSE)
     invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
@@ -15,7 +16,7 @@ from weier.methods.patches.surface import CosineSeries
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: 1e-16 from ln(rho) = 18.5/(K+1) on.
 FAR_FIELD_EXPONENT = 18.5
-MIN_NODES, MAX_NODES = 4, 2000
+MAX_NODES = 2000
 # Nodes of a segment, by the digits asked for: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments; and
 # e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
 DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
@@ -25,12 +26,10 @@ NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
 NODES_PER_TWIN = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.0])
 # Limits for the distance of neighbours over the half-width; a solution shows by itself if it needs more nodes.
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
-TARGET_TAIL = 0.1  # size of the last coefficients to aim at, over the tolerance
-MIN_TAIL, MAX_TAIL = 1e-16, 0.5  # rounding, and no decay to speak of: a rate cannot be told from tails beyond
-MIN_DECAY = 1e-3  # of ln(tail) per node, so that one can divide by the rate
-MAX_NODES_REMOVED = 2  # at once, since a tail may be small by chance; nodes may double at once
+MORE_NODES, AT_LEAST_MORE = 1.3, 2  # over those so far, where the coefficients have not decayed
 # Rounding of a tail, for the widest segment: a density falls with the width squared, and its rounding does not.
 TAIL_ROUNDING, MAX_TAIL_ROUNDING = 1e-14, 1e-3
+COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
 
 
 class Segments(NamedTuple):
@@ -40,7 +39,7 @@ class Segments(NamedTuple):
     origin : position of that crest, or of its image next to the segment, in lambda_0, shape (segments,)
     centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
     first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,)
-    node : Gauss nodes t in (-1, 1), descending within a segment, shape (nodes,)
+    node : Gauss nodes t in (-1, 1), ascending within a segment, shape (nodes,)
     weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
     log_weight : for int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
     far_field : distance from c from which on the quadrature is exact to rounding, in half-widths, shape (segments,)
@@ -62,6 +61,22 @@ class Segments(NamedTuple):
     centre_cosine: Array
     sine: Array
     cosine: Array
+
+
+class Iterate(NamedTuple):
+    """Contacts with their pressure, or gaps with their slope (dual), as an initial guess or on the way to a solution.
+
+    dual : whether the segments are the gaps
+    segments : the contacts or, dual, the gaps
+    phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
+        g_0/lambda_0
+    approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
+    """
+
+    dual: bool
+    segments: Segments
+    phi: Array
+    approach: float
 
 
 @kernel
@@ -108,6 +123,14 @@ def distances_to_next(segments: Segments, period: float) -> Array:
     return distances_between(segments.origin, segments.centre, segments.half_width, period)
 
 
+def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, Array, Array]:
+    """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
+    if not dual:
+        return segments.origin, segments.centre, segments.half_width
+    half_width = 0.5 * distances_to_next(segments, period)
+    return segments.origin, segments.centre + segments.half_width + half_width, half_width
+
+
 @kernel
 def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
     """As `distances_to_next`, in lambda_0, shape (segments,), of segments that have no nodes yet."""
@@ -144,39 +167,36 @@ def estimate_node_count(
 
 
 @kernel
-def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
-    """Size of the last two Chebyshev coefficients over that of the largest, shape (segments,)."""
+def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
+    """Size of two Chebyshev coefficients before the last ones skipped over that of the largest, shape (segments,)."""
     tail = np.empty(segments.centre.size)
     for j in range(tail.size):
-        a = np.abs(coefficient[segments.first_node[j] : segments.first_node[j + 1]])
-        tail[j] = max(a[-1], a[-2]) / a.max()
+        a = np.abs(coefficient[segments.first_node[j] : segments.first_node[j + 1] - skipped])
+        tail[j] = max(a[-1], a[-2]) / max(a.max(), 1e-300)
     return tail
 
 
 @kernel
 def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
     """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
-    tail, widest = coefficient_tails(segments, coefficient), segments.half_width.max()
+    tail, widest = coefficient_tails(segments, coefficient, 0), segments.half_width.max()
     rounding = np.minimum(TAIL_ROUNDING * (widest / segments.half_width) ** 2, MAX_TAIL_ROUNDING)
     return tail <= np.maximum(tolerance, rounding)
 
 
-def adapt_node_count(node_count: Indices, tail: Array, target: float, where: Flags) -> Indices:
-    """Node counts that bring the tails to the target, if the coefficients keep decaying at their rate so far."""
-    tail = np.clip(tail, MIN_TAIL, MAX_TAIL)
-    change = np.ceil(np.log(tail / target) / np.maximum(-np.log(tail) / node_count, MIN_DECAY))
-    new = node_count + np.where(where, np.clip(change, -MAX_NODES_REMOVED, node_count), 0)
-    return np.clip(new, MIN_NODES, MAX_NODES).astype(np.int64)
+def more_nodes(node_count: NDArray[np.int64]) -> Indices:
+    """The next larger number of nodes for segments on which the coefficients have not decayed."""
+    return np.minimum(np.ceil(MORE_NODES * node_count) + AT_LEAST_MORE, MAX_NODES).astype(np.int64)
 
 
 def increase_node_count(segments: Segments, coefficient: Array, load: float, tolerance: float) -> Indices:
     """Node counts with which all coefficients decay to the tolerance, if they do not do so yet."""
     too_large = ~are_resolved(segments, coefficient, tolerance)
-    count, tail = np.diff(segments.first_node), coefficient_tails(segments, coefficient)
+    count, tail = np.diff(segments.first_node), coefficient_tails(segments, coefficient, 0)
     if np.any(count[too_large] >= MAX_NODES):
         raise ConvergenceError(
             f"under the mean pressure {load:.6g} p_0*, two contacts or two gaps are so close to each other that "
             f"{MAX_NODES} nodes on one of them do not resolve the density",
             float(tail.max()),
         )
-    return adapt_node_count(count, tail, TARGET_TAIL * tolerance, too_large)
+    return np.where(too_large, more_nodes(count), count)

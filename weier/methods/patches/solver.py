@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -10,15 +10,14 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
-from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches import few_contacts, many_contacts
-from weier.methods.patches.chebyshev import evaluate_expansion
-from weier.methods.patches.fields import ContactState, gaps, pressures, series_values
-from weier.methods.patches.inequalities import certify
-from weier.methods.patches.initial_guess import InitialGuess, Starts, transfer_density
-from weier.methods.patches.segments import distances_to_next
+from weier.methods.patches import many_contacts, newton
+from weier.methods.patches.chebyshev import degrees, end_sums
+from weier.methods.patches.fields import ContactState, pressures_or_gaps, series_values
+from weier.methods.patches.inequalities import check_violation
+from weier.methods.patches.segments import Iterate, contacts_of
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
 from weier.methods.progress import count_load
 from weier.theory.loads import checked_loads
@@ -83,15 +82,17 @@ class Solution(NamedTuple):
         """Pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
         if self.state is None:
             return self.mean_pressure - _series_at(self.surface.tensions, x)
-        p = pressures(self.state, self.surface.series(self.state.dual), np.ravel(np.asarray(x, float)))
-        return np.maximum(p, 0.0).reshape(np.shape(x))
+        return self._on_points(self.state, x, of_gaps=False)
 
     def gap(self, x: ArrayLike) -> Array:
         """Gap between the rigid plane and the surface, in g_0, for x in lambda_0 of any shape; 0 on the contacts."""
         if self.state is None:
             return np.zeros(np.shape(x))
-        gap = gaps(self.state, self.surface.series(self.state.dual), np.ravel(np.asarray(x, float)))
-        return np.maximum(gap, 0.0).reshape(np.shape(x))
+        return self._on_points(self.state, x, of_gaps=True)
+
+    def _on_points(self, state: ContactState, x: ArrayLike, of_gaps: bool) -> Array:
+        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), of_gaps)
+        return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:
         """Elastic displacement u(x) away from the rigid plane, in g_0, of mean 0: gap = d - z + u."""
@@ -136,11 +137,12 @@ def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERAN
     check_tolerance(tolerance)
     surface = surface_of(profile)
     starts = Starts(profile, surface, tolerance)
-    rows, edges = np.empty((loads.size, 8)), []
+    rows, edges, none = np.empty((loads.size, 8)), [], np.empty(0)
     for i, load in enumerate(loads):
         state, steps = solve_state(starts, float(load))
         rows[i] = *_curve_point(surface, state), steps
-        edges.append(make_solution(surface, state, load).edges)
+        left, half_width, _ = _sorted_contacts(state, surface.heights.period) if state is not None else 3 * [none]
+        edges.append(np.stack([left, left + 2 * half_width], axis=1))
         count_load()
     compliance, error, indentation, resistance, fraction, count, residual, work = rows.T
     return Curve(
@@ -203,48 +205,38 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
         return None, 0
     failure = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*")
     for guess in starts.guesses(load):
-        for solve in _solvers(guess):
-            try:
-                return solve(starts.surface, guess, load, starts.tolerance)
-            except ConvergenceError as error:
-                failure = error
-    raise failure
-
-
-def _solvers(guess: InitialGuess) -> list[Callable[..., tuple[ContactState, int]]]:
-    """What to solve a guess by: a dense matrix if it has few segments, and what corrects a wrong set of them."""
-    if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
-        return [few_contacts.solve_few_contacts, _solve_corrected]
-    return [many_contacts.solve_many_contacts]
-
-
-def _solve_corrected(
-    surface: Surface, guess: InitialGuess, load: float, tolerance: float
-) -> tuple[ContactState, int]:
-    """A few contacts that need not be right: their set is corrected tightly, whatever the tolerance.
-
-    What is asked for beyond that is left to a dense matrix; and so is a set whose fast sums do not settle to that.
-    """
-    failure = ConvergenceError("")
-    for corrected in (many_contacts.MIN_TOLERANCE, UNSETTLED * many_contacts.MIN_TOLERANCE):
         try:
-            state, steps = many_contacts.solve_many_contacts(surface, guess, load, corrected)
-            if corrected > min(tolerance, many_contacts.MIN_TOLERANCE):
-                state, more = _solve_finer(surface, state, tolerance)
-                steps += more
-            return state, steps
+            return _solve(starts.surface, guess, load, starts.tolerance)
         except ConvergenceError as error:
             failure = error
     raise failure
 
 
-def _solve_finer(surface: Surface, state: ContactState, tolerance: float) -> tuple[ContactState, int]:
-    """The state on the same contacts by a dense matrix, or as it is where rounding keeps that from converging."""
+def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+    """The state from one guess, and the steps to it.
+
+    A dense matrix solves for a few segments whose set is right. All other sets are corrected, and tightly, whatever
+    the tolerance: next to its birth a contact changes dh/dp far more than h. What is asked for beyond that is left to
+    a dense matrix again; and so are a few segments whose fast sums do not settle to it.
+    """
+    few = guess.segments.centre.size < many_contacts.MIN_CONTACTS
+    if few:
+        with suppress(ConvergenceError):
+            return newton.solve_few_contacts(surface, guess, load, tolerance)
     try:
-        guess = transfer_density(surface, state)
-        return few_contacts.solve_few_contacts(surface, guess, state.load, tolerance)
+        state, steps = many_contacts.solve_many_contacts(surface, guess, load, many_contacts.MIN_TOLERANCE)
+        if tolerance >= many_contacts.MIN_TOLERANCE:
+            return state, steps
     except ConvergenceError:
-        return certify(state, state.residual, surface.heights.period, tolerance), 0
+        unsettled = UNSETTLED * many_contacts.MIN_TOLERANCE
+        state, steps = many_contacts.solve_many_contacts(surface, guess, load, unsettled)
+    if few:
+        with suppress(ConvergenceError):  # rounding may keep it from converging
+            again = newton.on_few_nodes(state.iterate, surface.series(state.dual))
+            state, more = newton.solve_few_contacts(surface, again, load, tolerance)
+            return state, steps + more
+    check_violation(state, surface.heights.period, tolerance)
+    return state, steps
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
@@ -252,30 +244,28 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
-    left, half_width, strength = _contacts_of(state, surface.heights.period)
+    left, half_width, order = _sorted_contacts(state, surface.heights.period)
     mean_gap = (0.0 if state.dual else surface.heights.maximum) - state.approach
+    strength = _edge_strengths(state)[order]
     return Solution(mean_pressure, left + half_width, half_width, strength, mean_gap, surface, state)
 
 
-@kernel
-def _contacts_of(state: ContactState, period: float) -> tuple[Array, Array, Array]:
-    """Left end, half-width and strengths of the edges of each contact, from left to right."""
-    segments, n = state.segments, state.segments.centre.size
-    left, half_width = segments.origin + (segments.centre - segments.half_width), segments.half_width
-    strength = np.empty((n, 2))
-    for j in range(n):
-        scale, here = np.sqrt(2 / half_width[j]), slice(segments.first_node[j], segments.first_node[j + 1])
-        for side in range(2):
-            strength[j, side] = scale * evaluate_expansion(state.coefficient[here], 2.0 * side - 1.0)
-    if state.dual:  # contact j lies between gap j and the next
-        left, half_width = left + 2 * half_width, 0.5 * distances_to_next(segments, period)
-        first = strength[0, 0]
-        for j in range(n):
-            next_left = strength[j + 1, 0] if j + 1 < n else first
-            strength[j, 0], strength[j, 1] = -strength[j, 1] / (2 * np.pi), next_left / (2 * np.pi)
-    left = left - period * np.floor(left / period)
+def _sorted_contacts(state: ContactState, period: float) -> tuple[Array, Array, Indices]:
+    """Left edges in [0, L) and half-widths from left to right, and the order that sorted them."""
+    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
+    left = origin + (centre - half_width)
+    left -= period * np.floor(left / period)
     order = np.argsort(left)
-    return left[order], half_width[order], strength[order]
+    return left[order], half_width[order], order
+
+
+def _edge_strengths(state: ContactState) -> Array:
+    """Of the left and right edges of each contact, shape (contacts, 2), from U_k(1) = k + 1 and U_k(-1)."""
+    first_node, scale = state.segments.first_node, np.sqrt(2 / state.segments.half_width)[:, None]
+    strength = scale * end_sums(first_node, state.coefficient * (degrees(first_node) + 1))
+    if state.dual:  # contact j lies between gap j and the next
+        strength = np.stack([-strength[:, 1], np.roll(strength[:, 0], -1)], axis=1) / (2 * np.pi)
+    return strength
 
 
 def check_tolerance(tolerance: float) -> None:

@@ -8,7 +8,7 @@ edges like that of a punch. At the zeros t_i of T_K, psi is known by the forces 
 with d the mean gap. Gauss's quadrature is exact where psi is resolved, but on the contact of i itself: there the sum
 over its nodes is replaced by int T_k(s)/sqrt(1-s^2) ln|t-s| ds = -(pi/k) T_k(t), and -pi ln 2 for k = 0. So A is
 symmetric, positive definite on forces of sum 0, and diagonal on each contact in the basis T_k, k > 0. This diagonal
-and the forces between contacts taken as punches (`punch_forces`) are the preconditioner. It leaves 10 to 30 steps of
+and the forces between contacts taken as punches are the preconditioner. It leaves 10 to 30 steps of
 conjugate gradients to eight digits, whether there are 30 contacts or 27 000.
 
 Gaps with given edges (dual) are cracks: w = sqrt(1-t^2) W(t) is the gap that frees them of the pressure of full
@@ -20,6 +20,12 @@ On the gap of i itself, the finite part of int sqrt(1-s^2) U_k(s)/(t-s)^2 ds = -
 So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps feel
 each other only as dipoles do, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
 the form of the pressure on a contact, so that the same expansions and the same moves of the edges serve both.
+
+The forces between n punches take the time O(n log^2 n). The unit force displaces a flat punch of half-width r by
+-2 ln(pi r/L), and moves the surface at the centre of another by -2 ln|2 sin(pi d/L)|. Halve the row of punches again
+and again: the influence of one half on the other is a matrix of low rank, since the logarithm is smooth but for few
+neighbours. So the inverse follows from those of the two halves by Woodbury's formula. It need not be exact, because
+it serves conjugate gradients as a part of their preconditioner.
 """
 
 from __future__ import annotations
@@ -28,17 +34,23 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
-from weier.methods.patches.punch_forces import Inverse, invert_punches, solve_forces
+from weier.methods.patches.segments import distances_between
+from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
+Matrix = NDArray[np.float64]
+Factors = tuple[Matrix, NDArray[np.int32]]
 Table = NDArray[np.float64]  # shape (contacts, nodes of each) or (nodes, nodes)
 
-MAX_NODES = 2000  # of one contact, whose own matrix is dense
+MAX_DENSE = 128  # punches whose matrix is factorised as it is
+RANK_TOLERANCE = 1e-6  # of the influence of one half on the other; looser ones take more steps of conjugate gradients
+MAX_RANK = 60  # 20 to 30 reach that tolerance for 15 000 punches
 MAX_STEPS = 300  # of conjugate gradients
 MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
 
@@ -78,10 +90,10 @@ class Punches(NamedTuple):
 
     centre, half_width : in lambda_0, shape (contacts,)
     node_count, first_node : nodes of each contact; index of its first and, last, the number of all
-    degree : of the polynomial whose coefficient is kept at each node's place, from 0 on each contact
     groups : the contacts by their number of nodes
     own, own_inverse, own_start : both tables of all rules in a row, and where those of each contact begin
     position : of the nodes, ascending, in lambda_0
+    gap : from the right edge of each contact to the next one, in lambda_0, shape (contacts,)
     period : L, in lambda_0
     matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes
     dual : whether these are gaps
@@ -91,15 +103,20 @@ class Punches(NamedTuple):
     half_width: Array
     node_count: Indices
     first_node: Indices
-    degree: Indices
     groups: list[Group]
     own: Array
     own_inverse: Array
     own_start: Indices
     position: Array
+    gap: Array
     period: float
     matrix: PairMatrix
     dual: bool
+
+    @property
+    def right(self) -> Array:
+        """Right edges, shape (contacts,)."""
+        return self.centre + self.half_width
 
 
 class Forces(NamedTuple):
@@ -123,6 +140,103 @@ class Bounds(NamedTuple):
     reduction: float
     least: float
     most: float
+
+
+class Dense(NamedTuple):
+    """The factors of the matrix of a few punches."""
+
+    factors: Factors
+
+
+class Halves(NamedTuple):
+    """The inverse by halves: [A, U V'; V U', B].
+
+    split : punches of the first half
+    first, second : the inverses of A and B
+    low_rank : U and V, the influence of one half on the other
+    solved : A^-1 U and B^-1 V
+    factors : of [1, U' A^-1 U; V' B^-1 V, 1]
+    """
+
+    split: int
+    first: Inverse
+    second: Inverse
+    low_rank: tuple[Matrix, Matrix]
+    solved: tuple[Matrix, Matrix]
+    factors: Factors
+
+
+Inverse = Dense | Halves
+
+
+def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
+    """The inverse of the influence of punches in order round the period."""
+    if centre.size <= MAX_DENSE:
+        return Dense(_factorise(_influence(centre, half_width, period)))
+    split = centre.size // 2
+    first = invert_punches(centre[:split], half_width[:split], period)
+    second = invert_punches(centre[split:], half_width[split:], period)
+    U, V = _low_rank(centre[:split], centre[split:], period)
+    solved_U, solved_V, rank = solve_forces(first, U), solve_forces(second, V), U.shape[1]
+    coupling = np.eye(2 * rank)
+    coupling[:rank, rank:], coupling[rank:, :rank] = U.T @ solved_U, V.T @ solved_V
+    return Halves(split, first, second, (U, V), (solved_U, solved_V), _factorise(coupling))
+
+
+def solve_forces(inverse: Inverse, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The forces that displace the punches by so much, shape (punches,) or (punches, columns)."""
+    if isinstance(inverse, Dense):
+        return np.asarray(scipy.linalg.lapack.dgetrs(*inverse.factors, displacement)[0])
+    first = solve_forces(inverse.first, displacement[: inverse.split])
+    second = solve_forces(inverse.second, displacement[inverse.split :])
+    (U, V), (solved_U, solved_V), rank = inverse.low_rank, inverse.solved, inverse.low_rank[0].shape[1]
+    exchange = scipy.linalg.lapack.dgetrs(*inverse.factors, np.concatenate([U.T @ first, V.T @ second]))[0]
+    return np.concatenate([first - solved_U @ exchange[rank:], second - solved_V @ exchange[:rank]])
+
+
+def _factorise(matrix: Matrix) -> Factors:
+    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix)
+    return lu, pivot
+
+
+@kernel
+def _influence(centre: Array, half_width: Array, period: float) -> Matrix:
+    matrix = np.empty((centre.size, centre.size))
+    for i in range(centre.size):
+        for j in range(i):
+            matrix[i, j] = matrix[j, i] = displacement_at_distance(centre[i] - centre[j], period)
+        matrix[i, i] = displacement_of_punch(half_width[i], period)
+    return matrix
+
+
+@kernel
+def _low_rank(x: Array, y: Array, period: float) -> tuple[Matrix, Matrix]:
+    """U and V with U V' = the influence of y on x, by adaptive cross approximation with partial pivoting."""
+    most = min(MAX_RANK, x.size, y.size)
+    U, V, used = np.zeros((most, x.size)), np.zeros((most, y.size)), np.zeros(x.size, np.bool_)
+    row, rank, square = 0, 0, 0.0
+    while rank < most:
+        used[row] = True
+        for j in range(y.size):
+            V[rank, j] = displacement_at_distance(x[row] - y[j], period)
+        for k in range(rank):
+            V[rank] -= U[k, row] * V[k]
+        column = int(np.argmax(np.abs(V[rank])))
+        pivot = V[rank, column]
+        if pivot == 0:
+            break
+        for i in range(x.size):
+            U[rank, i] = displacement_at_distance(x[i] - y[column], period)
+        for k in range(rank):
+            U[rank] -= V[k, column] * U[k]
+        U[rank] /= pivot
+        added = np.sum(U[rank] ** 2) * np.sum(V[rank] ** 2)
+        square += added
+        rank += 1
+        if added <= RANK_TOLERANCE**2 * square:
+            break
+        row = int(np.argmax(np.where(used, -1.0, np.abs(U[rank - 1]))))
+    return U[:rank].T.copy(), V[:rank].T.copy()
 
 
 @lru_cache(maxsize=256)
@@ -159,14 +273,14 @@ def make_punches(centre: Array, half_width: Array, node_count: Indices, period: 
         own_start[contact], start = start, start + rule.own.size
         groups.append(Group(rule, contact, node))
     origin = np.repeat(centre, node_count)
-    position, left, right = origin + offset, centre - half_width, centre + half_width
-    if not (np.all(np.diff(position) > 0) and np.all(np.append(left[1:], left[0] + period) > right)):
+    position, gap = origin + offset, distances_between(centre, np.zeros(centre.size), half_width, period)
+    if not (np.all(np.diff(position) > 0) and np.all(gap > 0)):
         raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
     matrix = make_pair_matrix(origin, offset, period, dual)
     own = np.concatenate([group.rule.own.ravel() for group in groups])
     own_inverse = np.concatenate([group.rule.own_inverse.ravel() for group in groups])
-    layout = centre, half_width, node_count, first, np.arange(first[-1]) - np.repeat(first[:-1], node_count), groups
-    return Punches(*layout, own, own_inverse, own_start, position, period, matrix, dual)
+    layout = centre, half_width, node_count, first, groups
+    return Punches(*layout, own, own_inverse, own_start, position, gap, period, matrix, dual)
 
 
 @kernel
@@ -276,14 +390,6 @@ def regular_part(first_node: Indices, b: Array) -> Array:
     return a
 
 
-def expansion_of_regular_part(punches: Punches, a: Array) -> Array:
-    """Coefficients in T_k of (1-t^2) phi, the density that is bounded at all edges."""
-    b = 0.5 * a
-    for _, _, node in punches.groups:
-        b[node[:, 2:]] -= 0.5 * a[node[:, :-2]]
-    return b
-
-
 def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array) -> Array:
     """Coefficients of psi when the segments have moved: to second order the solution, if Newton's step moved them.
 
@@ -317,28 +423,3 @@ def transfer_forces(punches: Punches, b: Array, origin: Indices, half_width: Arr
             rows, half_width[here], int(new), punches.dual
         )
     return force
-
-
-@kernel
-def sample_forces(
-    centre: Array, half_width: Array, first_node: Indices, b: Array, period: float,
-    new_centre: Array, new_half_width: Array, new_first_node: Indices, which: Indices, force: Array,
-) -> None:  # fmt: skip
-    """Fill in the forces on the contacts `which` from the pressure, less its tension, of the old contacts."""
-    left = centre - half_width
-    for j in which:
-        count = new_first_node[j + 1] - new_first_node[j]
-        for q in range(count):
-            t = -np.cos((q + 0.5) * np.pi / count)
-            x = new_centre[j] + new_half_width[j] * t
-            x -= period * np.floor((x - left[0]) / period)
-            i = np.searchsorted(left, x, side="right") - 1
-            s = (x - centre[i]) / half_width[i]
-            pressure = 0.0
-            if abs(s) < 1:
-                after, here = 0.0, 0.0
-                for k in range(first_node[i + 1] - 1, first_node[i], -1):
-                    here, after = b[k] + 2 * s * here - after, here
-                pressure = max(b[first_node[i]] + s * here - after, 0.0) / np.sqrt((1 - s) * (1 + s))
-            weight = np.pi / count * new_half_width[j] * np.sqrt((1 - t) * (1 + t))
-            force[new_first_node[j] + q] = weight * pressure

@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 
 from weier.kernels.blas import one_thread
-from weier.methods.patches.punch_forces import MAX_DENSE, RANK_TOLERANCE, invert_punches, solve_forces
-from weier.methods.patches.punches import (
+from weier.methods.patches.given_edges import (
+    MAX_DENSE,
+    RANK_TOLERANCE,
     Bounds,
     displacement,
     expansion,
-    expansion_of_regular_part,
     forces_of_expansion,
+    invert_punches,
     make_punches,
     regular_part,
+    solve_forces,
     solve_forces_on_contacts,
 )
 
@@ -98,6 +100,13 @@ def test_steps_do_not_grow_with_the_contacts(count):
     assert solved.steps < 20
 
 
+def bounded_expansion(a):
+    """Coefficients in T_k of (1-t^2) sum a_k U_k, of which 7 belong to each segment."""
+    b = 0.5 * a.reshape(-1, 7)
+    b[:, 2:] -= 0.5 * a.reshape(-1, 7)[:, :-2]
+    return b.ravel()
+
+
 @pytest.mark.parametrize("dual", [False, True])
 def test_expansions(dual):
     punches = random_punches(3, 7, dual)
@@ -105,7 +114,7 @@ def test_expansions(dual):
     a[[0, 4, 7, 8, 14]] = 1.0, 0.3, 2.0, -0.5, 1.5  # phi of three segments, of degree 4 at most
     if dual:
         a[[0, 4, 7, 8, 11, 14]] = 0.0, 0.0, 0.0, 0.5, -0.2, 0.0  # a gap closes at its far end: only odd ones here
-    b = expansion_of_regular_part(punches, a)
+    b = bounded_expansion(a)
     np.testing.assert_allclose(regular_part(punches.first_node, b), a, atol=1e-15)
     force = forces_of_expansion(b.reshape(3, 7), punches.half_width, 7, dual).ravel()
     np.testing.assert_allclose(expansion(punches, force), b, atol=1e-14)
@@ -115,6 +124,6 @@ def test_expansions(dual):
         phi = 1 + 0.3 * (16 * t**4 - 12 * t**2 + 1)
         np.testing.assert_allclose(force[:7], np.pi / 7 * r[0] * (1 - t**2) * phi, rtol=1e-12)
     else:  # dw/dx = t sqrt(1-t^2) for a_1 = 1/2
-        b[7:14] = expansion_of_regular_part(punches, np.where(np.arange(21) == 8, 0.5, 0.0))[7:14]
+        b[7:14] = bounded_expansion(np.where(np.arange(21) == 8, 0.5, 0.0))[7:14]
         force = forces_of_expansion(b.reshape(3, 7), r, 7, True)
         np.testing.assert_allclose(force[1], -(r[1] ** 2) / 3 * rule.weight * (1 - t**2), rtol=1e-12)

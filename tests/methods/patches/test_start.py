@@ -7,8 +7,8 @@ import pytest
 
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
-from weier.methods import bem, patches
-from weier.methods.patches.initial_guess import lone_contacts, lone_gaps
+from weier.methods import patches
+from weier.methods.patches.start import lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
 
 
@@ -86,11 +86,3 @@ def test_contacts_only_grow():
         before, after = (edges[np.isfinite(edges)].reshape(-1, 2) for edges in (lighter, heavier))
         for left, right in before:
             assert np.any((left - after[:, 0]) % 1 + (right - left) <= after[:, 1] - after[:, 0])
-
-
-def test_a_contact_without_width_on_a_grid_is_found():
-    """One of 353 contacts is a single node on 16 points a wave."""
-    profile = Profile(1.25, 5, 6)
-    found, grid = patches.curve(profile, [0.5]), bem.curve(profile, [0.5])
-    assert abs(found.compliance - grid.compliance) <= grid.compliance_error
-    assert found.patch_count == grid.patch_count

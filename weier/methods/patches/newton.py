@@ -1,0 +1,611 @@
+"""A few contacts or gaps, whose set is right: Newton's method on their density and edges, with a dense matrix.
+
+Two problems have the same integral equation, int rho(s) cot(pi (x-s)/L) ds = f(x) on the segments, for a density
+rho = sqrt(1-t^2) phi(t) that vanishes at their ends:
+
+contacts (primal)
+    rho is the pressure, and f = -L z'/(2 pi). Then the gap is constant on each contact; that it is 0 takes an
+    equation of height for each, 2 int rho ln|2 sin(pi (x-s)/L)| ds + indentation + z - max z = 0. The load is
+    int rho dx = p L.
+gaps (dual)
+    rho is the slope of the gap, and f = -2 pi L p_full, where p_full is the pressure of full contact. Each gap closes
+    at its far end, int rho dx = 0. The mean gap follows from its moment, d = -(1/L) int (x - c) rho dx.
+
+The unknowns are, in this order, phi at all nodes; all centres and all half-widths, whose changes are counted in
+units of the half-width; and the approach, which is the indentation (primal) or -d (dual), so that its derivative in
+the mean pressure is the resistance in both problems.
+
+The matrix is factorised on few nodes only. On one segment, the density a_k U_k makes the right side L a_k T_(k+1)
+(`chebyshev`): but for the slow modes, by which segments feel each other and their ends, the equations are solved mode
+by mode. So the few nodes correct the solution on many, and each correction leaves about as much of the error as the
+density has in the faster modes.
+
+Newton's method starts close to the solution, and gives up where a step would leave a segment no width or make two
+overlap. A solution is checked, too. Where its set of segments turns out to be wrong, it is refused, since
+`many_contacts` corrects it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches.chebyshev import advance, collocation_point, expansion_coefficients, sines
+from weier.methods.patches.fields import ContactState
+from weier.methods.patches.inequalities import (
+    certify,
+    contact_residual,
+    find_negative_intervals,
+    minima_outside,
+)
+from weier.methods.patches.pair_sums import take_logarithms
+from weier.methods.patches.segments import (
+    COARSE_TOLERANCE,
+    Iterate,
+    Segments,
+    are_resolved,
+    coefficient_tails,
+    distances_to_next,
+    estimate_node_count,
+    increase_node_count,
+    make_segments,
+    move_segments,
+)
+from weier.methods.patches.surface import CosineSeries, Surface, evaluate_series
+
+MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
+MAX_STEPS = 25  # of Newton's method, and of corrections
+MAX_ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, as in a contact that has just been born
+MIN_ROUNDING_RATIO = 0.3  # of a step over the one before: free of rounding, Newton's steps shrink far more
+MAX_RATIO = 0.5  # of a correction over the one before: with more, the slow modes need more nodes
+SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
+MAX_RESISTANCE_ERROR = 1e-8  # of it, where rounding ends them
+MAX_NODE_ROUNDS = 8  # of adding nodes
+MIN_ANGLE = 1e-8  # below it sin(y) = y and y cot(y) = 1 to rounding
+# Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
+# itself, and h by its square.
+MAX_TENSION = 1e-9
+# An overlap beyond this, over the approach, and so many times the residual shows that a contact is missing: tighter
+# than the tolerance, since next to its birth a contact changes dh/dp far more than h.
+MIN_OVERLAP, OVERLAP_FACTOR = 1e-12, 10.0
+
+
+class System(NamedTuple):
+    """The linear equations of a Newton step.
+
+    matrix : the derivatives of all equations in one unknown a row, shape (unknowns, equations)
+    residual, by_load : of the equations, and its derivative in the mean pressure, shape (equations,)
+    """
+
+    matrix: NDArray[np.float64]
+    residual: Array
+    by_load: Array
+
+
+class Points(NamedTuple):
+    """The points at which the integral equation holds, one more than nodes on each segment, all in a row.
+
+    t : on its segment, ascending
+    sine, cosine : of pi r t/L
+    """
+
+    t: Array
+    sine: Array
+    cosine: Array
+
+
+class Factors(NamedTuple):
+    """Of the matrix on few nodes, which correct those on many.
+
+    first_node : of the few, as in `Segments`
+    lower_upper, pivot : LAPACK's, with its columns as rows
+    """
+
+    first_node: Indices
+    lower_upper: NDArray[np.float64]
+    pivot: NDArray[np.int32]
+
+
+@kernel
+def assemble(now: Iterate, series: CosineSeries, load: float) -> System:
+    """What the equations are off, and their derivatives.
+
+    The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
+    and last the load or the mean gap.
+    """
+    segments, size = now.segments, now.phi.size + 2 * now.segments.centre.size + 1
+    system, force = System(np.zeros((size, size)), np.zeros(size), np.zeros(size)), now.phi * segments.weight
+    points = _collocation_points(segments, series.period)
+    for j in range(segments.centre.size):
+        force[segments.first_node[j] : segments.first_node[j + 1]] *= segments.half_width[j]
+        _add_forcing(system, now, series, load, points, j)
+        _add_cauchy_integral(system, segments, force, points, series.period, j)
+    if now.dual:
+        _fill_closure_rows(system, now, force, series.period)
+    else:
+        for i in range(segments.centre.size):
+            _fill_height_row(system, now, series, i)
+        _fill_load_row(system, now, load, series.period)
+    return system
+
+
+@kernel
+def _collocation_points(segments: Segments, period: float) -> Points:
+    n = segments.centre.size
+    t, angle = np.empty(segments.node.size + n), np.empty(segments.node.size + n)
+    for i in range(n):
+        first, count = segments.first_node[i] + i, segments.first_node[i + 1] - segments.first_node[i]
+        for a in range(count + 1):
+            t[first + a] = collocation_point(a, count)
+            angle[first + a] = np.pi / period * segments.half_width[i] * t[first + a]
+    return Points(t, np.sin(angle), np.cos(angle))
+
+
+@kernel
+def _add_forcing(system: System, now: Iterate, series: CosineSeries, load: float, points: Points, i: int) -> None:
+    """The forcing -f at the points x = c + r t of segment i, and r times its derivatives in c and r."""
+    segments, centre = now.segments, now.phi.size + i
+    r, width = segments.half_width[i], centre + segments.centre.size
+    for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
+        value, slope, curvature = evaluate_series(series, segments.crest[i], segments.centre[i] + r * points.t[a])
+        if now.dual:
+            system.residual[a] += 2 * np.pi * series.period * (load - series.maximum - value)
+            system.by_load[a] = 2 * np.pi * series.period
+            dforcing_dx = -2 * np.pi * series.period * slope
+        else:
+            system.residual[a] += slope * series.period / (2 * np.pi)
+            dforcing_dx = curvature * series.period / (2 * np.pi)
+        system.matrix[centre, a] += dforcing_dx * r
+        system.matrix[width, a] += dforcing_dx * r * points.t[a]
+
+
+@kernel
+def _angle_between_centres(segments: Segments, i: int, j: int, factor: float) -> tuple[float, float]:
+    """Sine and cosine of pi (c_i - c_j)/L."""
+    angle = factor * (segments.origin[i] - segments.origin[j] + (segments.centre[i] - segments.centre[j]))
+    return np.sin(angle), np.cos(angle)
+
+
+@kernel
+def _add_cauchy_integral(
+    system: System, segments: Segments, force: Array, points: Points, period: float, j: int
+) -> None:
+    """I = int rho cot(pi (x-s)/L) ds over segment j at all points x = c_i + r_i t.
+
+    With K = cot and dK/ds = (pi/L) (1 + K^2), dI/dc_j = sum w r phi dK/ds = -dI/dx, and
+    r_j dI/dr_j = sum w r phi (K + r_j t_q dK/ds). Where i = j, x moves with the segment: then nothing changes with
+    c_j, and r_j t dI/dx is added to the derivative in r_j.
+    """
+    n, size, factor, r = segments.centre.size, points.t.size, np.pi / period, segments.half_width[j]
+    centre, width = system.matrix[segments.node.size :], system.matrix[segments.node.size + n :]
+    sine, cosine = np.empty(size), np.empty(size)  # of pi (x - c_j)/L
+    for i in range(n):
+        s, c = _angle_between_centres(segments, i, j, factor)
+        for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
+            sine[a] = s * points.cosine[a] + c * points.sine[a]
+            cosine[a] = c * points.cosine[a] - s * points.sine[a]
+    integral, by_centre, by_width = np.zeros(size), np.zeros(size), np.zeros(size)
+    for q in range(segments.first_node[j], segments.first_node[j + 1]):
+        u, v, cot = segments.sine[q], segments.cosine[q], system.matrix[q, :size]
+        for a in range(size):  # loops of their own, which the compiler turns into operations on four at a time
+            cot[a] = (cosine[a] * v + sine[a] * u) / (sine[a] * v - cosine[a] * u)
+        here, weight, lever = force[q], r * segments.weight[q], r * segments.node[q]
+        for a in range(size):
+            term, slope = here * cot[a], factor * here * (1 + cot[a] * cot[a])
+            cot[a] *= weight
+            integral[a] += term
+            by_centre[a] += slope
+            by_width[a] += term + lever * slope
+    for i in range(n):
+        own = segments.half_width[i]
+        for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
+            system.residual[a] += integral[a]
+            if i == j:
+                width[i, a] += by_width[a] - own * points.t[a] * by_centre[a]
+            else:
+                centre[i, a] -= by_centre[a] * own
+                width[i, a] -= by_centre[a] * own * points.t[a]
+                centre[j, a] += by_centre[a] * r
+                width[j, a] += by_width[a]
+
+
+@kernel
+def _fill_height_row(system: System, now: Iterate, series: CosineSeries, i: int) -> None:
+    """The gap is 0 at the centre x = c_i of contact i. The row is divided by r_i, so that all rows are of one size.
+
+    Contact j contributes V_j = 2 int rho ln|2 sin(pi (x-s)/L)| ds, with dV_j/dc_j = -dV_j/dx and r_j dV_j/dr_j. The
+    whole, approach + z - max z + sum V_j, has the derivative z' - sum dV_j/dc_j in c_i.
+    """
+    segments, phi, n = now.segments, now.phi, now.segments.centre.size
+    row = system.matrix[:, phi.size + n + i]
+    value, slope, _ = evaluate_series(series, segments.crest[i], segments.centre[i])
+    scale = 1 / segments.half_width[i]
+    total = (now.approach + value) * scale
+    dtotal_dc = slope
+    potential, dln_dx, dln_dr = _log_potentials(segments, i, series.period)
+    for j in range(n):
+        r = segments.half_width[j]
+        dV_dc, dV_dr = 0.0, 0.0
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            weight = r * segments.weight[q]
+            row[q] = 2 * potential[q] * scale
+            total += 2 * potential[q] * phi[q] * scale
+            dV_dc -= 2 * weight * phi[q] * dln_dx[q]
+            dV_dr += 2 * (potential[q] + weight * dln_dr[q]) * phi[q]
+        dtotal_dc -= dV_dc
+        row[phi.size + j] += dV_dc * r * scale
+        row[phi.size + n + j] += dV_dr * scale
+    row[phi.size + i] += dtotal_dc
+    row[-1] = scale
+    system.residual[phi.size + n + i] = total
+
+
+@kernel
+def _log_potentials(segments: Segments, i: int, period: float) -> tuple[Array, Array, Array]:
+    """Of all nodes, at the centre of segment i: w r ln|2 sin(pi (x-s)/L)|, d ln/dx and r d ln/dr.
+
+    From a node of another segment, d ln/dx = (pi/L) cot(pi (x-s)/L) and r d ln/dr = -r t d ln/dx. From one of its
+    own, s = r t away, d ln/dx counts as 0, since the segment moves with its centre, r d ln/dr = (pi s/L) cot(pi s/L),
+    and the singular part ln|t| is integrated in closed form by `Segments.log_weight`.
+    """
+    factor, n, N = np.pi / period, segments.centre.size, segments.node.size
+    distance, dln_dx, dln_dr = np.empty(N), np.zeros(N), np.ones(N)
+    for j in range(n):
+        s, c = _angle_between_centres(segments, i, j, factor)
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            x, sine, cosine = segments.half_width[j] * segments.node[q], segments.sine[q], segments.cosine[q]
+            if i != j:
+                distance[q] = abs(2 * (s * cosine - c * sine))
+                dln_dx[q] = factor * (c * cosine + s * sine) / (s * cosine - c * sine)
+                dln_dr[q] = -x * dln_dx[q]
+            elif factor * abs(x) < MIN_ANGLE:
+                distance[q] = 2 * factor * segments.half_width[j]
+            else:
+                distance[q] = abs(2 * sine / segments.node[q])
+                dln_dr[q] = factor * x * cosine / sine
+    take_logarithms(distance)
+    for j in range(n):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            distance[q] *= segments.half_width[j] * segments.weight[q]
+            if i == j:
+                distance[q] += segments.half_width[j] * segments.log_weight[q]
+    return distance, dln_dx, dln_dr
+
+
+@kernel
+def _fill_load_row(system: System, now: Iterate, load: float, period: float) -> None:
+    """The contacts carry the load, int rho dx = p L; the row is divided by the largest half-width."""
+    segments, row = now.segments, system.matrix[:, -1]
+    scale, widths, carried = 1 / segments.half_width.max(), now.phi.size + segments.centre.size, 0.0
+    for j in range(segments.centre.size):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            row[q] = scale * segments.half_width[j] * segments.weight[q]
+            row[widths + j] += row[q] * now.phi[q]
+        carried += row[widths + j]
+    system.residual[-1], system.by_load[-1] = carried - scale * (load * period), -scale * period
+
+
+@kernel
+def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float) -> None:
+    """int rho dx = 0: each gap, which opens at one end of its segment, has closed at the other.
+
+    And the approach is minus the mean gap: approach = (1/L) int (x - c) rho dx.
+    """
+    segments, matrix, residual = now.segments, system.matrix, system.residual
+    matrix[-1, -1], residual[-1] = -1.0, -now.approach
+    for j in range(segments.centre.size):
+        row, r = now.phi.size + segments.centre.size + j, segments.half_width[j]
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            moment = r * force[q] * segments.node[q] / period
+            matrix[q, row], matrix[q, -1] = segments.weight[q], r * r * segments.weight[q] * segments.node[q] / period
+            residual[row] += segments.weight[q] * now.phi[q]
+            residual[-1] += moment
+            matrix[row, -1] += 2 * moment
+
+
+def _factorise(now: Iterate, system: System) -> Factors:
+    """The factors of a matrix; if it is singular, what is solved with them is not finite."""
+    lower_upper, pivot, _ = scipy.linalg.lapack.dgetrf(system.matrix.T, overwrite_a=True)
+    return Factors(now.segments.first_node, lower_upper.T, pivot)
+
+
+@kernel
+def _back_substitute(factors: Factors, right_side: Array) -> Array:
+    x, n = right_side.copy(), right_side.size
+    for j in range(n):
+        x[j], x[factors.pivot[j]] = x[factors.pivot[j]], x[j]
+    for j in range(n):
+        column, here = factors.lower_upper[j], x[j]
+        for k in range(j + 1, n):
+            x[k] -= here * column[k]
+    for j in range(n - 1, -1, -1):
+        column = factors.lower_upper[j]
+        x[j] /= column[j]
+        here = x[j]
+        for k in range(j):
+            x[k] -= here * column[k]
+    return x
+
+
+@kernel
+def _correction(residual: Array, factors: Factors, many: Indices, period: float, dual: bool) -> Array:
+    """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves."""
+    fewer, fast = _restrict(residual, factors.first_node, many, period, dual)
+    slow, N = _back_substitute(factors, fewer), many[-1]
+    change = np.empty(residual.size)
+    change[:N] = _prolong(slow, factors.first_node, many, fast)
+    change[N:] = slow[factors.first_node[-1] :]
+    return change
+
+
+@kernel
+def _restrict(row: Array, few: Indices, many: Indices, period: float, dual: bool) -> tuple[Array, Array]:
+    """The residual as fewer nodes see it, and the coefficients in U_k, shape (nodes,), that take off the rest.
+
+    `few` and `many` are `first_node` of both. The residual becomes a sum of T_m, cut off where the fewer nodes end.
+    A fast mode also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
+    """
+    n = few.size - 1
+    fewer = np.zeros(few[-1] + 2 * n + 1)
+    fast, lifted = np.zeros(many[-1]), np.zeros(n)
+    for i in range(n):
+        count, less = many[i + 1] - many[i], few[i + 1] - few[i]
+        cosine, coarser = sines(2 * count + 1), sines(2 * less + 1)  # from a quarter of their periods on
+        for m in range(count + 1):
+            total, angle = 0.0, m + count + 1
+            for a in range(count + 1):  # at the angle m (2 a + 1), from the right
+                total += row[many[i + 1] + i - a] * cosine[angle]
+                angle = advance(angle, 2 * m, cosine.size)
+            total *= (2 if m > 0 else 1) / (count + 1)
+            if m > less:
+                fast[many[i] + m - 1] = total / period
+                if m % 2 == 1 and not dual and m > 1:
+                    lift = np.pi * (1 / (m - 1) + 1 / (m + 1)) * (1 if (m - 1) % 4 == 0 else -1)
+                    lifted[i] -= lift * total / period
+            else:
+                angle = m + less + 1
+                for b in range(less + 1):
+                    fewer[few[i + 1] + i - b] += total * coarser[angle]
+                    angle = advance(angle, 2 * m, coarser.size)
+    fewer[few[-1] + n :] = row[many[-1] + n :]
+    fewer[few[-1] + n : -1] -= lifted
+    return fewer, fast
+
+
+@kernel
+def _prolong(phi: Array, few: Indices, many: Indices, fast: Array) -> Array:
+    """phi on many nodes from that on few and coefficients of faster modes."""
+    finer = np.zeros(many[-1])
+    for i in range(few.size - 1):
+        count, less = many[i + 1] - many[i], few[i + 1] - few[i]
+        a = fast[many[i] : many[i + 1]].copy()
+        a[: min(less, count)] += expansion_coefficients(phi[few[i] : few[i + 1]])[: min(less, count)]
+        sine = sines(count)
+        for q in range(count):  # at the angle q + 1, from the right
+            total, angle = 0.0, 0
+            for k in range(count):  # U_k(cos x) sin x = sin((k+1) x)
+                angle = advance(angle, q + 1, sine.size)
+                total += a[k] * sine[angle]
+            finer[many[i + 1] - 1 - q] = total / sine[q + 1]
+    return finer
+
+
+@kernel
+def change_nodes(now: Iterate, node_count: Indices, period: float) -> Iterate:
+    """The density on so many nodes of each segment."""
+    old = now.segments
+    new = make_segments(old.crest, old.origin, old.centre, old.half_width, node_count, period)
+    phi = _prolong(now.phi, old.first_node, new.first_node, np.zeros(new.node.size))
+    return Iterate(now.dual, new, phi, now.approach)
+
+
+@kernel
+def on_few_nodes(now: Iterate, series: CosineSeries) -> Iterate:
+    """The density on as few nodes as a guess has."""
+    old = now.segments
+    count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
+    return change_nodes(now, count, series.period)
+
+
+@kernel
+def own_density(now: Iterate, series: CosineSeries, load: float) -> Iterate:
+    """The density that each segment takes under those of the others."""
+    none, many = np.zeros(now.segments.first_node.size, np.int64), now.segments.first_node
+    fast = _restrict(assemble(now, series, load).residual, none, many, series.period, True)[1]
+    return Iterate(now.dual, now.segments, now.phi - _prolong(fast, none, many, fast), now.approach)
+
+
+@kernel
+def _take_step(now: Iterate, system: System, factors: Factors, period: float) -> tuple[Iterate, float]:
+    """The unknowns after a step, and its size: inf or NaN if it cannot be taken, and nothing has changed."""
+    segments, N, n = now.segments, now.phi.size, now.segments.centre.size
+    step = -_correction(system.residual, factors, segments.first_node, period, now.dual)
+    size = _relative_step(segments, now.phi, step)
+    if size < np.inf:
+        size = max(size, _largest_loss(segments, step, period))
+    if not size < np.inf:
+        return now, size
+    centre = segments.centre + step[N : N + n] * segments.half_width
+    moved = move_segments(segments, centre, segments.half_width * (1 + step[N + n : -1]), period)
+    return Iterate(now.dual, moved, now.phi + step[:N], now.approach + step[-1]), size
+
+
+@kernel
+def _relative_step(segments: Segments, phi: Array, step: Array) -> float:
+    """The largest relative change of any segment's density, centre or width; NaN if the step is not finite."""
+    if not np.all(np.isfinite(step)):
+        return np.nan
+    largest = np.abs(step[phi.size : -1]).max()
+    for j in range(segments.centre.size):
+        here = slice(segments.first_node[j], segments.first_node[j + 1])
+        largest = max(largest, np.abs(step[here]).max() / np.abs(phi[here]).max())
+    return largest
+
+
+@kernel
+def _largest_loss(segments: Segments, step: Array, period: float) -> float:
+    """The largest change of a distance between segments, over itself; inf if one of them or a width is lost."""
+    n, r, distance = segments.centre.size, segments.half_width, distances_to_next(segments, period)
+    growth, shift = step[-1 - n : -1], step[-1 - 2 * n : -1 - n]
+    largest = 0.0
+    for j in range(n):
+        k = (j + 1) % n
+        loss = (r[j] * (growth[j] + shift[j]) + r[k] * (growth[k] - shift[k])) / distance[j]
+        if loss >= 1 or growth[j] <= -1:
+            return np.inf
+        largest = max(largest, abs(loss))
+    return largest
+
+
+def newton_iteration(
+    now: Iterate, series: CosineSeries, load: float, tolerance: float
+) -> tuple[Iterate, Factors, int]:
+    """The solution on the nodes of a guess, the factors of the last matrix, and the steps.
+
+    ConvergenceError is raised if the steps do not shrink.
+    """
+    size = np.inf
+    _check_size(now.segments.first_node, load)
+    for steps in range(1, MAX_STEPS + 1):
+        system = assemble(now, series, load)
+        factors, previous = _factorise(now, system), size
+        now, size = _take_step(now, system, factors, series.period)
+        if not size < np.inf:
+            break
+        if size < tolerance or MIN_ROUNDING_RATIO * previous < size < MAX_ROUNDING_STEP:
+            return now, factors, steps
+    raise ConvergenceError(f"Newton's method fails under the mean pressure {load:.6g} p_0*", float(size))
+
+
+def _check_size(first_node: Indices, load: float) -> None:
+    unknowns = first_node[-1] + 2 * first_node.size - 1
+    if unknowns > MAX_UNKNOWNS:
+        raise ConvergenceError(
+            f"{unknowns} unknowns under {load:.6g} p_0* are more than a dense matrix holds, {MAX_UNKNOWNS}"
+        )
+
+
+def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+    """The state that solves the equations on the segments of a guess, whether the inequalities hold or not.
+
+    And the steps of Newton's method and the corrections that it took. ConvergenceError is raised unless the
+    corrections fall below the tolerance, or to rounding.
+    """
+    series = surface.series(guess.dual)
+    coarse, factors, steps = newton_iteration(guess, series, load, COARSE_TOLERANCE)
+    few = coarse.segments
+    count = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
+    count = np.maximum(count, np.diff(few.first_node))
+    for _ in range(MAX_NODE_ROUNDS):
+        _check_size(np.append(0, np.cumsum(count)), load)
+        state, more, size, off = _solve_on_many_nodes(coarse, factors, count, series, load, tolerance)
+        if not size < np.inf:
+            break
+        steps += more
+        if off < np.inf:
+            if off > MAX_RESISTANCE_ERROR:
+                raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
+            return state, steps
+        count = increase_node_count(state.segments, state.coefficient, load, tolerance)
+    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
+
+
+@kernel
+def _solve_on_many_nodes(
+    coarse: Iterate, factors: Factors, node_count: Indices, series: CosineSeries, load: float, tolerance: float
+) -> tuple[ContactState, int, float, float]:
+    """The state on so many nodes, the corrections, the size of the last, and the error of the resistance.
+
+    Both are inf, if corrections do not shrink; and the latter is, if the nodes do not resolve the density.
+    """
+    now, steps, size = _refine(coarse, factors, node_count, series, load, tolerance)
+    coefficient, sensitivity, off = expand(now), np.full(1, np.nan), np.inf
+    if size < np.inf and np.all(are_resolved(now.segments, coefficient, tolerance)):
+        sensitivity, more, off = _sensitivity(now, factors, series, load)
+        steps += more
+    unknowns = (now.approach, now.segments, now.phi, coefficient, sensitivity)
+    return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps, size, off
+
+
+@kernel
+def _refine(
+    coarse: Iterate, factors: Factors, node_count: Indices, series: CosineSeries, load: float, tolerance: float
+) -> tuple[Iterate, int, float]:
+    """The solution on so many nodes, the corrections, and the size of the last; inf if they do not shrink."""
+    now, previous = change_nodes(coarse, node_count, series.period), np.inf
+    for steps in range(1, MAX_STEPS + 1):
+        now, size = _take_step(now, assemble(now, series, load), factors, series.period)
+        ratio, previous = size / previous, size
+        is_stuck = ratio > MAX_RATIO
+        if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
+            return now, steps, size
+        if is_stuck or not size < 1:
+            break
+    return now, steps, np.inf
+
+
+@kernel
+def expand(now: Iterate) -> Array:
+    """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
+    a = np.empty(now.phi.size)
+    for j in range(now.segments.centre.size):
+        here = slice(now.segments.first_node[j], now.segments.first_node[j + 1])
+        a[here] = expansion_coefficients(now.phi[here])
+    return a
+
+
+@kernel
+def _sensitivity(now: Iterate, factors: Factors, series: CosineSeries, load: float) -> tuple[Array, int, float]:
+    """The derivatives of the unknowns in the mean pressure, the corrections, and the resistance's relative error."""
+    system = assemble(now, series, load)
+    found, previous, off = np.zeros(system.residual.size), np.inf, 1.0
+    for step in range(1, MAX_STEPS + 1):
+        left = -system.by_load - found @ system.matrix
+        change = _correction(left, factors, now.segments.first_node, series.period, now.dual)
+        found = found + change
+        size, off = _relative_step(now.segments, now.phi, load * change), abs(change[-1] / found[-1])
+        ratio, previous = size / previous, size
+        if step > 2 and off * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
+            return found, step, off * ratio
+        if ratio > MAX_RATIO:
+            break
+    return found, step, off
+
+
+def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+    """The state under one load, from a guess on few nodes, and the Newton steps and corrections that it took.
+
+    ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
+    """
+    series = surface.series(guess.dual)
+    state, steps = solve_on_segments(surface, own_density(guess, series, load), load, tolerance)
+    residual = contact_residual(state, series)
+    outside, inside = _lowest_values(state, series, residual.max(), tolerance)
+    return certify(state, residual, outside, inside, series.period, tolerance), steps
+
+
+def _lowest_values(
+    state: ContactState, series: CosineSeries, residual: float, tolerance: float
+) -> tuple[float, float]:
+    """The lowest values off the segments and on them, of which neither is positive.
+
+    ConvergenceError is raised if there is overlap or tension but by rounding. While the nodes of a segment do not
+    resolve its density, the inequalities are not known any better; and an overlap is known as well as the gap on the
+    contacts vanishes, which is the residual.
+    """
+    unresolved = coefficient_tails(state.segments, state.coefficient, 0)
+    outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
+    scale = state.load if state.dual else abs(state.approach)
+    limit = max(tolerance, outside, float(unresolved.max())) * scale
+    if not state.dual:
+        limit = min(limit, max(MIN_OVERLAP * scale, OVERLAP_FACTOR * residual))
+    lowest, negative = minima_outside(state, series).lowest, find_negative_intervals(state)
+    if lowest < -limit or np.any(negative.share < -np.maximum(unresolved, max(tolerance, inside))[negative.segment]):
+        raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
+    return lowest, float(negative.lowest.min(initial=0.0))
