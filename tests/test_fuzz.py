@@ -39,18 +39,8 @@ values = st.recursive(
 )
 PRODUCT_KEYS = ["D", "gamma", "m", "phases", "seed", "other"]
 SCENE_KEYS = [
-    "title",
-    "loads",
-    "methods",
-    "settings",
-    "contact_edges",
-    "batch",
-    "figures",
-    "claims",
-    "studies",
-    "max_cases",
-    "tolerance",
-    "quantity",
+    *("title", "loads", "methods", "settings", "contact_edges", "batch", "figures", "claims", "studies", "max_cases"),
+    *("tolerance", "quantity"),
 ]
 METHODS = [name for name in names() if name not in ("westergaard", "hybrid")]  # for one wave only
 SETTINGS = ["points", "residual_tolerance", "tolerance", "accuracy", "solver", "resistance", "quantity"]
@@ -242,14 +232,6 @@ def test_many_cases_want_an_explicit_word(tmp_path):
         ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 10**400}}}}, "m must be a number"),
         ({"studies": {"one": {"product": {"D": 1.25, "gamma": 5, "m": 2, "phases": 1e15}}}}, "phases must lie in"),
         ({"settings": {"bem": {"points": 10**9}}}, "points of bem must be a whole number, from 1 to 10000000, got"),
-        (
-            {"settings": {"bem": {"residual_tolerance": "x"}}},
-            r"residual_tolerance of bem must lie in \[1e-15, 1\), got the text 'x'",
-        ),
-        (
-            {"settings": {"bem": {"points": True}}},
-            r"points of bem must be a whole number, .* got True",
-        ),
     ],
 )
 def test_what_no_computer_holds_is_refused(tmp_path, changes, message):

@@ -240,17 +240,6 @@ def test_docs_say_what_to_install(finished):
     assert "weier: the documentation needs sphinx, myst_parser, furo: pip install X" in done.stderr
 
 
-def test_a_bad_scene_stops_before_anything_runs(finished):
-    path = finished / "config/scenes/test.yaml"
-    path.write_text(SCENE.replace("loads", "lods"))
-    command = ["snakemake", "--dry-run", "--config", "scenes=test"]
-    done = subprocess.run(command, cwd=finished, capture_output=True, text=True)
-    path.write_text(SCENE)
-    assert done.returncode != 0
-    assert "config/scenes/test.yaml" in done.stdout + done.stderr
-    assert "lods" in done.stdout + done.stderr
-
-
 def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     """Each run of snakemake waits for what rules import and for what their functions do; it has pandas by itself."""
     command = [sys.executable, "-X", "importtime", "-m", "snakemake", "-s", Path("Snakefile").resolve()]

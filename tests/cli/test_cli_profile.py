@@ -127,6 +127,7 @@ def test_plot_leaves_the_file_that_is_named(run, tmp_path, name, written):
         ),
         ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not run"),
         ([*PROFILE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
+        ([*PROFILE, "-m", "inf", "--phases", "0"], "choose a finite m, or a method for the infinite series"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
@@ -135,18 +136,6 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert (code, out) == (1, "")
     assert last.startswith("weier: ")
     assert message in last
-
-
-@pytest.mark.parametrize(
-    ("m", "method", "reason"),
-    [
-        ("inf", "bem", "choose a finite m, or a method for the infinite series"),
-        ("2", "westergaard", "is for one wave"),
-    ],
-)
-def test_what_does_not_apply_says_why(run, m, method, reason):
-    _, _, err = run("solve", "-D", "1.5", "--gamma", "5", "-m", m, "--method", method, "--loads", "1")
-    assert reason in err.splitlines()[-1]
 
 
 @pytest.mark.parametrize(("command", "name"), [(["solve"], "x.md"), (["solve"], "x"), (["plot"], "x.jpg")])

@@ -107,17 +107,6 @@ def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypat
     assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches"}
 
 
-def test_numbers_that_yaml_takes_for_words_are_numbers(scene_file):
-    text = SCENE.replace("[demelio]", "[layer]\nsettings: {layer: {accuracy: VALUE}}")
-    found = set()
-    for value in ("1e-9", "1.0e-9"):
-        scene_file.write_text(text.replace("VALUE", value))
-        (case,) = scene.load(scene_file).distinct
-        found.add(str(case.curves))
-    assert len(found) == 1
-    assert case.settings["layer"] == {"accuracy": 1e-9}
-
-
 def test_jobs_leave_it_to_snakemake_to_say_what_is_compiled(monkeypatch):
     """Each of them would say it again; without Snakemake, nobody else does."""
     monkeypatch.setattr(jit, "LISTENERS", [print])

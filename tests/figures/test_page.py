@@ -48,6 +48,11 @@ def seconds_of(keys, methods=METHODS, seconds=np.nan):
 
 
 @pytest.fixture(scope="module")
+def text(folder):
+    return (folder / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("a scene")
     data = dataset.blank(len(CASES), METHODS, LOADS, 3)
@@ -64,7 +69,7 @@ def folder(tmp_path_factory):
     data["status"].values[:] = Status.solved
     dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
     (folder / "figure_1.png").write_bytes(PNG)
-    write(folder, "page.html")
+    write(folder)
     return folder
 
 
@@ -73,15 +78,17 @@ def load(folder, text):
     return scene.load(folder / "test.yaml")
 
 
-def write(folder, name):
-    loaded = load(folder, SCENE)
-    cost = seconds_of(KEYS, seconds=0.5)
-    page.write(loaded, folder / "contact.nc", [folder / "figure_1.png"], cost, folder / name)
+def write(folder, name="page.html", data=None):
+    """A page of the scene, with these data or those that are there."""
+    if data is not None:
+        dataset.write(data, folder / "contact.nc", "Other data", "solved")
+        (folder / "figure_1.png").write_bytes(PNG)
+    contact, pictures = folder / "contact.nc", [folder / "figure_1.png"]
+    page.write(load(folder, SCENE), contact, pictures, seconds_of(KEYS, seconds=0.5), folder / name)
     return (folder / name).read_text(encoding="utf-8")
 
 
-def test_the_page_needs_no_network(folder):
-    text = (folder / "page.html").read_text(encoding="utf-8")
+def test_the_page_needs_no_network(text):
     markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
     links = re.findall(r"(?:src|href)=\"(?!data:)([^\"]*)", markup)
@@ -92,8 +99,7 @@ def test_the_page_needs_no_network(folder):
         assert f"<h2>{heading}</h2>" in markup
 
 
-def test_text_of_a_scene_stays_text(folder):
-    text = (folder / "page.html").read_text(encoding="utf-8")
+def test_text_of_a_scene_stays_text(text):
     assert "&lt;b&gt;Waves&lt;/b&gt; &amp; &lt;/script&gt;" in text
     assert "<script>alert(1)" not in text
 
@@ -104,8 +110,7 @@ def test_same_data_same_page(folder):
     assert first == second
 
 
-def test_costs_and_states_are_counted(folder):
-    text = (folder / "page.html").read_text(encoding="utf-8")
+def test_costs_and_states_are_counted(text):
     assert "<td>bem</td><td>4</td><td>0.5</td><td>0.5</td><td>2</td>" in text
     assert "<td>bem</td><td>4</td><td>0</td><td>0</td>" in text
 
@@ -171,8 +176,7 @@ def test_a_method_looks_as_in_the_figures():
     assert isinstance(alone["boundary elements"][0], Line)
 
 
-def test_figures_have_captions(folder):
-    text = (folder / "page.html").read_text(encoding="utf-8")
+def test_figures_have_captions(text):
     caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {kinds()['profiles'].caption}"
     assert f"<figcaption>{caption}" in text
     assert '<a href="figures/figure_1.svg">svg</a>' in text
@@ -204,18 +208,10 @@ def judged(outcome, votes=(Check.yes, Check.no)):
     return claims.Judgement("The error is small.", outcome, findings)
 
 
-def test_a_claim_is_a_line_with_the_number_that_decides_and_everything_else_folded(folder, tmp_path):
+def test_a_claim_is_a_line_with_the_number_that_decides_and_everything_else_folded(tmp_path):
     """A paragraph of twenty lines of numbers was ahead of the one sentence that explains a no."""
     data = dataset.blank(1, METHODS, LOADS, 3).merge(to_dataset({"one": judged(Check.no)}))
-    dataset.write(data, tmp_path / "contact.nc", "Claim", "solved")
-    page.write(
-        load(tmp_path, SCENE),
-        tmp_path / "contact.nc",
-        [folder / "figure_1.png"],
-        seconds_of([]),
-        tmp_path / "page.html",
-    )
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    text = write(tmp_path, data=data)
     (card,) = re.findall(r'<details class="claim no" id="one">.*?</details>', text, re.DOTALL)
     line, below = re.sub(r"\s*\n\s*", "", card).split("</summary>")
     assert line.endswith(
@@ -264,8 +260,7 @@ def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
     assert explorer._labels(data, "phase") == ["seed 7: 0, 1", "1", "seed 8: 0, 1", "seed 9: 0, 1"]
 
 
-def test_the_contents_lead_to_every_section(folder):
-    text = (folder / "page.html").read_text(encoding="utf-8")
+def test_the_contents_lead_to_every_section(text):
     anchors = re.findall(r'<li><a href="#([^"]+)">', text)
     assert anchors == re.findall(r'<section id="([^"]+)">', text) == [
         "curves", "figures", "claims", "errors", "cost", "provenance",
@@ -334,10 +329,11 @@ def test_a_scene_without_a_tolerance_has_no_plans():
 
 # The page is driven as a user drives it: a drop-down list is set and tells the page so. The lists stand in the shadow
 # roots of their widgets.
-DRIVE = """<script>
+FIND = """<script>
 const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
   (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
-const state = () => {
+"""
+DRIVE = """const state = () => {
   const model = (name) => Bokeh.documents[0].get_model_by_name(name)
   return {
     compliance: Array.from(model("curve bem").data.compliance),
@@ -389,7 +385,7 @@ def test_choosing_a_case_changes_the_curve(folder):
     driven = folder / "driven.html"
     text = (folder / "page.html").read_text(encoding="utf-8")
     head, _, _ = text.rpartition("</body>")
-    driven.write_text(f"{head}{DRIVE}</body></html>", encoding="utf-8")
+    driven.write_text(f"{head}{FIND}{DRIVE}</body></html>", encoding="utf-8")
     result = re.search(r'<pre id="result">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
     start, rough, finer, longer, hidden = json.loads(result.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
@@ -406,10 +402,7 @@ def test_choosing_a_case_changes_the_curve(folder):
 
 
 # Sends the page that frames it how wide the page has become, and where the parts of it end.
-MEASURE = """<script>
-const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
-  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
-const measure = () => {
+MEASURE = """const measure = () => {
   if (find(document, "canvas").length < 2) return setTimeout(measure, 200)
   const parts = find(document, "select, canvas, input, img, details, nav")
   const ends = parts.map((each) => each.getBoundingClientRect().right)
@@ -426,23 +419,15 @@ onmessage = (event) => { document.getElementById("result").textContent = JSON.st
 </script>"""
 
 
-def test_a_narrow_window_is_wide_enough(folder, tmp_path):
+def test_a_narrow_window_is_wide_enough(tmp_path):
     """With all methods, random phases, and cases that differ in nothing but their keys."""
     data = dataset.blank(2, registry.names(), LOADS, 6)
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
     data = data.merge(to_dataset({"archard_above": judged(Check.no)}))
-    dataset.write(data, tmp_path / "contact.nc", "Narrow", "solved")
-    page.write(
-        load(tmp_path, SCENE),
-        tmp_path / "contact.nc",
-        [folder / "figure_1.png"],
-        seconds_of([]),
-        tmp_path / "page.html",
-    )
-    head, _, _ = (tmp_path / "page.html").read_text(encoding="utf-8").rpartition("</body>")
-    (tmp_path / "measured.html").write_text(f"{head}{MEASURE}</body></html>", encoding="utf-8")
+    head, _, _ = write(tmp_path, data=data).rpartition("</body>")
+    (tmp_path / "measured.html").write_text(f"{head}{FIND}{MEASURE}</body></html>", encoding="utf-8")
     (tmp_path / "frame.html").write_text(FRAME)
     text = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
     widths = json.loads(re.search(r'<pre id="result">(.*?)</pre>', text).group(1))

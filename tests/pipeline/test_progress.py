@@ -60,25 +60,13 @@ def test_progress_is_told_by_loads_with_the_time_left(monkeypatch):
     assert said[-1] == "20 of 30 loads, about 30 s left"  # and nothing at the end
 
 
-class Terminal(io.StringIO):
-    """What is written to a terminal."""
-
-    def isatty(self):
-        """It is one."""
-        return True
-
-
-def test_a_terminal_shows_what_is_computed_and_how_far_it_is(monkeypatch):
-    screen = Terminal()
-    monkeypatch.setattr(sys, "stderr", screen)
-    with waiting("solving by bem") as show:
-        show("2 of 40 loads")
-    assert screen.getvalue() == f"{ERASE}solving by bem{ERASE}solving by bem: 2 of 40 loads{ERASE}"
-
-
-def test_a_log_shows_nothing(monkeypatch):
+@pytest.mark.parametrize(
+    ("terminal", "said"), [(True, f"{ERASE}solving by bem{ERASE}solving by bem: 2 of 40 loads{ERASE}"), (False, "")]
+)
+def test_a_terminal_shows_what_is_computed_and_how_far_it_is_and_a_log_does_not(monkeypatch, terminal, said):
     screen = io.StringIO()
+    screen.isatty = lambda: terminal
     monkeypatch.setattr(sys, "stderr", screen)
     with waiting("solving by bem") as show:
         show("2 of 40 loads")
-    assert screen.getvalue() == ""
+    assert screen.getvalue() == said

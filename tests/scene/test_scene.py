@@ -95,11 +95,6 @@ def test_a_list_of_cases_is_itself(tmp_path):
     assert cases[0].profile.phase == pytest.approx([0, 1])
 
 
-def test_loads_in_equal_ratios(tmp_path):
-    loads = scene.load(write(tmp_path, loads={"from": 0.01, "to": 1, "count": 3, "spacing": "log"})).loads
-    assert loads == pytest.approx([0.01, 0.1, 1])
-
-
 def test_a_case_of_two_studies_is_solved_once(tmp_path):
     shared = {"D": 1.25, "gamma": 5, "m": 2}
     loaded = scene.load(
@@ -260,13 +255,6 @@ def test_all_mistakes_are_told_at_once_each_with_its_line(tmp_path):
         ("7", "studies.one.settings.bem.points"), ("9", "studies.two.product.gamma"), ("10", "studies.two.methods.0"),
         ("16", "figures.f.studies.1"), ("17", "figures.f.colour"),
     ]  # fmt: skip
-
-
-def test_a_slip_in_the_name_of_the_methods_is_one_mistake(tmp_path):
-    path = tmp_path / "scene.yaml"
-    path.write_text(yaml.safe_dump(MINIMAL).replace("methods", "method"))
-    with pytest.raises(scene.SceneError, match=r"line \d+: method: there is no such key.* did you mean 'methods'\?$"):
-        scene.load(path)
 
 
 def test_a_long_list_of_mistakes_is_cut_short(tmp_path):
