@@ -47,7 +47,7 @@ def test_a_study_is_a_sequence(overlapping):
     cases = overlapping.study("one_by_one")
     assert len(cases) == len(list(cases)) == 1 + 24 + 18
     assert cases[0] == cases[-43]
-    assert cases[1:3] == [cases[1], cases[2]]
+    assert list(cases[1:3]) == [cases[1], cases[2]]
     with pytest.raises(IndexError):
         cases[43]
     assert len(Study([])) == 0

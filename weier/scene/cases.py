@@ -18,7 +18,7 @@ from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.mistakes import SceneError
-from weier.scene.study import CaseProduct, Selection, Study, case_numbers
+from weier.scene.study import CaseProduct, Study, case_numbers
 from weier.theory.profile import Profile
 
 Item = TypeVar("Item")
@@ -87,9 +87,9 @@ class Scene:
         return first[order], names, home.ravel()
 
     @cached_property
-    def distinct(self) -> Selection:
+    def distinct(self) -> Study:
         """Every case once, in order of appearance."""
-        return Selection(self._all, self._distinct[0])
+        return Study(self._all.products, self._distinct[0])
 
     @property
     def cases(self) -> dict[str, Case]:

@@ -87,21 +87,24 @@ def check_value(name: str, value: Any) -> None:
 
 
 class Study(Sequence[Case]):
-    """The cases of some products, one product after the other.
+    """The cases of some products, one product after the other, or those that stand at some positions among them.
 
     Parameters
     ----------
     products : sequence of CaseProduct
         Whose cases these are. A case of several products is there several times.
+    positions : ndarray of int, shape (cases,), or range, optional
+        Where its cases stand among all.
     """
 
-    def __init__(self, products: Sequence[CaseProduct]) -> None:
+    def __init__(self, products: Sequence[CaseProduct], positions: Indices | range | None = None) -> None:
         self.products = tuple(products)
-        self._ends = list(itertools.accumulate(product.count for product in products))
+        self._ends = list(itertools.accumulate((product.count for product in products), initial=0))
+        self._positions = range(self._ends[-1]) if positions is None else positions
 
     def __len__(self) -> int:
         """The number of cases."""
-        return self._ends[-1] if self._ends else 0
+        return len(self._positions)
 
     @overload
     def __getitem__(self, position: int) -> Case: ...
@@ -112,32 +115,10 @@ class Study(Sequence[Case]):
     def __getitem__(self, position: int | slice) -> Case | Sequence[Case]:
         """The case that stands there, or those."""
         if isinstance(position, slice):
-            return [self[each] for each in range(len(self))[position]]
-        position = range(len(self))[position]
-        product = bisect_right(self._ends, position)
-        return self.products[product].case(position - (self._ends[product - 1] if product else 0))
-
-
-class Selection(Sequence[Case]):
-    """The cases that stand at some positions of a study."""
-
-    def __init__(self, study: Study, positions: Indices) -> None:
-        self.study, self.positions = study, positions
-
-    def __len__(self) -> int:
-        """The number of cases."""
-        return self.positions.size
-
-    @overload
-    def __getitem__(self, position: int) -> Case: ...
-
-    @overload
-    def __getitem__(self, position: slice) -> Sequence[Case]: ...
-
-    def __getitem__(self, position: int | slice) -> Case | Sequence[Case]:
-        """The case that stands there, or those."""
-        chosen = self.positions[position]
-        return Selection(self.study, chosen) if isinstance(position, slice) else self.study[int(chosen)]
+            return Study(self.products, self._positions[position])
+        chosen = int(self._positions[position])
+        product = bisect_right(self._ends, chosen) - 1
+        return self.products[product].case(chosen - self._ends[product])
 
 
 def case_numbers(study: Study) -> Indices:

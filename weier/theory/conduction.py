@@ -148,7 +148,7 @@ class Interface:
             )
 
     def at_scale_of(self, curves: Any) -> Interface:
-        """The same bodies with the length and height of the trace that the curves of a case are of, if it is one."""
+        """These bodies at the length and height of the trace that the curves of one case are of, if it is one."""
         length, height = (float(np.squeeze(curves.coords.get(name, math.nan))) for name in OF_TRACE)
         return self if math.isnan(length) else replace(self, lambda_0=length, g_0=height)
 
