@@ -89,9 +89,7 @@ def test_the_shell_completes_commands_and_options(run, monkeypatch):
         (f"{'a' * 300}.nc", "File name too long"),
     ],
 )
-@pytest.mark.parametrize(
-    "command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE], ["extremes", "summary.md"]]
-)
+@pytest.mark.parametrize("command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE], ["extremes", "summary.md"]])
 def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()

@@ -1,4 +1,4 @@
-"""What Archard's and Demelio's approximations share: loads and series of any shape, and what any compliance obeys."""
+"""Archard's and Demelio's approximations against sums in mpmath, their limits, and what any compliance obeys."""
 
 import mpmath as mp
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.extreme_series import ACCURACY, EPS, TINY, extreme_cases
+from tests.extreme_series import ACCURACY, CORNERS, EPS, TINY, assert_sums, extreme_cases
 from weier.methods import archard, demelio, westergaard
 from weier.methods import multiprecision as exact
 from weier.theory.series import full_contact_pressure, leading_amplitude, tail_amplitude
@@ -14,7 +14,49 @@ from weier.theory.series import full_contact_pressure, leading_amplitude, tail_a
 either = pytest.mark.parametrize("estimate", [archard, demelio])
 
 
-@pytest.mark.parametrize(("estimate", "oracle"), [(archard, exact.archard), (demelio, exact.demelio)])
+against_sums = pytest.mark.parametrize(("estimate", "oracle"), [(archard, exact.archard), (demelio, exact.demelio)])
+
+
+@against_sums
+@pytest.mark.parametrize(("seed", "terms"), [(1, [1, 2, 3, 12, 13, 100]), (2, [1000]), (3, [np.inf])])
+def test_both_follow_the_plain_sum(estimate, oracle, seed, terms):
+    assert_sums(estimate, oracle, extreme_cases(seed, 60 if terms == [1000] else 300, terms))
+
+
+@against_sums
+def test_both_follow_the_plain_sum_in_every_corner(estimate, oracle):
+    assert_sums(estimate, oracle, CORNERS)
+
+
+@either
+def test_full_contact_is_the_sum_of_amplitudes_without_resistance(estimate):
+    m, heavy = np.array([1, 2, 5, 40]), np.array([1e300, 1e290, 1e280, 1e260])
+    np.testing.assert_array_equal(estimate.compliance(heavy, 1.5, 5, m), leading_amplitude(m, 1.5, 5))
+    np.testing.assert_array_equal(estimate.resistance(heavy, 1.5, 5, m), 0)
+
+
+def test_demelio_flattens_the_last_wave_at_its_pressure():
+    m = np.array([1, 2, 5, 40])
+    flat = 5 ** (0.5 * (m - 1)) * 1.001  # just beyond p* of the last term
+    np.testing.assert_array_equal(demelio.compliance(flat, 1.5, 5, m), leading_amplitude(m, 1.5, 5))
+    np.testing.assert_array_equal(demelio.resistance(flat, 1.5, 5, m), 0)
+    assert np.all(demelio.resistance(flat / 1.01, 1.5, 5, m) > 0)
+
+
+def test_archard_flattens_all_waves_above_the_first_pressure_where_gamma_is_small():
+    # gamma^(D-1) <= 2: the peak pressure of each wave exceeds p* of the next.
+    np.testing.assert_array_equal(archard.compliance(1.01, 1.5, 3.9, np.inf), tail_amplitude(0, 1.5, 3.9))
+    assert archard.resistance(1.01, 1.5, 3.9, np.inf) == 0
+
+
+def test_archard_is_the_upper_estimate():
+    # Archard loads every wave with the peak, not the mean, of the coarser one (Section 4.1).
+    p = np.geomspace(1e-9, 10, 50)[:, None]
+    m = [2, 3, 10, np.inf]
+    assert np.all(archard.compliance(p, 1.25, 5, m) >= demelio.compliance(p, 1.25, 5, m) * (1 - 4 * EPS))
+
+
+@against_sums
 def test_resistance_is_the_derivative_of_compliance(estimate, oracle):
     for case in extreme_cases(4, 20, [1, 5, 30]):
         with mp.workdps(60):

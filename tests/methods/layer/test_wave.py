@@ -1,15 +1,18 @@
-"""One wave on a layer: a stiff one leaves Westergaard, one far too thin is refused."""
+"""One wave on a layer: a stiff one leaves Westergaard, one far too thin is refused, a wrong state is seen."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.layer_waves import solve_from_guesses
 from weier import ConvergenceError
 from weier.methods import layer, westergaard
 from weier.methods.layer.closure import POSITION_SCALE, Closure
-from weier.methods.layer.solver import TOLERANCE
+from weier.methods.layer.conditions import violations
+from weier.methods.layer.scales import Scaling, coarser_units, finest_wave
+from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE
+from weier.methods.layer.tables import BOTTOM_POSITIONS
+from weier.methods.layer.wave import midpoints, solve_waves
 
 
 @pytest.mark.parametrize("xi", [1e-12, 1e-3, 0.3, 0.99])
@@ -19,7 +22,7 @@ def test_a_stiff_layer_leaves_westergaard(xi):
     position = np.linspace(-4, 1, 200)  # the cubics between so many rows are the power law to 1e-8
     log_p = POSITION_SCALE * np.sinh(position)
     log_w, slope = log_p + np.log(1e-11 * np.sqrt(xi)), POSITION_SCALE * np.cosh(position)
-    found = solve_from_guesses(np.log([xi]), Closure(position, log_w, slope, 0.0), 1e-12)
+    found = solve_waves(np.log([xi]), Closure(position, log_w, slope, 0.0), midpoints(POINTS), 1e-12)
     np.testing.assert_allclose(found.compliance, westergaard.compliance(xi), rtol=1e-6)
     np.testing.assert_allclose(found.rate / xi, westergaard.resistance(xi), rtol=1e-4, atol=2e-5)
 
@@ -29,3 +32,14 @@ def test_a_wave_that_misses_the_tolerance_is_refused():
     with pytest.raises(ConvergenceError, match="above the tolerance") as refused:
         layer.curve([1e-4, 0.2, 3.0], 1.5, 1e300, 3)
     assert refused.value.residual > TOLERANCE
+
+
+def test_the_contact_conditions_see_a_wrong_state():
+    finer, log_load = finest_wave(BOTTOM_POSITIONS[0], ACCURACY).rows.closure, np.log([0.1])
+    closure = coarser_units(finer, Scaling.of(1.25, 5))
+    solved = solve_waves(log_load, closure, midpoints(POINTS), TOLERANCE)
+    assert violations(solved.state, log_load, closure, solved.compliance) < 1e-12
+    for component in (0, POINTS // 2, POINTS):
+        wrong = solved.state.copy()
+        wrong[0, component] += 0.1
+        assert violations(wrong, log_load, closure, solved.compliance) > 1e-6
