@@ -81,7 +81,9 @@ def load_or_refuse(path):
 
 
 def check_scene(folder, found):
-    check_text(folder, yaml.safe_dump(found, allow_unicode=False).encode())
+    path = folder / "a scene.yaml"
+    path.write_bytes(yaml.safe_dump(found, allow_unicode=False).encode())
+    load_or_refuse(path)
 
 
 def check_text(folder, text):

@@ -10,7 +10,7 @@ from tests.reference import REFERENCES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import bem, patches
-from weier.methods.patches import fields, many_contacts
+from weier.methods.patches import fields, inequalities, many_contacts
 from weier.methods.patches.given_edges import make_punches
 from weier.methods.patches.inequalities import (
     SAMPLED_FACTOR,
@@ -172,12 +172,43 @@ def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
 @one_thread
 def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     """Closed forms at some of the points tell."""
-    sums = fields.residuals_by_sums
-    monkeypatch.setattr(fields, "residuals_by_sums", lambda state, *points: 0 * sums(state, *points))
-    state = patches.solve_load(Profile(1.25, 5, 4, 1.0), 1.5).state
+    state = patches.solve_load(FOUR_WAVES, 1.5).state
     assert state.segments.centre.size > fields.MIN_SUM_SEGMENTS
+    monkeypatch.setattr(inequalities, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
     wrong = state._replace(approach=state.approach + 1e-7)
-    assert contact_residual(wrong, surface_of(Profile(1.25, 5, 4, 1.0)).series(state.dual)).max() > 1e-8
+    assert contact_residual(wrong, surface_of(FOUR_WAVES).series(state.dual)).max() > 1e-8
+
+
+@one_thread
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [(Profile(1.25, 5, 4, 1.0), 3.25094), (Profile(1.25, 5, 4, 1.0), 1.5), (Profile(1.95, "7/2", 4, np.pi), 35.5)],
+)
+def test_fast_sums_tell_the_residual_beside_nodes(profile, load):
+    """Some segments are far narrower than they are away from the crest from which positions are counted."""
+    state = patches.solve_load(profile, load).state
+    series, segments = surface_of(profile).series(state.dual), state.segments
+    assert segments.centre.size > fields.MIN_SUM_SEGMENTS
+    first, crest, y = _sample_points(segments, True)
+    count = np.diff(np.append(first, y.size))
+    middle, centre = np.repeat(segments.origin + segments.centre, count), np.repeat(segments.centre, count)
+    fast = fields.residuals_by_sums(state, series, crest, y, middle, y - centre)
+    height = 2 * np.repeat(segments.half_width, count) if state.dual else 1.0
+    # Rounding of 1/sin^2 at a quarter of the distance of two nodes, some hundred times that of the rest.
+    np.testing.assert_allclose(height * (fast - fields.residuals_one_by_one(state, series, crest, y)), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("above", [1e-9, 1e-10])
+def test_a_contact_that_was_just_born_among_many_is_found_at_any_tolerance(above):
+    profile = Profile(1.25, 5, 4, 1.0)
+    events = patches.events(profile, 1.5, 1.6)
+    born = int(np.argmax(events.birth))
+    load, count = events.mean_pressure[born] * (1 + above), events.patch_count[born]
+    exact, *others = (patches.curve(profile, load, tolerance) for tolerance in (1e-12, 1e-10, 1e-8, 1e-6))
+    assert exact.patch_count == count > many_contacts.MIN_CONTACTS
+    for found in others:
+        assert found.patch_count == count
+        assert found.resistance == pytest.approx(exact.resistance, rel=1e-9)
 
 
 @one_thread

@@ -10,7 +10,7 @@ from weier.methods.patches.many_contacts import MIN_CONTACTS
 
 COMPLIANCE_FACTOR = 0.01  # error, times the tolerance
 RESISTANCE_FACTOR = 50.0  # the same; 1 but for loads as near as 1e-5 of themselves below a merger
-# Of plans. At 1e-8 a contact that is about to be born is missed, or kept, within 1e-9 of its load.
+# Of plans. Looser ones take hardly less time: the set of contacts is corrected to the first of these all the same.
 TOLERANCES = (1e-10, 1e-12)
 
 MAX_CONTACTS = 50_000  # more were not measured: 42 641 took 110 s a load and 3.8 GB

@@ -268,7 +268,9 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
     """`complementary_residual` at points, each given by a crest and the distance from it."""
     if y.size < MIN_SUM_POINTS or state.segments.centre.size < MIN_SUM_SEGMENTS:
         return np.asarray(residuals_one_by_one(state, series, crest, y))
-    return residuals_by_sums(state, series, crest, y)
+    origin = series.crest_position[crest]
+    origin = origin - series.period * np.floor((origin + y) / series.period)
+    return residuals_by_sums(state, series, crest, y, origin, y)
 
 
 @kernel
@@ -280,21 +282,37 @@ def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indic
     return value
 
 
-def residuals_by_sums(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
+def residuals_by_sums(
+    state: ContactState, series: CosineSeries, crest: Indices, y: Array, origin: Array, offset: Array
+) -> Array:
     """`complementary_residuals`, in the time O(points + nodes): by fast sums.
 
     Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy
     integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms stay.
+
+    The points are at origin + offset, too. Counted from a segment's centre, as its nodes are, they keep all digits of
+    their distance from these.
     """
     segments, period = state.segments, series.period
-    origin = series.crest_position[crest]
-    origin = origin - period * np.floor((origin + y) / period)
-    order = np.argsort(origin + y, kind="stable")
-    origin, y, value = origin[order], y[order], np.empty(y.size)
+    order = np.argsort(origin + offset, kind="stable")
+    origin, offset, value = origin[order], offset[order], np.empty(y.size)
     count, force = np.diff(segments.first_node), _node_forces(state)
-    offset = np.repeat(segments.centre, count) + np.repeat(segments.half_width, count) * segments.node
-    total = potential(make_tree(np.repeat(segments.origin, count), offset), force, origin, y, period, state.dual)
-    value[order] = _correct_near_segments(state, series, force, crest[order], origin, y, total)
+    middle = np.repeat(segments.origin + segments.centre, count)
+    tree = make_tree(middle, np.repeat(segments.half_width, count) * segments.node)
+    total = potential(tree, force, origin, offset, period, state.dual)
+    value[order] = _correct_near_segments(state, force, origin, offset, period, total)
+    forcing = _evaluate_at(series, crest, y)
+    if state.dual:
+        return state.load - series.maximum - forcing - 0.5 / period**2 * value
+    return -2 * value - state.approach - forcing
+
+
+@kernel
+def _evaluate_at(series: CosineSeries, crest: Indices, y: Array) -> Array:
+    """S - max S at points."""
+    value = np.empty(y.size)
+    for i in range(y.size):
+        value[i] = evaluate_series(series, crest[i], y[i])[0]
     return value
 
 
@@ -316,26 +334,21 @@ def _node_forces(state: ContactState) -> Array:
 
 @kernel
 def _correct_near_segments(
-    state: ContactState, series: CosineSeries, force: Array, crest: Indices, origin: Array, y: Array, total: Array
+    state: ContactState, force: Array, origin: Array, offset: Array, period: float, total: Array
 ) -> Array:
-    """The complementary residual from the quadrature over all segments, by closed forms where one is near."""
-    segments, period, x = state.segments, series.period, origin + y
+    """The sums over all nodes, with closed forms where a segment is near."""
+    segments, x = state.segments, origin + offset
     for j in range(segments.centre.size):
-        centre = segments.origin[j] + segments.centre[j]
-        reach = min(segments.far_field[j] * segments.half_width[j], 0.5 * period)
+        centre, r = segments.origin[j] + segments.centre[j], segments.half_width[j]
+        reach = min(segments.far_field[j] * r, 0.5 * period)
         for image in range(-1, 2):
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
-                t = local_coordinate(segments, j, period, origin[i], y[i])
+                d = (origin[i] - centre) + offset[i]
+                t = (d - period * np.rint(d / period)) / r
                 near = _near_field(state, j, t, period, CAUCHY if state.dual else POTENTIAL)
                 total[i] += -near * period / np.pi if state.dual else near
                 total[i] -= _quadrature(state, force, j, t, period)
-    for i in range(x.size):
-        value = evaluate_series(series, crest[i], y[i])[0]
-        if state.dual:
-            total[i] = state.load - series.maximum - value - 0.5 / period**2 * total[i]
-        else:
-            total[i] = -2 * total[i] - state.approach - value
     return total
 
 
@@ -375,11 +388,6 @@ def _values_on_segments(state: ContactState, series: CosineSeries, x: Array) -> 
     return inside, value
 
 
-@kernel
 def series_values(series: CosineSeries, x: Array) -> Array:
     """S at positions x."""
-    value = np.empty(x.size)
-    for i in range(x.size):
-        crest, y = nearest_crest(series, x[i])
-        value[i] = series.maximum + evaluate_series(series, crest, y)[0]
-    return value
+    return series.maximum + _evaluate_at(series, *nearest_crests(series, x))

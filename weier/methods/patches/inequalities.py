@@ -286,7 +286,9 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     if state.segments.centre.size < MIN_SUM_SEGMENTS:
         return np.asarray(_residual_of_few(state, series))
     first, crest, y = _sample_points(state.segments, True)
-    off = np.abs(residuals_by_sums(state, series, crest, y))
+    segments, count = state.segments, np.diff(np.append(first, y.size))
+    middle, offset = np.repeat(segments.origin + segments.centre, count), y - np.repeat(segments.centre, count)
+    off = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
     some = np.random.default_rng(off.size).choice(off.size, DIRECT_SUMS, replace=False)  # the same ones each time
     off[some] = np.maximum(off[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
     return np.asarray(np.maximum.reduceat(off, first))

@@ -51,7 +51,8 @@ def _solve_without_matrix() -> None:
         assert state is not None
         series = surface.series(state.dual)
         many_contacts.solve_many_contacts(surface, state.iterate, load, TOLERANCE)
-        residuals_by_sums(state, series, *nearest_crests(series, np.linspace(0, 0.9, 10)))
+        crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))
+        residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
     centre = np.arange(2.0 * MAX_DENSE)
     invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
 

@@ -171,18 +171,18 @@ def _influence(series: CosineSeries, at: Indices, of: Indices) -> Array:
 
 def lone_gaps(series: CosineSeries, load: float) -> Iterate | None:
     """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
-    crest, half_width = _find_gaps(series, load)
-    if crest.size == 0 or not _are_lone(series, crest, half_width):
-        return None
-    return _lone_guess(series, True, crest, half_width, 0.0)
+    crest, half_width = _find_lone_gaps(series, load)
+    return _lone_guess(series, True, crest, half_width, 0.0) if crest.size > 0 else None
 
 
 @kernel
-def _find_gaps(series: CosineSeries, load: float) -> tuple[Indices, Array]:
-    """The crests of tension, and the half-widths of the gaps there if these do not bear on each other."""
+def _find_lone_gaps(series: CosineSeries, load: float) -> tuple[Indices, Array]:
+    """The crests of tension, none if the gaps there are wide, and the half-widths."""
     tension = series.maximum - load + series.crest_offset
     crest = np.flatnonzero(tension > 0)
-    return crest, 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest])
+    half_width = 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest])
+    lone = crest.size > 0 and _are_lone(series, crest, half_width)
+    return (crest, half_width) if lone else (crest[:0], half_width[:0])
 
 
 @kernel
