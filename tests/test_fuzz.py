@@ -81,9 +81,7 @@ def load_or_refuse(path):
 
 
 def check_scene(folder, found):
-    path = folder / "a scene.yaml"
-    path.write_bytes(yaml.safe_dump(found, allow_unicode=False).encode())
-    load_or_refuse(path)
+    check_text(folder, yaml.safe_dump(found, allow_unicode=False).encode())
 
 
 def check_text(folder, text):

@@ -46,8 +46,8 @@ def test_settings_are_attributes_of_the_result():
         ([0.0, 1.0], "positive, got 0.0 at position 0"),
         ([0.1, np.nan], "finite, got nan at position 1"),
         ([0.1, np.inf], "finite"),
-        ([0.2, 0.1], "increase, got 0.2 before 0.1"),
-        ([0.1, 0.1], "increase"),
+        ([0.2, 0.1], "increase, got 0.2 before 0.1: sort the loads"),
+        ([0.1, 0.1], "got 0.1 at positions 0 and 1: give each load once"),
     ],
 )
 def test_bad_loads_are_refused(loads, message):

@@ -55,6 +55,7 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
     import pandas as pd
 
     from weier.data.selection import as_cases
+    from weier.theory.conduction import at_scale_of
 
     data = as_cases(data)
     trace = data["trace_digest"].values if "trace_digest" in data.coords else np.full(data.sizes["case"], "")
@@ -62,7 +63,7 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
     groups = [data.isel(case=np.flatnonzero(trace == digest)) for digest in dict.fromkeys(trace.tolist())]
     tables = []
     for group in groups:
-        curves = bodies.at_scale_of(group.isel(case=0)).in_si(group)
+        curves = at_scale_of(group.isel(case=0), bodies).in_si(group)
         table = curves.weier.table()
         units = {name: curves[name].attrs.get("units", "1") for name in table if name in curves}
         tables.append(table.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit != "1"}))

@@ -24,7 +24,7 @@ from weier.methods import curves
 from weier.methods.registry import names, numerical_names
 from weier.scene import BY_DEFAULT, Grouping
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Interface, at_scale_of
 
 LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
@@ -80,7 +80,7 @@ def compare(
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
     if grouping == BY_DEFAULT:
         grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
-    bodies = [interface and interface.at_scale_of(case) for case in cases]
+    bodies = [interface and at_scale_of(case, interface) for case in cases]
     drawn = _curves(cases, quantity, grouping, bodies)
     of_each = [_values(drawn, name) for name in grouping.facet]
     columns = len(of_each[1]) if len(of_each) == 2 else None

@@ -147,11 +147,6 @@ class Interface:
                 f"floats, got {self.full_contact_pressure}"
             )
 
-    def at_scale_of(self, curves: Any) -> Interface:
-        """These bodies at the length and height of the trace that the curves of one case are of, if it is one."""
-        length, height = (float(np.squeeze(curves.coords.get(name, math.nan))) for name in OF_TRACE)
-        return self if math.isnan(length) else replace(self, lambda_0=length, g_0=height)
-
     @property
     def composite_modulus(self) -> float:
         """Composite modulus M, in Pa (3)."""
@@ -269,3 +264,9 @@ def _scaled(normalised: ArrayLike, unit: float) -> Array:
     """Values in a unit; NaN, where a value is missing, stays NaN."""
     with np.errstate(over="ignore"):  # beyond the largest float is inf
         return np.asarray(checked_numbers("normalised", normalised) * unit)
+
+
+def at_scale_of(curves: Any, bodies: Interface) -> Interface:
+    """Two bodies at the length and height of the trace that the curves of one case are of, if it is one."""
+    length, height = (float(np.squeeze(curves.coords.get(name, math.nan))) for name in OF_TRACE)
+    return bodies if math.isnan(length) else replace(bodies, lambda_0=length, g_0=height)
