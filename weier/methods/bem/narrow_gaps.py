@@ -10,6 +10,7 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import Edges
 from weier.methods.bem.factors import EDGE_REST, OPEN_DEPTH, REST
+from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.local_fit import (
@@ -83,6 +84,7 @@ class Gaps(NamedTuple):
 def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum) -> Gaps:
     """Correct all narrow gaps, and find those that open between two nodes."""
     runs, points = edge.size - 2, solution.pressure.size
+    pressure = _pressure_without_residual(solution, grid)
     polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
     place, adds, error = np.full((runs, 2), np.nan), np.zeros((runs, 2)), np.zeros(2)
     compliance = resistance = 0.0
@@ -91,7 +93,7 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
         start = edge[run + 1] % points
         if polynomial[run] and not solution.contact[start]:
             nodes, margin = edge[run + 2] - edge[run + 1], margin_of(edge, run)
-            gap = correct_gap(start, nodes, margin, REST, solution, grid, continuum)
+            gap = correct_gap(start, nodes, margin, REST, pressure, solution, grid, continuum)
             polynomial[run] = gap.left <= gap.right
             place[run, 0], place[run, 1] = gap.left, gap.right
             adds[run, 0], adds[run, 1] = gap.compliance, gap.resistance
@@ -106,7 +108,7 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
             continue
         margin = side_margin(node, solution.contact)
         factor = REST if margin == CREST_MARGIN else EDGE_REST
-        gap = correct_gap(node, 1, margin, factor, solution, grid, continuum)
+        gap = correct_gap(node, 1, margin, factor, pressure, solution, grid, continuum)
         if not gap.left <= gap.right:
             found = False
             continue
@@ -123,6 +125,23 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
             compliance += gap.compliance
             resistance += gap.resistance
     return Gaps(polynomial, place, adds, compliance, resistance, opened[:count], error, found, uncertain)
+
+
+@kernel
+def _pressure_without_residual(solution: GridSolution, grid: Grid) -> Array:
+    """Nodal pressure less what the residual of the heights in contact makes of it, shape (N,).
+
+    A gap of few nodes opens by so little pressure that the residual at one node beside it would tell how much.
+    """
+    points = solution.pressure.size
+    residual, pressure = np.zeros(points), np.empty(points)
+    for i in range(points):
+        if solution.contact[i]:
+            residual[i] = solution.plane - solution.deformed[i]
+    circulant_product(grid.inverse, residual, np.zeros(points // 2 + 1, np.complex128), pressure)
+    for i in range(points):
+        pressure[i] = solution.pressure[i] - pressure[i]
+    return pressure
 
 
 @kernel
@@ -149,8 +168,9 @@ def _edges_not_found() -> GapCorrection:
 
 @kernel
 def correct_gap(
-    start: int, nodes: int, margin: int, factor: float, solution: GridSolution, grid: Grid, continuum: Continuum
-) -> GapCorrection:
+    start: int, nodes: int, margin: int, factor: float, relaxed: Array, solution: GridSolution, grid: Grid,
+    continuum: Continuum,
+) -> GapCorrection:  # fmt: skip
     """What a narrow gap adds to compliance and resistance by its polynomial, fitted on `margin` more nodes each side.
 
     It may stand between two nodes: then its one node is the one of least pressure. The error is `factor` times the
@@ -173,7 +193,7 @@ def correct_gap(
     seen = np.empty((3, continuum.windows.fitted[window]))  # pressure that closes this gap, its rate, and z
     for i in range(seen.shape[1]):
         node = (start - margin + offset[i]) % points
-        seen[0, i], seen[1, i], seen[2, i] = (solution.pressure[node], solution.per_load[node], grid.height[node])
+        seen[0, i], seen[1, i], seen[2, i] = relaxed[node], solution.per_load[node], grid.height[node]
         for j in range(nodes):
             stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
             seen[0, i] -= stiffness * gap[j]
