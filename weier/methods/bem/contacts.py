@@ -179,10 +179,11 @@ def add_contact(
     smoothing = added_by_triangles(rate, nodes, scale)
     contacts.kind[at], contacts.limit[at] = NARROW, limit
     contacts.origin[at] = contacts.position[at]
+    contacts.position[at] += centre * scale * spacing
     enter_polynomials(fitted, window, centre, width, continuum, spacing, contacts, at)
     contacts.self_compliance[at] = own / contacts.share[at] ** 2
     for i in range(nodes):
-        x = (i - (nodes - 1) / 2) * spacing
+        x = (i - (nodes - 1) / 2 - centre * scale) * spacing
         add_grid_moments(force[i], x, spacing, contacts.force_moments[at])
         add_grid_moments(share[i], x, spacing, contacts.share_moments[at])
     contacts.grid_mixed[at] = mixed + np.sum(force * smoothing)

@@ -73,7 +73,7 @@ def estimate_errors(
             else:
                 judged &= forces.penetration[at] <= height
             uncertain |= abs(forces.penetration[at]) <= height
-            drop = _uncertain_birth(contacts, forces, at, height, period)
+            drop = _uncertain_birth(contacts, forces, at, height, solution.rate, period)
             births += drop
             if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
                 missed += drop * displaced / forces.closing[at]
@@ -190,19 +190,43 @@ def _displacement_by_moments(contacts: GridContacts, at: int, points: int, perio
 
 
 @kernel
-def _uncertain_birth(contacts: GridContacts, forces: Redistribution, at: int, height: float, period: float) -> float:
+def _uncertain_birth(
+    contacts: GridContacts, forces: Redistribution, at: int, height: float, resistance: float, period: float
+) -> float:
     """By how much the resistance would differ if a crest stood so much higher or lower."""
-    bend = -slopes(contacts.height[at], forces.centre[at])[1]
-    higher = _drop(contacts, forces, at, forces.penetration[at] + height, bend, period)
-    return higher - _drop(contacts, forces, at, forces.penetration[at] - height, bend, period)
+    relief = _relief(contacts, forces, at, period)
+    higher = _drop(contacts, forces, at, forces.penetration[at] + height, relief, period)
+    lower = _drop(contacts, forces, at, forces.penetration[at] - height, relief, period)
+    return min(higher - lower, resistance)
+
+
+@kernel
+def _relief(contacts: GridContacts, forces: Redistribution, at: int, period: float) -> float:
+    """How much less than a punch by itself a contact yields, since the neighbour that does so most gives way to it.
+
+    A force f on one contact that another loses displaces both by f (C_i + C_j - 2 K_ij).
+    """
+    relief = 0.0
+    for other in range(contacts.kind.size):
+        if other != at and forces.touching[other]:
+            yielding = contacts.self_compliance[other]
+            if contacts.kind[other] != WIDE:
+                yielding = punch_compliance(forces.half_width[other] * contacts.scale[other], period)
+            apart = np.sin(np.pi / period * (contacts.position[at] - contacts.position[other]))
+            relief = min(relief, yielding + 4 * np.log(abs(2 * apart)))
+    return relief
 
 
 @kernel
 def _drop(
-    contacts: GridContacts, forces: Redistribution, at: int, penetration: float, bend: float, period: float
+    contacts: GridContacts, forces: Redistribution, at: int, penetration: float, relief: float, period: float
 ) -> float:
     """What a contact takes off the resistance that a crest makes by penetrating so far."""
+    bend = -slopes(contacts.height[at], forces.centre[at])[1]
     if penetration <= 0 or bend <= 0:
         return 0.0
     half_width = min(np.sqrt(2 * penetration / bend) * contacts.scale[at], period / 4)
-    return forces.closing[at] ** 2 / (1 + punch_compliance(half_width, period)) / period
+    closing = forces.closing[at]
+    if forces.touching[at] and contacts.kind[at] != CREST:
+        closing += contacts.share[at] * relief
+    return closing**2 / max(1 + punch_compliance(half_width, period) + relief, 1.0) / period

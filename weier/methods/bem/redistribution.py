@@ -282,7 +282,8 @@ def _moments(
         if state.touching[i] and contacts.kind[i] == NARROW:
             coefficient = expansion(polynomial[i], state.centre[i], state.half_width[i])
             odd, even = sign * coefficient[1], sign * coefficient[2]
-            middle, reach = contacts.scale[i] * state.centre[i], contacts.scale[i] * state.half_width[i]
+            middle = contacts.scale[i] * (state.centre[i] - contacts.centre[i])
+            reach = contacts.scale[i] * state.half_width[i]
             moments[i, 1] = total[i] * middle + reach * odd / 4 - on_grid[i, 0]
             second = total[i] * middle**2 + middle * reach * odd / 2 + reach**2 * (total[i] / 2 + even / 4)
             moments[i, 2] = second - on_grid[i, 1]
