@@ -8,7 +8,6 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import copy_values
 from weier.methods.bem.interaction import add_grid_moments
@@ -35,12 +34,10 @@ class GridContacts(NamedTuple):
     """Contacts on the grid and crests between them, from left to right; each of shape (contacts,).
 
     kind : WIDE, NARROW if it has polynomials, or CREST if it is no contact on the grid but may be one
-    run : of the grid that it is; that of its gap for a crest
     position : of the middle, in lambda_0
     force, share : on the grid, per period, and its rate per mean pressure
     self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
     edge_compliance, edge_resistance : what its lone edges add to compliance and resistance
-    edge_drop, edge_yield : by how much one step of these lowers the resistance, and more force does, per force
     left, right : its edges by themselves, or those of narrow gaps beside it, in lambda_0
     closed_after : 1 where the gap after it is closed in the continuum
     origin, scale : of the variable s of the polynomials, in lambda_0
@@ -54,15 +51,12 @@ class GridContacts(NamedTuple):
     """
 
     kind: Indices
-    run: Indices
     position: Array
     force: Array
     share: Array
     self_compliance: Array
     edge_compliance: Array
     edge_resistance: Array
-    edge_drop: Array
-    edge_yield: Array
     left: Array
     right: Array
     closed_after: Indices
@@ -85,23 +79,23 @@ class GridContacts(NamedTuple):
 @kernel
 def make_contacts(contacts: int, terms: int) -> GridContacts:
     """Room for so many."""
-    number = np.zeros((18, contacts))
-    integer = np.zeros((3, contacts), np.int64)
+    number, integer, polynomial = np.zeros((16, contacts)), np.zeros((2, contacts), np.int64), (contacts, terms)
+    moments, rest = (contacts, 2), (contacts, 2, terms + 2)
     return GridContacts(
-        integer[0], integer[1], number[0], number[1], number[2], number[3], number[4], number[5], number[6],
-        number[7], number[8], number[9], integer[2], number[10], number[11], number[12], number[13], number[14],
-        np.zeros((contacts, terms)), np.zeros((contacts, terms)), np.zeros((contacts, 2, terms + 2)),
-        np.zeros((contacts, 2, terms + 2)), number[15], number[16], number[17], np.zeros((contacts, 2)),
-        np.zeros((contacts, 2)),
+        integer[0], number[0], number[1], number[2], number[3], number[4], number[5], number[6], number[7],
+        integer[1], number[8], number[9], number[10], number[11], number[12], np.zeros(polynomial),
+        np.zeros(polynomial), np.zeros(rest), np.zeros(rest), number[13], number[14], number[15], np.zeros(moments),
+        np.zeros(moments),
     )  # fmt: skip
 
 
 @kernel
 def find_contacts(
-    crest: Flags, crests: int, gaps: Gaps, steps: Steps, solution: GridSolution, edge: Edges, continuum: Continuum
+    crest: Flags, crests: int, gaps: Gaps, steps: Steps, solution: GridSolution, continuum: Continuum
 ) -> tuple[GridContacts, Flags]:
     """All contacts and the marked crests, and which contacts and gaps have polynomials."""
-    runs, points = edge.size - 2, solution.pressure.size
+    edge, points = solution.edge, solution.pressure.size
+    runs = edge.size - 2
     polynomial = gaps.polynomial.copy()
     contacts = make_contacts(runs // 2 + crests, TERMS)
     contact_of = np.zeros(runs, np.int64)  # of a gap, the one before it
@@ -110,12 +104,10 @@ def find_contacts(
         start, nodes = edge[run + 1] % points, edge[run + 2] - edge[run + 1]
         if solution.contact[start]:
             contact_of[run] = used
-            polynomial[run] = add_contact(
-                start, nodes, polynomial[run], edge, run, solution, continuum, contacts, used
-            )
+            polynomial[run] = add_contact(run, polynomial[run], solution, continuum, contacts, used)
             used += 1
         else:
-            used = add_crests(start, nodes, run, crest, solution, continuum, contacts, used)
+            used = add_crests(start, nodes, crest, solution, continuum, contacts, used)
     for run in range(runs):
         before = after = run  # of gaps between its nodes; what a narrow gap adds belongs half to each side of it
         if not solution.contact[edge[run + 1] % points]:
@@ -126,17 +118,17 @@ def find_contacts(
             contacts.edge_resistance[beside] += gaps.adds[run, 1] / 2
     for run in range(runs):
         alone = not (polynomial[run] or polynomial[run - 1])  # else its edge belongs to a narrow contact or gap
-        place_edge(run, edge, alone, steps, gaps.edge, contact_of, solution, continuum, contacts)
+        place_edge(run, alone, steps, gaps.edge, contact_of[run], solution, continuum, contacts)
     return contacts, polynomial
 
 
 @kernel
 def add_contact(
-    start: int, nodes: int, polynomial: bool, edge: Edges, run: int,
-    solution: GridSolution, continuum: Continuum, contacts: GridContacts, at: int,
-) -> bool:  # fmt: skip
+    run: int, polynomial: bool, solution: GridSolution, continuum: Continuum, contacts: GridContacts, at: int
+) -> bool:
     """Enter a contact; whether it has a polynomial, as it should if `polynomial`."""
-    points = solution.pressure.size
+    edge, points = solution.edge, solution.pressure.size
+    start, nodes = edge[run + 1] % points, edge[run + 2] - edge[run + 1]
     spacing = continuum.period / points
     force = np.empty(nodes)
     share = np.empty(nodes)
@@ -144,7 +136,7 @@ def add_contact(
         force[i] = solution.pressure[(start + i) % points] * spacing
         share[i] = solution.per_load[(start + i) % points] * spacing
     half_width = ((nodes - 1) / 2 + EDGE) * spacing
-    contacts.kind[at], contacts.run[at] = WIDE, run
+    contacts.kind[at] = WIDE
     contacts.position[at] = (start + (nodes - 1) / 2) * spacing
     contacts.force[at] = force.sum()
     contacts.share[at] = share.sum()
@@ -209,22 +201,18 @@ def enter_polynomials(
 
 @kernel
 def place_edge(
-    run: int, edge: Edges, alone: bool, steps: Steps, gap_edge: Array, contact_of: Indices, solution: GridSolution,
-    continuum: Continuum, contacts: GridContacts,
+    run: int, alone: bool, steps: Steps, gap_edge: Array, which: int, solution: GridSolution, continuum: Continuum,
+    contacts: GridContacts,
 ) -> None:  # fmt: skip
     """Place the edge at which a run begins: at that of a narrow gap, or by itself if no narrow run has it."""
-    points, node = solution.pressure.size, edge[run + 1]
+    points, node = solution.pressure.size, solution.edge[run + 1]
     begins = solution.contact[node % points]  # a contact begins here
-    which = contact_of[run]
     gap = run - 1 if begins else run
     position = gap_edge[gap, 1] if begins else gap_edge[gap, 0]
     if alone:
         compliance, resistance = correct_edge(steps, run)
         contacts.edge_compliance[which] += compliance
         contacts.edge_resistance[which] += resistance
-        contacts.edge_drop[which] += steps.drop[run]
-        if steps.load[run] > 0:
-            contacts.edge_yield[which] += steps.drop[run] / (steps.load[run] * contacts.share[which])
         beyond = steps.place[run] + EDGE
         position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
     elif run == 0 and begins:  # the gap before it ends in the next period
@@ -266,8 +254,8 @@ def find_crests(plane: float, solution: GridSolution, displacement: Array, crest
 
 @kernel
 def add_crests(
-    start: int, nodes: int, run: int, crest: Flags, solution: GridSolution, continuum: Continuum,
-    contacts: GridContacts, used: int,
+    start: int, nodes: int, crest: Flags, solution: GridSolution, continuum: Continuum, contacts: GridContacts,
+    used: int,
 ) -> int:  # fmt: skip
     """Enter the marked crests of a gap; the contacts then used."""
     points = solution.pressure.size
@@ -282,10 +270,10 @@ def add_crests(
         seen = np.empty((2, window))
         for j in range(window):
             near = (node - margin + j) % points
-            seen[0, j], seen[1, j] = (solution.deformed[near], solution.displacement[near])
+            seen[0, j], seen[1, j] = solution.deformed[near], solution.displacement[near]
         fitted = fit_window(continuum.windows, window, seen)
         top = highest(fitted[0], 0.0, 1 / scale)
-        contacts.kind[used], contacts.run[used] = CREST, run
+        contacts.kind[used] = CREST
         contacts.position[used] = (node + top * scale) * spacing
         contacts.origin[used] = node * spacing
         contacts.limit[used] = 1.0

@@ -9,7 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from numpy.typing import NDArray
 
 from weier.kernels.blas import one_thread
-from weier.methods.bem.fft import DiscreteSolution, blank_solution, count_patches
+from weier.methods.bem.fft import DiscreteSolution, count_patches
 from weier.methods.progress import count_load
 
 Array = NDArray[np.float64]
@@ -58,19 +58,16 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
         Arrays over the loads, in their order; work counts dense solutions.
 
     """
-    solution, matrix, contact = blank_solution(loads.size), scipy.linalg.circulant(influence), pressure > 0
+    rows, matrix, contact = np.empty((loads.size, 6)), scipy.linalg.circulant(influence), pressure > 0
     for load in range(loads.size - 1, -1, -1):
         solved = solve_load(matrix, height, contact, loads[load], tolerance)
         contact, pressure[:] = solved.contact, solved.pressure
         gap = solved.plane - height + matrix @ pressure
-        solution.plane[load], solution.resistance[load] = solved.plane, solved.resistance
-        solution.work[load] = solved.rounds
-        solution.contact_nodes[load], solution.patches[load] = contact.sum(), count_patches(contact)
-        solution.residual[load] = max(
-            np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0]
-        )
+        residual = max(np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0])
+        nodes, patches = contact.sum(), count_patches(contact)
+        rows[load] = solved.plane, solved.resistance, nodes, patches, residual, solved.rounds
         count_load()
-    return solution
+    return DiscreteSolution(*rows.T)
 
 
 def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolerance: float) -> ActiveSet:

@@ -15,8 +15,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem import factors
-from weier.methods.bem.contacts import CREST, WIDE, GridContacts
-from weier.methods.bem.edges import Edges
+from weier.methods.bem.contacts import WIDE, GridContacts
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.local_fit import shift, slopes, value
 from weier.methods.bem.lone_edges import Steps
@@ -40,44 +39,41 @@ class Errors(NamedTuple):
 
 @kernel
 def estimate_errors(
-    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, gaps: Gaps, contacts: GridContacts,
+    solution: GridSolution, steps: Steps, polynomial: Flags, gaps: Gaps, contacts: GridContacts,
     forces: Redistribution, continuum: Continuum,
 ) -> Errors:  # fmt: skip
     """How far off a corrected solution is expected to be."""
-    used, angle, period = contacts.kind.size, continuum.angle, continuum.period
-    load = float(np.mean(solution.pressure))
-    of_edges = _errors_of_edges(solution, edge, steps, polynomial, angle, load)
-    compliance, resistance = _error_of_the_solver(solution, load) + of_edges[0], of_edges[1]
+    angle, period, load = continuum.angle, continuum.period, float(np.mean(solution.pressure))
+    compliance, resistance = _errors_of_edges(solution, steps, polynomial, angle, load)
+    compliance += _error_of_the_solver(solution, load)
     resistance += factors.RATE_ROUNDING / angle**2 * solution.rate
-    for at in range(used):
-        if not forces.touching[at]:
-            continue
-        compliance += factors.MOMENTS * forces.second[at]
-        resistance += factors.MOMENTS * forces.rate_second[at]
-        if contacts.kind[at] != WIDE:
-            of_rest = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
-            compliance += factors.REST * of_rest[0]
-            resistance += factors.REST * of_rest[1]
-            shifted = abs(forces.share_change[at] * forces.change[at]) / period
-            compliance += factors.RECIPROCITY[0] * shifted
-            resistance += factors.RECIPROCITY[1] * shifted / load
-    births = missed = 0.0
+    for at in range(contacts.kind.size):
+        if forces.touching[at]:
+            compliance += factors.MOMENTS * forces.second[at]
+            resistance += factors.MOMENTS * forces.rate_second[at]
+            if contacts.kind[at] != WIDE:
+                of_rest = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
+                compliance += factors.REST * of_rest[0]
+                resistance += factors.REST * of_rest[1]
+    birth_compliance = birth_resistance = 0.0
     uncertain, judged = False, True
-    for at in range(used):
-        if contacts.kind[at] != WIDE:
-            rest = _size(contacts.height_rest[at], forces.centre[at])
-            displaced = _displacement_by_moments(contacts, at, solution.contact.size, period)
-            height = factors.HEIGHT_SHARE * compliance + factors.REST * rest + displaced
-            if forces.touching[at]:  # the more of the load it takes, the less another can take from it
-                height *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
-            else:
-                judged &= forces.penetration[at] <= height
-            uncertain |= abs(forces.penetration[at]) <= height
-            drop = _uncertain_birth(contacts, forces, at, height, solution.rate, period)
-            births += drop
-            if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
-                missed += drop * displaced / forces.closing[at]
-    return Errors(gaps.error[0] + compliance + missed, gaps.error[1] + resistance + births, uncertain, judged)
+    for at in range(contacts.kind.size):
+        if contacts.kind[at] == WIDE:
+            continue
+        rest = factors.REST * _size(contacts.height_rest[at], forces.centre[at])
+        displaced = _displacement_by_moments(contacts, forces, at, solution.contact.size, period)
+        height = factors.HEIGHT_SHARE * compliance + rest + displaced
+        if forces.touching[at]:  # the more of the load it takes, the less another can take from it
+            height *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
+        else:
+            judged &= forces.penetration[at] <= height
+        uncertain |= abs(forces.penetration[at]) <= height
+        drop = _drop(contacts, forces, at, height, period) - _drop(contacts, forces, at, -height, period)
+        birth_resistance += drop
+        if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
+            birth_compliance += drop * displaced / forces.closing[at]
+    compliance += gaps.error[0] + birth_compliance
+    return Errors(compliance, gaps.error[1] + resistance + birth_resistance, uncertain, judged)
 
 
 @kernel
@@ -98,8 +94,9 @@ def _error_of_the_solver(solution: GridSolution, load: float) -> float:
 
 
 @kernel
-def _is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Flags) -> bool:
+def _is_lone_with_polynomial(solution: GridSolution, polynomial: Flags) -> bool:
     """Whether one contact has the whole load, whatever the rate, and has had it from first touch on."""
+    edge = solution.edge
     if edge.size != 4:
         return False
     return bool(polynomial[0] if solution.contact[edge[1] % solution.pressure.size] else polynomial[1])
@@ -107,11 +104,11 @@ def _is_lone_with_polynomial(solution: GridSolution, edge: Edges, polynomial: Fl
 
 @kernel
 def _errors_of_edges(
-    solution: GridSolution, edge: Edges, steps: Steps, polynomial: Flags, angle: float, mean_pressure: float
+    solution: GridSolution, steps: Steps, polynomial: Flags, angle: float, mean_pressure: float
 ) -> tuple[float, float]:
     """What steps that are misjudged change of compliance and resistance at most."""
-    errors = np.zeros(2)
-    if _is_lone_with_polynomial(solution, edge, polynomial):  # only its images bear on it
+    errors, edge = np.zeros(2), solution.edge
+    if _is_lone_with_polynomial(solution, polynomial):  # only its images bear on it
         nodes = min(edge[2] - edge[1], edge[3] - edge[2])
         change = (nodes / solution.pressure.size) ** 4 * steps.drop.sum()
         return factors.IMAGES * change * mean_pressure, factors.IMAGES * change
@@ -123,10 +120,11 @@ def _errors_of_edges(
         gap = run - 1 if solution.contact[edge[run + 1] % solution.pressure.size] else run
         contact = run - 1 if gap == run else run
         change = steps.drop[run] * min(steps.load[run], mean_pressure), steps.drop[run]  # no older than the load
+        if polynomial[gap]:
+            errors[0] += factors.GAP * angle**2 * change[0]
         for quantity in range(2):
             if polynomial[gap]:
-                share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
-                errors[quantity] += share * change[quantity]
+                errors[quantity] += factors.NEAR_GAP[quantity] * near * change[quantity]
             elif not polynomial[contact]:
                 errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
     return errors[0], errors[1]
@@ -178,55 +176,33 @@ def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[f
 
 
 @kernel
-def _displacement_by_moments(contacts: GridContacts, at: int, points: int, period: float) -> float:
-    """How far the second moments of contacts on the grid may displace a crest: K''/2 of each of these."""
+def _displacement_by_moments(
+    contacts: GridContacts, forces: Redistribution, at: int, points: int, period: float
+) -> float:
+    """How far the moments of contacts on the grid that are not corrected may displace a crest.
+
+    These are the second of wide contacts, by K''/2 of each, and the next two of those with polynomials, whose half
+    width squared times the corrected ones they are at most, as if all of these stood at the edges.
+    """
     displacement = 0.0
     for other in range(contacts.kind.size):
-        if other != at and contacts.kind[other] != CREST:
-            share = factors.MOMENT[0] if contacts.kind[other] == WIDE else factors.MOMENT[1]
-            apart = np.sin(np.pi / period * (contacts.position[at] - contacts.position[other]))
-            displacement += share * contacts.force[other] * (np.pi / points / apart) ** 2
+        if other == at:
+            continue
+        near = np.pi / period / abs(np.sin(np.pi / period * (contacts.position[at] - contacts.position[other])))
+        if contacts.kind[other] == WIDE:
+            displacement += factors.MOMENT * contacts.force[other] * (near * period / points) ** 2
+        elif forces.touching[other]:
+            first, second = abs(forces.moments[other, 1]), abs(forces.moments[other, 2])
+            reach = near * forces.half_width[other] * contacts.scale[other]
+            displacement += factors.MOMENTS * near * reach**2 * (2 / 3 * first + near / 2 * second)
     return displacement
 
 
 @kernel
-def _uncertain_birth(
-    contacts: GridContacts, forces: Redistribution, at: int, height: float, resistance: float, period: float
-) -> float:
-    """By how much the resistance would differ if a crest stood so much higher or lower."""
-    relief = _relief(contacts, forces, at, period)
-    higher = _drop(contacts, forces, at, forces.penetration[at] + height, relief, period)
-    lower = _drop(contacts, forces, at, forces.penetration[at] - height, relief, period)
-    return min(higher - lower, resistance)
-
-
-@kernel
-def _relief(contacts: GridContacts, forces: Redistribution, at: int, period: float) -> float:
-    """How much less than a punch by itself a contact yields, since the neighbour that does so most gives way to it.
-
-    A force f on one contact that another loses displaces both by f (C_i + C_j - 2 K_ij).
-    """
-    relief = 0.0
-    for other in range(contacts.kind.size):
-        if other != at and forces.touching[other]:
-            yielding = contacts.self_compliance[other]
-            if contacts.kind[other] != WIDE:
-                yielding = punch_compliance(forces.half_width[other] * contacts.scale[other], period)
-            apart = np.sin(np.pi / period * (contacts.position[at] - contacts.position[other]))
-            relief = min(relief, yielding + 4 * np.log(abs(2 * apart)))
-    return relief
-
-
-@kernel
-def _drop(
-    contacts: GridContacts, forces: Redistribution, at: int, penetration: float, relief: float, period: float
-) -> float:
-    """What a contact takes off the resistance that a crest makes by penetrating so far."""
-    bend = -slopes(contacts.height[at], forces.centre[at])[1]
+def _drop(contacts: GridContacts, forces: Redistribution, at: int, higher: float, period: float) -> float:
+    """What a contact takes off the resistance that a crest makes by penetrating so much farther."""
+    penetration, bend = forces.penetration[at] + higher, -slopes(contacts.height[at], forces.centre[at])[1]
     if penetration <= 0 or bend <= 0:
         return 0.0
     half_width = min(np.sqrt(2 * penetration / bend) * contacts.scale[at], period / 4)
-    closing = forces.closing[at]
-    if forces.touching[at] and contacts.kind[at] != CREST:
-        closing += contacts.share[at] * relief
-    return closing**2 / max(1 + punch_compliance(half_width, period) + relief, 1.0) / period
+    return forces.closing[at] ** 2 / (1 + punch_compliance(half_width, period)) / period

@@ -17,19 +17,18 @@ OPEN_DEPTH = 0.01
 # Steps, of compliance and resistance: an edge that moves by a node changes them by D (a + b) and D.
 # Over the nodes of the narrower run, or of half of a finest wave where these are fewer: edges without a polynomial.
 ALONE = np.array([0.2, 0.9])
-GAP = np.array([0.012, 0.035])  # times (2 pi/points a wave)^2, for gaps with a polynomial, which stands for waves
+GAP = 0.006  # times (2 pi/points a wave)^2, of compliance, for gaps with a polynomial, which stands for waves
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
 IMAGES = 0.13  # times (narrower run/both)^4, for one contact and its images
 # Contacts that bear on each other.
 MOMENTS = 3.0  # times what second moments of contacts change
-RECIPROCITY = np.array([0.1, 1.0])  # times changes of force and of share: of h, and over the load of R
 # Births, by how far off the height of a crest may be.
 HEIGHT_SHARE = 5.0  # errors of the compliance
 # Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
-# may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. A contact with a polynomial, which
-# is the second, has its first two moments taken off.
-MOMENT = np.array([0.6, 0.08])
+# may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. Those with a polynomial have it
+# taken off.
+MOMENT = 0.6
 # Rounding.
-ROUNDING = 1e-13  # of the heights
+ROUNDING = 2e-14  # of the heights: a hundred units in the last place
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
 CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial

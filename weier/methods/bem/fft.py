@@ -40,22 +40,10 @@ class DiscreteSolution(NamedTuple):
 
     plane: Array
     resistance: Array
-    contact_nodes: NDArray[np.int64]
-    patches: NDArray[np.int64]
+    contact_nodes: Array
+    patches: Array
     residual: Array
     work: Array
-
-
-def blank_solution(loads: int) -> DiscreteSolution:
-    """A solution with nothing in it yet."""
-    return DiscreteSolution(
-        np.empty(loads),
-        np.full(loads, np.nan),
-        np.empty(loads, np.int64),
-        np.empty(loads, np.int64),
-        np.empty(loads),
-        np.zeros(loads),
-    )
 
 
 class GridState(NamedTuple):
@@ -109,22 +97,9 @@ def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: 
     backward(spectrum, product)
 
 
-@kernel
-def count(contact: NDArray[np.bool_]) -> int:
-    """Nodes in contact."""
-    nodes = 0
-    for i in range(contact.size):
-        nodes += contact[i]
-    return nodes
-
-
-@kernel
-def count_patches(contact: NDArray[np.bool_]) -> int:
+def count_patches(contact: Flags) -> int:
     """Unbroken runs of contact around the period; 0 when nothing separates them (full contact)."""
-    runs = 0
-    for i in range(contact.size):
-        runs += contact[i] and not contact[i - 1]
-    return runs
+    return int(np.count_nonzero(contact & ~np.roll(contact, 1)))
 
 
 @kernel
@@ -380,22 +355,19 @@ def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resist
         Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
 
     """
-    solution = blank_solution(loads.size)
-    state = make_grid_state(int(hierarchy.points[-1]))
+    rows, state = np.empty((loads.size, 6)), make_grid_state(int(hierarchy.points[-1]))
     for load in range(loads.size - 1, -1, -1):
-        row = _solve_one(float(loads[load]), hierarchy, pressure, with_resistance, state)
-        for values, number in zip(solution, row, strict=True):
-            values[load] = number
+        rows[load] = _solve_one(float(loads[load]), hierarchy, pressure, with_resistance, state)
         count_load()
-    return solution
+    return DiscreteSolution(*rows.T)
 
 
 def _solve_one(
     load: float, hierarchy: Hierarchy, pressure: Array, with_resistance: bool, state: GridState
-) -> tuple[float, float, int, int, float, float]:
-    """Solve under one load: plane, rate, nodes and patches in contact, residual, and pairs of FFTs."""
+) -> tuple[float, ...]:
+    """Solve under one load: one row of the solution."""
     plane, residual, pairs = cascade(load, hierarchy, pressure, state)
-    nodes, patches, rate = count(state.contact), count_patches(state.contact), np.nan
+    nodes, patches, rate = np.count_nonzero(state.contact), count_patches(state.contact), np.nan
     if with_resistance:
         rate, more = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
         pairs += more

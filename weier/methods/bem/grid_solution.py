@@ -9,6 +9,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
+from weier.methods.bem.edges import Edges
+from weier.methods.bem.grids import Grid
 from weier.methods.bem.local_fit import MAX_MARGIN, Windows, make_windows
 from weier.theory.halfplane import eigenvalues
 from weier.theory.waves import Waves
@@ -30,6 +32,7 @@ class GridSolution(NamedTuple):
     pressure, deformed : p, in p_0*, and z - A p, in g_0
     per_load, displacement : q, of mean 1, and A q, in g_0/p_0*
     contact : whether a node is in contact
+    edge : where contact begins or ends, as `find_edges` has it
     """
 
     plane: float
@@ -39,11 +42,13 @@ class GridSolution(NamedTuple):
     per_load: Array
     displacement: Array
     contact: Flags
+    edge: Edges
 
 
 class Continuum(NamedTuple):
-    """What the correction knows of grid and profile, besides `Grid`.
+    """What the correction knows of grid and profile.
 
+    grid : on which the solution was found
     influence : displacement at j nodes from a unit force, of a line without images, shape (nodes,)
     stiffness : pressure at j nodes from a unit displacement of one node, the same, shape (nodes,)
     windows : fits on the nodes about contacts and gaps
@@ -52,6 +57,7 @@ class Continuum(NamedTuple):
     period : in lambda_0
     """
 
+    grid: Grid
     influence: Array
     stiffness: Array
     windows: Windows
@@ -60,11 +66,13 @@ class Continuum(NamedTuple):
     period: float
 
 
-def make_continuum(profile: Waves, points: int) -> Continuum:
+def make_continuum(profile: Waves, grid: Grid) -> Continuum:
     """Tables for a profile on a grid."""
+    points = grid.height.size
     narrow = min(points // (2 * profile.waves_per_period[-1]) + 1, MAX_NARROW)
     period, nodes = float(profile.period), narrow + 2 * MAX_MARGIN
     return Continuum(
+        grid,
         _line_influence(nodes) - 2 * np.log(2 * np.pi / points),
         _line_stiffness(nodes) * points / period,
         make_windows(nodes),

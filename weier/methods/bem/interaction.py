@@ -17,7 +17,6 @@ from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum
 from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum
-from weier.methods.bem.grids import Grid
 
 MAX_DENSE = 64  # contacts that act on each other by a matrix; more do so by products on the grid
 HATS = 1 / 6  # second moment of the triangle of a nodal pressure, in squares of the nodes' spacing
@@ -46,17 +45,17 @@ class Interaction(NamedTuple):
 
 
 @kernel
-def make_interaction(position: Array, grid: Grid, continuum: Continuum) -> Interaction:
+def make_interaction(position: Array, continuum: Continuum) -> Interaction:
     """The interaction of contacts with these middles."""
-    points, contacts = grid.height.size, position.size
+    points, contacts = continuum.grid.height.size, position.size
     node, beside = np.empty(contacts, np.int64), np.empty(contacts)
     for i in range(contacts):
         place = position[i] * points / continuum.period
         node[i] = int(np.round(place))
         beside[i] = place - node[i]
     return Interaction(
-        _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, beside, grid.influence,
-        continuum.influence, continuum.period / points, np.zeros(points), np.zeros(points),
+        _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, beside,
+        continuum.grid.influence, continuum.influence, continuum.period / points, np.zeros(points), np.zeros(points),
         np.zeros(points // 2 + 1, np.complex128),
     )  # fmt: skip
 

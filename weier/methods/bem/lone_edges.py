@@ -11,7 +11,6 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.bem.edges import Edges
 from weier.methods.bem.grid_solution import GridSolution
 
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
@@ -30,13 +29,13 @@ class Steps(NamedTuple):
 
 
 @kernel
-def find_steps(solution: GridSolution, edge: Edges) -> Steps:
+def find_steps(solution: GridSolution) -> Steps:
     """The steps of all edges; zeros where one is not known."""
-    edges = edge.size - 2
+    edges = solution.edge.size - 2
     points = solution.pressure.size
     steps = Steps(np.zeros(edges), np.zeros(edges), np.zeros(edges))
     for at in range(edges):
-        start = edge[at + 1] % points
+        start = solution.edge[at + 1] % points
         outwards = -1 if solution.contact[start] else 1
         inside = start if solution.contact[start] else (start - 1) % points
         outside = (inside + outwards) % points

@@ -61,8 +61,7 @@ class Gaps(NamedTuple):
     polynomial : of each gap, whether it has one; of each contact, whether it may have one; shape (runs,)
     edge : of the gaps with a polynomial, in lambda_0, NaN for other runs, shape (runs, 2)
     adds : what each gap adds to compliance and resistance, or what those between its nodes add to those of a
-        contact, shape (runs, 2)
-    compliance, resistance : what gaps between nodes add where all nodes touch
+        contact, shape (runs, 2); one row where all nodes touch
     opened : edges of those that are open, from left to right, shape (gaps, 2)
     error : of compliance and resistance, shape (2,)
     found : whether all between two nodes have edges, or are closed
@@ -72,8 +71,6 @@ class Gaps(NamedTuple):
     polynomial: Flags
     edge: Array
     adds: Array
-    compliance: float
-    resistance: float
     opened: Array
     error: Array
     found: bool
@@ -81,19 +78,19 @@ class Gaps(NamedTuple):
 
 
 @kernel
-def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Continuum) -> Gaps:
+def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
     """Correct all narrow gaps, and find those that open between two nodes."""
-    runs, points = edge.size - 2, solution.pressure.size
-    pressure = _pressure_without_residual(solution, grid)
+    edge, points = solution.edge, solution.pressure.size
+    runs = edge.size - 2
+    pressure = _pressure_without_residual(solution, continuum.grid)
     polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
-    place, adds, error = np.full((runs, 2), np.nan), np.zeros((runs, 2)), np.zeros(2)
-    compliance = resistance = 0.0
+    place, adds, error = np.full((runs, 2), np.nan), np.zeros((max(runs, 1), 2)), np.zeros(2)
     found, uncertain = True, False
     for run in range(runs):
         start = edge[run + 1] % points
         if polynomial[run] and not solution.contact[start]:
             nodes, margin = edge[run + 2] - edge[run + 1], margin_of(edge, run)
-            gap = correct_gap(start, nodes, margin, REST, pressure, solution, grid, continuum)
+            gap = correct_gap(start, nodes, margin, REST, pressure, solution, continuum)
             polynomial[run] = gap.left <= gap.right
             place[run, 0], place[run, 1] = gap.left, gap.right
             adds[run, 0], adds[run, 1] = gap.compliance, gap.resistance
@@ -108,7 +105,7 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
             continue
         margin = side_margin(node, solution.contact)
         factor = REST if margin == CREST_MARGIN else EDGE_REST
-        gap = correct_gap(node, 1, margin, factor, pressure, solution, grid, continuum)
+        gap = correct_gap(node, 1, margin, factor, pressure, solution, continuum)
         if not gap.left <= gap.right:
             found = False
             continue
@@ -118,13 +115,9 @@ def find_gaps(solution: GridSolution, grid: Grid, edge: Edges, continuum: Contin
         error[0] += gap.compliance_error
         error[1] += gap.resistance_error
         uncertain |= gap.uncertain
-        if runs > 0:
-            adds[run, 0] += gap.compliance
-            adds[run, 1] += gap.resistance
-        else:
-            compliance += gap.compliance
-            resistance += gap.resistance
-    return Gaps(polynomial, place, adds, compliance, resistance, opened[:count], error, found, uncertain)
+        adds[run, 0] += gap.compliance
+        adds[run, 1] += gap.resistance
+    return Gaps(polynomial, place, adds, opened[:count], error, found, uncertain)
 
 
 @kernel
@@ -168,15 +161,14 @@ def _edges_not_found() -> GapCorrection:
 
 @kernel
 def correct_gap(
-    start: int, nodes: int, margin: int, factor: float, relaxed: Array, solution: GridSolution, grid: Grid,
-    continuum: Continuum,
-) -> GapCorrection:  # fmt: skip
+    start: int, nodes: int, margin: int, factor: float, relaxed: Array, solution: GridSolution, continuum: Continuum
+) -> GapCorrection:
     """What a narrow gap adds to compliance and resistance by its polynomial, fitted on `margin` more nodes each side.
 
     It may stand between two nodes: then its one node is the one of least pressure. The error is `factor` times the
-    next two terms of the polynomial.
+    next two terms of the polynomial. `relaxed` is the nodal pressure without its residual.
     """
-    points = solution.pressure.size
+    grid, points = continuum.grid, solution.pressure.size
     spacing = continuum.period / points
     if nodes + 2 * margin < MIN_POLYNOMIAL:
         return _edges_not_found()

@@ -10,7 +10,6 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
 from weier.methods.bem.grid_solution import Continuum
-from weier.methods.bem.grids import Grid
 from weier.methods.bem.interaction import Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
 from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
@@ -33,7 +32,8 @@ class Redistribution(NamedTuple):
     touching : whether a contact of the grid still touches, or a crest does
     change, share_change : how much more force each has, and of how much more share
     centre, half_width : of contacts with polynomials and of crests, in s
-    tilt : slope of the displacement by what others carry more than on the grid, or elsewhere
+    moments : of the force that each has more, or elsewhere than on the grid, shape (contacts, 3)
+    tilt : slope of the displacement by these
     second, rate_second : sizes of what second moments change of compliance and resistance
     penetration, closing : by how much each that is narrow, or a crest, stands above the plane that it does not touch,
         or would without its force, in g_0, and the rate of that per mean pressure
@@ -48,6 +48,7 @@ class Redistribution(NamedTuple):
     share_change: Array
     centre: Array
     half_width: Array
+    moments: Array
     tilt: Array
     second: Array
     rate_second: Array
@@ -62,7 +63,6 @@ class _State(NamedTuple):
     touching, change, centre, half_width : as in `Redistribution`
     excess : height of the plane that each contact asks for, besides what its own and other changes of force do
     slope : fall of it with its force
-    lift : displacement of each contact by moments of all that the grid has not, with their images
     """
 
     touching: Flags
@@ -71,31 +71,21 @@ class _State(NamedTuple):
     half_width: Array
     excess: Array
     slope: Array
-    lift: Array
 
 
 @kernel
-def redistribute(
-    contacts: GridContacts, plane: float, rate: float, grid: Grid, continuum: Continuum
-) -> Redistribution:
+def redistribute(contacts: GridContacts, plane: float, rate: float, continuum: Continuum) -> Redistribution:
     """Find the forces of contacts that are to stand on one plane."""
-    period, interaction = continuum.period, make_interaction(contacts.position, grid, continuum)
+    period, interaction = continuum.period, make_interaction(contacts.position, continuum)
     n = contacts.kind.size
     state = _State(
         contacts.kind != CREST, np.zeros(n), contacts.centre.copy(), contacts.half_width.copy(), np.zeros(n),
-        np.zeros(n), np.zeros(n),
+        np.ones(n),
     )  # fmt: skip
-    total = contacts.force.sum()
-    found = False
     for _ in range(MAX_ROUNDS):
-        found = _equalise_heights(contacts, plane, period, interaction, state, total)
-        if not found:
-            break
-        displacement = press(state.change, interaction)
-        for i in range(n):
-            displacement[i] += state.lift[i]
-        common = _common_height(contacts, state, displacement)
-        if not _touch_and_let_go(contacts, period, common, displacement, state, total):
+        lift = displace(_moments_of_force(contacts, state), interaction)
+        found = _equalise_heights(contacts, plane, period, lift, interaction, state)
+        if not (found and _touch_and_let_go(contacts, period, lift, interaction, state)):
             break
     for i in range(n):
         if state.touching[i]:  # a wide contact has no law of its own that keeps its force positive
@@ -113,48 +103,35 @@ def _heights(contacts: GridContacts, plane: float, period: float, state: _State)
     these out for all contacts of the grid.
     """
     for i in range(state.change.size):
-        if not state.touching[i]:
-            continue
-        if contacts.kind[i] == WIDE:
+        if state.touching[i] and contacts.kind[i] == WIDE:
             state.excess[i] = plane - contacts.edge_compliance[i] * period / contacts.share[i]
             state.slope[i] = contacts.self_compliance[i]
-            continue
-        height, compliance, centre, half_width = plane_height(
-            contacts.height[i], contacts.force[i] + state.change[i], state.centre[i], state.half_width[i],
-            contacts.scale[i], period,
-        )  # fmt: skip
-        if not height < np.inf:
-            return False
-        state.centre[i], state.half_width[i] = centre, half_width
-        state.slope[i] = compliance
-        state.excess[i] = height
-        if contacts.kind[i] == NARROW:
-            state.excess[i] += contacts.self_compliance[i] * state.change[i]
+        elif state.touching[i]:
+            height, compliance, centre, half_width = plane_height(
+                contacts.height[i], contacts.force[i] + state.change[i], state.centre[i], state.half_width[i],
+                contacts.scale[i], period,
+            )  # fmt: skip
+            if not height < np.inf:
+                return False
+            state.centre[i], state.half_width[i], state.slope[i] = centre, half_width, compliance
+            state.excess[i] = height + contacts.self_compliance[i] * state.change[i]  # which is 0 of a crest
     return True
 
 
 @kernel
 def _equalise_heights(
-    contacts: GridContacts, plane: float, period: float, interaction: Interaction, state: _State,
-    total: float,
-) -> bool:  # fmt: skip
-    """Newton's method for the change of each force that brings all touching contacts to one height."""
-    n = state.change.size
-    right = np.zeros(n)
-    effects = displace(_moments_of_force(contacts, state), interaction)
-    for i in range(n):
-        state.lift[i] = effects[i, 0]
+    contacts: GridContacts, plane: float, period: float, lift: Array, interaction: Interaction, state: _State
+) -> bool:
+    """Newton's method for the change of each force that brings all touching contacts to one height.
+
+    `lift` is their displacement by moments of all that the grid has not, with its images, in the first column.
+    """
+    n, total = state.change.size, contacts.force.sum()
     for _ in range(MAX_STEPS):
         if not _heights(contacts, plane, period, state):
             return False
-        displacement = press(state.change, interaction)
-        for i in range(n):
-            right[i] = (
-                state.excess[i] - contacts.self_compliance[i] * state.change[i] - displacement[i] - state.lift[i]
-            )
+        right = _asked_heights(contacts, lift, interaction, state)
         step, _, found = solve_bordered(state.slope, right, state.touching, -state.change.sum(), interaction)
-        if not found:
-            return False
         largest, done, released = 0.0, True, False
         for i in range(n):
             if state.touching[i]:
@@ -164,11 +141,21 @@ def _equalise_heights(
                 released |= _has_let_go(contacts, i, state.change[i], total)
                 largest = max(largest, abs(step[i]))
                 done &= (abs(step[i]) - CLOSE * total) * state.slope[i] <= ROUNDING * abs(state.excess[i])
+        if not (found and largest < np.inf):
+            return False
         if done or released:  # a contact without force is let go before the others are solved for
             return True
-        if not largest < np.inf:
-            return False
     return False
+
+
+@kernel
+def _asked_heights(contacts: GridContacts, lift: Array, interaction: Interaction, state: _State) -> Array:
+    """Height of the plane that each contact asks for, by all that displaces it."""
+    heights = press(state.change, interaction)
+    for i in range(heights.size):
+        own = contacts.self_compliance[i] * state.change[i]
+        heights[i] = state.excess[i] - own - heights[i] - lift[i, 0]
+    return heights
 
 
 @kernel
@@ -180,60 +167,43 @@ def solve_bordered(
     Conjugate gradients on changes that sum to 0, preconditioned by the slopes.
     """
     n = right.size
-    x, rest, direction = np.zeros(n), np.zeros(n), np.zeros(n)
-    weight = size = 0.0
+    x, direction, give = np.zeros(n), np.zeros(n), np.zeros(n)  # 1/slope of those that touch
+    size = 0.0
     for i in range(n):
         if touching[i]:
             if not slope[i] > 0:
                 return x, 0.0, False
-            weight += 1 / slope[i]
-            size += right[i] ** 2 / slope[i]
+            give[i] = 1 / slope[i]
+            size += right[i] ** 2 * give[i]
+    weight = give.sum()
     for i in range(n):
-        if touching[i]:
-            x[i] = total / (slope[i] * weight)
-    displacement = press(x, interaction)
+        x[i] = total * give[i] / weight
+    rest = press(x, interaction)
     for i in range(n):
-        rest[i] = right[i] - slope[i] * x[i] - displacement[i]
+        rest[i] = right[i] - slope[i] * x[i] - rest[i]
     common = energy = first = 0.0
     for step in range(MAX_GRADIENTS):
-        last, common = energy, 0.0
+        last, common, energy = energy, 0.0, 0.0
         for i in range(n):
-            if touching[i]:
-                common += rest[i] / (slope[i] * weight)
-        energy = 0.0
+            common += rest[i] * give[i] / weight
         for i in range(n):
-            if touching[i]:
-                energy += (rest[i] - common) ** 2 / slope[i]
-        if step == 0:
-            first = energy
+            energy += (rest[i] - common) ** 2 * give[i]
+        first = energy if step == 0 else first
         if energy <= GRADIENT_TOLERANCE * first + ROUNDING**2 * size:
             return x, common, True
         for i in range(n):
-            if touching[i]:
-                direction[i] = (rest[i] - common) / slope[i] + (energy / last * direction[i] if step > 0 else 0.0)
-        along = press(direction, interaction)
+            direction[i] = (rest[i] - common) * give[i] + (energy / last * direction[i] if step > 0 else 0.0)
+        product = press(direction, interaction)
         curvature = 0.0
         for i in range(n):
-            along[i] += slope[i] * direction[i]
-            curvature += along[i] * direction[i]
+            product[i] += slope[i] * direction[i]
+            curvature += product[i] * direction[i]
         if not curvature > 0:
             return x, common, False
         for i in range(n):
             x[i] += energy / curvature * direction[i]
-            rest[i] -= energy / curvature * along[i]
+            rest[i] -= energy / curvature * product[i]
     return x, common, False
-
-
-@kernel
-def _common_height(contacts: GridContacts, state: _State, displacement: Array) -> float:
-    """Height at which all that touch have come to stand."""
-    common = weight = 0.0
-    for i in range(state.change.size):
-        if state.touching[i]:
-            own = contacts.self_compliance[i] * state.change[i]
-            common += contacts.share[i] * (state.excess[i] - own - displacement[i])
-            weight += contacts.share[i]
-    return common / weight if weight > 0 else np.nan
 
 
 @kernel
@@ -244,21 +214,25 @@ def _has_let_go(contacts: GridContacts, at: int, change: float, total: float) ->
 
 @kernel
 def _touch_and_let_go(
-    contacts: GridContacts, period: float, plane: float, displacement: Array, state: _State, total: float
+    contacts: GridContacts, period: float, lift: Array, interaction: Interaction, state: _State
 ) -> bool:
     """Release contacts without force, and let crests touch that stand above the plane; whether anything changed."""
-    changed = False
+    asked, total = _asked_heights(contacts, lift, interaction, state), contacts.force.sum()
+    plane = weight = 0.0
     for i in range(state.change.size):
-        if contacts.kind[i] == WIDE:
-            continue
         if state.touching[i]:
-            if _has_let_go(contacts, i, state.change[i], total):
-                state.touching[i] = False
-                state.change[i] = -contacts.force[i]
-                changed = True
-        elif contacts.kind[i] == CREST:
+            plane += contacts.share[i] * asked[i]
+            weight += contacts.share[i]
+    plane = plane / weight if weight > 0 else np.nan
+    changed = False
+    displacement = press(state.change, interaction)
+    for i in range(state.change.size):
+        if state.touching[i] and _has_let_go(contacts, i, state.change[i], total):
+            state.touching[i], changed = False, True
+            state.change[i] = -contacts.force[i]
+        elif not state.touching[i] and contacts.kind[i] == CREST:
             top = state.centre[i] if state.half_width[i] == 0 else contacts.centre[i]
-            above = value(contacts.height[i], top) - displacement[i] - plane
+            above = value(contacts.height[i], top) - displacement[i] - lift[i, 0] - plane
             bend = -slopes(contacts.height[i], top)[1]
             if above > CLOSE * abs(plane) and bend > 0:
                 state.touching[i] = changed = True
@@ -313,8 +287,8 @@ class _Weights(NamedTuple):
 
 @kernel
 def _sum_up(
-    found: bool, contacts: GridContacts, plane: float, rate: float, period: float,
-    interaction: Interaction, state: _State,
+    found: bool, contacts: GridContacts, plane: float, rate: float, period: float, interaction: Interaction,
+    state: _State,
 ) -> Redistribution:  # fmt: skip
     """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact."""
     n = state.change.size
@@ -329,8 +303,8 @@ def _sum_up(
     moved_shares = displace(of_share, interaction)
     moved = displace(of_force, interaction)  # the last product: its displacement of all nodes is looked at later
     compliance, resistance = shape / period, 0.0
-    second, rate_second, closing, penetration = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    tilt = np.zeros(n)
+    second, rate_second, closing = np.zeros(n), np.zeros(n), np.zeros(n)
+    penetration, tilt = np.zeros(n), np.zeros(n)
     for i in range(n):
         share, own, tilted = contacts.share[i], contacts.self_compliance[i], by_shares[i, 0]
         mixed = of_force[i, 1] * by_shares[i, 1] + of_force[i, 2] * by_shares[i, 2]
@@ -344,23 +318,20 @@ def _sum_up(
         by_share = abs(moved_shares[i, 2]) + images * share_spread
         second[i] = (force_spread * by_share + share_spread * abs(moved[i, 2])) / period
         rate_second[i] = 2 * share_spread * by_share / period
-        if touching[i] and contacts.kind[i] == WIDE:  # its edges move on with the force, by a step at most
-            drop = contacts.edge_drop[i]
-            yielded = min(max(contacts.edge_yield[i] * change[i], -drop), drop)
-            resistance -= yielded
-            rate_second[i] += abs(yielded)
+        if touching[i] and contacts.kind[i] != WIDE:  # a contact that is tilted presses elsewhere, and tilts others
+            tilts = (state.half_width[i] * contacts.scale[i]) ** 2 * abs(moved_shares[i, 1]) / (4 * period)
+            second[i] += tilts * abs(tilt[i])
+            rate_second[i] += tilts * abs(moved_shares[i, 1])
         if touching[i]:
             tilted -= weights.closing[i]
-            compliance -= (share * (state.excess[i] - plane) - (weights.raised[i] + tilted) * change[i]) / (
-                period - released
-            )
+            higher = share * (state.excess[i] - plane) - (weights.raised[i] + tilted) * change[i]
             more = weights.own[i] * share + weights.others[i]
-            resistance += (
-                more * (share + share_change[i]) + weights.others[i] * share + tilted * share_change[i]
-            ) / (period - released)
+            stiffer = -more * (share + share_change[i]) - weights.others[i] * share - tilted * share_change[i]
         else:
-            compliance -= (share * (moved[i, 0] + own * change[i]) - tilted * change[i]) / (period - released)
-            resistance -= share * (moved_shares[i, 0] + tilted - own * share) / (period - released)
+            higher = share * (moved[i, 0] + own * change[i]) - tilted * change[i]
+            stiffer = share * (moved_shares[i, 0] + tilted - own * share)
+        compliance -= higher / (period - released)
+        resistance -= stiffer / (period - released)
     for i in range(n):
         if contacts.kind[i] == WIDE:
             continue
@@ -374,8 +345,8 @@ def _sum_up(
             closing[i] = rate + resistance - value(contacts.rate[i], top) - moved_shares[i, 0]
     found &= solved and released <= MAX_RELEASED * period
     return Redistribution(
-        found, compliance, resistance, touching, change, share_change, state.centre, state.half_width, tilt,
-        second, rate_second, penetration, closing, interaction.displacement,
+        found, compliance, resistance, touching, change, share_change, state.centre, state.half_width, of_force,
+        tilt, second, rate_second, penetration, closing, interaction.displacement,
     )  # fmt: skip
 
 
@@ -422,23 +393,21 @@ def _changes_of_shares(
 ) -> tuple[Array, float, bool]:
     """How much more of a load each carries, shares released, and whether these were found."""
     n = state.change.size
-    slope, right, lost = np.ones(n), np.zeros(n), np.zeros(n)
+    slope, right, on_released = np.ones(n), np.zeros(n), np.zeros(n)
     released = 0.0
     for i in range(n):
         share = contacts.share[i]
         if not state.touching[i]:
             released += share
-            lost[i] = share
+            on_released[i] = share
             continue
         slope[i] = contacts.self_compliance[i] + weights.own[i]
         if contacts.kind[i] == CREST:
             slope[i] = punch_compliance(state.half_width[i] * contacts.scale[i], period)
         right[i] = weights.closing[i] - weights.own[i] * share - weights.others[i] - by_shares[i, 0]
     if released > 0:  # what they carried on the grid is carried by the others
-        displacement = press(lost, interaction)
-        for i in range(n):
-            right[i] += displacement[i]
+        right += press(on_released, interaction)
     share_change, _, found = solve_bordered(slope, right, state.touching, released, interaction)
     for i in range(n):
-        share_change[i] -= lost[i]
+        share_change[i] -= on_released[i]
     return share_change, released, found

@@ -145,7 +145,7 @@ def _nodal_curve(
     """The curve with the edges of contact on nodes."""
     partial = loads[loads < full_contact_load(profile, points)]
     if partial.size == 0:
-        solution = fft.blank_solution(0)
+        solution = fft.DiscreteSolution(*np.empty((6, 0)))
     elif solver == "fft":
         hierarchy = nested_grids(profile, points, tolerance)
         start = full_contact(hierarchy, float(partial[-1]))

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import cached_property
-from math import isfinite
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from weier.methods.bem.edges import find_edges
 from weier.methods.bem.grid_solution import GridSolution, make_continuum
 from weier.methods.bem.grids import full_contact, grid_of, nested_grids
 from weier.methods.bem.narrow_gaps import find_gaps
-from weier.methods.bem.subgrid import correct_contacts
+from weier.methods.bem.subgrid import LoadSolution, correct_contacts
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
 from weier.theory.profile import Profile
@@ -34,29 +33,6 @@ SHARE_STEP = 1e-6  # of the load, for a difference of the forces of patches, whi
 PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
 
 
-class LoadSolution(NamedTuple):
-    """One load, with edges of contact between the nodes.
-
-    verified : whether the corrected solution has been found to be one
-    plane : mean gap d, in g_0
-    resistance : dh/dp, in g_0/p_0*
-    compliance_error, resistance_error : estimates, in the same units
-    contacts : in the continuum
-    uncertain : whether a contact or a gap may be one too many or too few
-    residual, work : of the solution on the grid
-    """
-
-    verified: bool
-    plane: float
-    resistance: float
-    compliance_error: float
-    resistance_error: float
-    contacts: ContactList
-    uncertain: bool
-    residual: float
-    work: float
-
-
 class GridSolver:
     """One profile on one grid, and what its solution under a load leaves for the next lighter one."""
 
@@ -64,9 +40,9 @@ class GridSolver:
         self, profile: Profile, points: int, tolerance: float, rate_tolerance: float = RATE_TOLERANCE
     ) -> None:
         """Make the grids, and room for a solution."""
-        self.hierarchy = nested_grids(profile, points, tolerance)
-        self.continuum, self.rate_tolerance = make_continuum(profile, points), rate_tolerance
+        self.hierarchy, self.rate_tolerance = nested_grids(profile, points, tolerance), rate_tolerance
         self._grid = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
+        self.continuum = make_continuum(profile, self._grid)
         self._state, self._carried = fft.make_grid_state(points), np.zeros(points)
         self._start, self._heavier = np.empty(0), np.inf
         # Beyond so many points the edges move by many of them from load to load.
@@ -81,16 +57,12 @@ class GridSolver:
         rate, more = fft.solve_rate(self.rate_tolerance, self._grid, state)
         if not rate < np.inf:
             return _unsolved(plane, residual, pairs + more)
-        solution = GridSolution(plane, rate, self._carried, deformed, state.pressure, -state.deformed, state.contact)
         edge = find_edges(state.contact, state.edge)
-        gaps = find_gaps(solution, self._grid, edge, self.continuum)
-        added = correct_contacts(gaps, solution, self._grid, edge, self.continuum)
-        numbers = plane - added.compliance, rate + added.resistance, added.compliance_error, added.resistance_error
-        # A mean gap and a resistance are not below 0, where both are smaller than their errors.
-        return LoadSolution(
-            added.verified and all(map(isfinite, numbers)), max(numbers[0], 0.0), max(numbers[1], 0.0), *numbers[2:],
-            added.contacts, added.uncertain, residual, pairs + more,
-        )  # fmt: skip
+        solution = GridSolution(
+            plane, rate, self._carried, deformed, state.pressure, -state.deformed, state.contact, edge
+        )
+        gaps = find_gaps(solution, self.continuum)
+        return correct_contacts(gaps, solution, self.continuum, residual, pairs + more)
 
     def _solve_on_grid(self, load: float) -> tuple[float, float, float]:
         """Plane, residual and pairs of FFTs of a load.
