@@ -26,7 +26,7 @@ class Descent(NamedTuple):
         if self.with_resistance:
             finest = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
             pairs += fft.solve_rate(fft.RATE_TOLERANCE, finest, self.state)[1]
-        return Step(pressure, pairs, residual <= self.hierarchy.tolerance[-1])
+        return Step(pressure, pairs, residual <= self.hierarchy.max_residual[-1])
 
 
 def begin(problem: Problem, with_resistance: bool = False) -> Descent:

@@ -30,7 +30,7 @@ def three_contacts():
     profile = Profile(1.25, 5, 1)
     grid = grid_of(nested_grids(profile, POINTS, 1e-10), 3)
     assert grid.height.size == POINTS
-    return make_interaction(PLACES, grid, make_continuum(profile, POINTS))
+    return make_interaction(PLACES, make_continuum(profile, grid))
 
 
 def test_moments_displace_and_tilt_and_bend_the_surface(three_contacts):

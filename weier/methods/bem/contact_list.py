@@ -38,22 +38,19 @@ def list_contacts(
     used = contacts.kind.size
     room = used + opened.shape[0]
     listed = ContactList(np.empty(room), np.empty(room), np.empty(room), np.empty(room))
-    count = 0
-    joined = last_joined = False
-    for at in range(used):
+    count = first = 0
+    while first < used and contacts.closed_after[first - 1] > 0:
+        first += 1
+    closed = False  # the gap before
+    for i in range(used):
+        at = (first + i) % used
         if forces.touching[at]:
             _enter(listed, count, contacts, at, forces)
-            if joined:
+            if closed:
                 _join(listed, count - 1, count)
             else:
                 count += 1
-        last_joined = contacts.closed_after[at] > 0
-        joined = last_joined and count > 0
-    if last_joined and count > 1:  # across the end of the period
-        count -= 1
-        listed.left[0] -= listed.right[count] - listed.left[count]
-        listed.force[0] += listed.force[count]
-        listed.share[0] += listed.share[count]
+        closed = contacts.closed_after[at] > 0 and count > 0
     for gap in range(opened.shape[0]):
         if count == 0:  # all nodes touch
             listed.left[0], listed.right[0] = opened[gap, 1], opened[gap, 0] + period

@@ -146,15 +146,15 @@ def add_contact(
         return False
     window = nodes + 2 * margin
     offset, scale = continuum.windows.offset[window], scale_of(window)
-    seen = np.empty((2, continuum.windows.fitted[window]))  # z as this contact sees it, and A q of the others
-    for i in range(seen.shape[1]):
+    values = np.empty((2, continuum.windows.fitted[window]))  # z as this contact sees it, and A q of the others
+    for i in range(values.shape[1]):
         node = (start - margin + offset[i]) % points
-        seen[0, i], seen[1, i] = solution.deformed[node], solution.displacement[node]
+        values[0, i], values[1, i] = solution.deformed[node], solution.displacement[node]
         for j in range(nodes):
             influence = continuum.influence[abs(offset[i] - margin - j)]
-            seen[0, i] += influence * force[j]
-            seen[1, i] -= influence * share[j]
-    fitted = fit_window(continuum.windows, window, seen)
+            values[0, i] += influence * force[j]
+            values[1, i] -= influence * share[j]
+    fitted = fit_window(continuum.windows, window, values)
     height, rate = fitted[0], fitted[1]
     centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
     limit = ((nodes - 1) / 2 + MAX_BEYOND) / scale
@@ -267,11 +267,11 @@ def add_crests(
         margin = side_margin(node, solution.contact)
         window = 1 + 2 * margin
         scale = scale_of(window)
-        seen = np.empty((2, window))
+        values = np.empty((2, window))
         for j in range(window):
             near = (node - margin + j) % points
-            seen[0, j], seen[1, j] = solution.deformed[near], solution.displacement[near]
-        fitted = fit_window(continuum.windows, window, seen)
+            values[0, j], values[1, j] = solution.deformed[near], solution.displacement[near]
+        fitted = fit_window(continuum.windows, window, values)
         top = highest(fitted[0], 0.0, 1 / scale)
         contacts.kind[used] = CREST
         contacts.position[used] = (node + top * scale) * spacing

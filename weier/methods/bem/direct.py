@@ -38,7 +38,9 @@ class ActiveSet(NamedTuple):
 
 
 @one_thread
-def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, tolerance: float) -> DiscreteSolution:
+def solve_loads(
+    height: Array, influence: Array, pressure: Array, loads: Array, max_residual: float
+) -> DiscreteSolution:
     """Solve every load from the heaviest down, each from the contact of the one before.
 
     Parameters
@@ -49,7 +51,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
         Where it is positive the search for the contact begins; overwritten with the last solution.
     loads : array, shape (loads,)
         Mean pressures, increasing, in p_0*.
-    tolerance : float
+    max_residual : float
         Largest penetration, and largest tension times the compliance of one node, in g_0.
 
     Returns
@@ -60,7 +62,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
     """
     rows, matrix, contact = np.empty((loads.size, 6)), scipy.linalg.circulant(influence), pressure > 0
     for load in range(loads.size - 1, -1, -1):
-        solved = solve_load(matrix, height, contact, loads[load], tolerance)
+        solved = solve_load(matrix, height, contact, loads[load], max_residual)
         contact, pressure[:] = solved.contact, solved.pressure
         gap = solved.plane - height + matrix @ pressure
         residual = max(np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0])
@@ -70,7 +72,7 @@ def solve_loads(height: Array, influence: Array, pressure: Array, loads: Array, 
     return DiscreteSolution(*rows.T)
 
 
-def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolerance: float) -> ActiveSet:
+def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_residual: float) -> ActiveSet:
     """Drop the nodes in tension and add those that penetrate, until there are none or MAX_ROUNDS are over.
 
     `matrix`, shape (N, N), is of displacement per nodal pressure; `contact` is where the search begins.
@@ -80,8 +82,8 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, tolera
         nodes = contact if contact.any() else height == height.max()  # something has to carry the load
         plane, resistance, pressure = _on_contact(matrix, nodes, height, load)
         gap = plane - height + matrix @ pressure
-        tensile = nodes & (pressure < -tolerance / matrix[0, 0])
-        penetrating = ~nodes & (gap < -tolerance)
+        tensile = nodes & (pressure < -max_residual / matrix[0, 0])
+        penetrating = ~nodes & (gap < -max_residual)
         contact = nodes & ~tensile | penetrating
         rounds, converged = rounds + 1, np.array_equal(contact, nodes)
     return ActiveSet(plane, resistance, np.maximum(pressure, 0.0), nodes, rounds, converged)

@@ -227,7 +227,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
             pairs += 1
         plane = mean_in_contact(state.deformed, state.contact)
         contact_gap, violation = violations(plane, grid, state)
-        solved = max(contact_gap, violation) <= grid.tolerance
+        solved = max(contact_gap, violation) <= grid.max_residual
         if solved and fresh:
             break
         # Correct the contact when its violations outweigh the error on it, each time more patiently.
@@ -258,10 +258,10 @@ def punch_shape(edge: Edges, contact: Flags, shape: Array) -> None:
 
 
 @kernel
-def solve_rate(tolerance: float, grid: Grid, state: GridState) -> tuple[float, int]:
+def solve_rate(flatness: float, grid: Grid, state: GridState) -> tuple[float, int]:
     """Height that the plane loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
 
-    The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within this share of
+    The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within `flatness` times
     the rate, which is the energy q.Aq. It starts from the contact of this load alone: what an unfinished rate leaves
     depends on no other load.
     """
@@ -276,7 +276,7 @@ def solve_rate(tolerance: float, grid: Grid, state: GridState) -> tuple[float, i
     for _ in range(MAX_STEPS):
         plane = mean_in_contact(state.deformed, state.contact)
         rate = -dot(state.pressure, state.deformed) / points
-        if violations(plane, grid, state)[0] <= tolerance * max(rate, MIN_RATE):
+        if violations(plane, grid, state)[0] <= flatness * max(rate, MIN_RATE):
             return rate, pairs
         energy = conjugate_step(plane, edge, restart, energy, grid, state)
         pairs += 2
@@ -367,7 +367,7 @@ def _solve_one(
 ) -> tuple[float, ...]:
     """Solve under one load: one row of the solution."""
     plane, residual, pairs = cascade(load, hierarchy, pressure, state)
-    nodes, patches, rate = np.count_nonzero(state.contact), count_patches(state.contact), np.nan
+    nodes, patches, rate = int(np.count_nonzero(state.contact)), count_patches(state.contact), np.nan
     if with_resistance:
         rate, more = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
         pairs += more

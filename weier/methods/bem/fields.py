@@ -12,7 +12,7 @@ from weier.methods.bem.grids import full_contact, nested_grids
 from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load, full_contact_pressure
 from weier.methods.bem.subgrid_solver import check_residual
 from weier.theory.loads import checked_load
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Field(NamedTuple):
     displacement: Array
 
 
-def field(profile: Profile, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
+def field(profile: Waves, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
     """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
     Parameters are those of `curve` with edges "nodes".
@@ -56,7 +56,7 @@ def field(profile: Profile, mean_pressure: float, points: int | None = None, tol
     return Field(x, state.pressure, plane - state.deformed, profile.sampled_height(points) - state.deformed)
 
 
-def _full_contact(profile: Profile, load: float, x: Array) -> Field:
+def _full_contact(profile: Waves, load: float, x: Array) -> Field:
     """The surface pressed flat, however heavy the load: a solver would lose the waves beside it."""
     height = profile.sampled_height(x.size)
     return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(x.size), height)

@@ -45,7 +45,7 @@ class Hierarchy(NamedTuple):
     height : profile of these waves, shape (sum of points,), in g_0
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
         in g_0/p_0* and p_0*/g_0
-    tolerance : residual to reach on each grid, shape (grids,), in g_0
+    max_residual : residual to reach on each grid, shape (grids,), in g_0
     self_influence : A_ii of each grid, shape (grids,), in g_0/p_0*
     harmonics : all waves of the profile
     """
@@ -55,7 +55,7 @@ class Hierarchy(NamedTuple):
     height: Array
     influence: Array
     inverse: Array
-    tolerance: Array
+    max_residual: Array
     self_influence: Array
     harmonics: Harmonics
 
@@ -65,18 +65,18 @@ class Grid(NamedTuple):
 
     height : profile of the waves that it carries, shape (N,), in g_0
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
-    tolerance : residual to reach, in g_0
+    max_residual : residual to reach, in g_0
     self_influence : A_ii, in g_0/p_0*
     """
 
     height: Array
     influence: Array
     inverse: Array
-    tolerance: float
+    max_residual: float
     self_influence: float
 
 
-def nested_grids(profile: Waves, points: int, tolerance: float) -> Hierarchy:
+def nested_grids(profile: Waves, points: int, max_residual: float) -> Hierarchy:
     """Grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
 
     An odd number is followed by one that the FFT likes, of at least half as many.
@@ -87,7 +87,7 @@ def nested_grids(profile: Waves, points: int, tolerance: float) -> Hierarchy:
         With a finite number of terms.
     points : int
         Nodes of the finest grid, which carries all waves.
-    tolerance : float
+    max_residual : float
         Residual to reach on it, in g_0.
 
     """
@@ -103,7 +103,9 @@ def nested_grids(profile: Waves, points: int, tolerance: float) -> Hierarchy:
         np.concatenate([profile.sampled_height(n, m) for n, m in zip(sizes, [*terms, None], strict=True)]),
         np.concatenate(influence),
         np.concatenate([inverse(values) for values in influence]),
-        np.array([*(max(tolerance, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)), tolerance]),
+        np.array(
+            [*(max(max_residual, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)), max_residual]
+        ),
         np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
         Harmonics(np.array(profile.waves_per_period), profile.phase / (2 * np.pi), profile.full_contact_pressure),
     )
@@ -142,7 +144,7 @@ def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
         hierarchy.height[node : node + points],
         hierarchy.influence[spectrum],
         hierarchy.inverse[spectrum],
-        hierarchy.tolerance[level],
+        hierarchy.max_residual[level],
         hierarchy.self_influence[level],
     )
 

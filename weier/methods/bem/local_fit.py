@@ -65,10 +65,10 @@ def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float, 
     for j in range(2):
         last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
         fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
-        slower = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
-        size = max(last, fall * before / slower) if slower > 0 else last
-        if slower * last > fall * before:
-            fall = min(slower * last / before, 1.0)
+        ratio_of_falls = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
+        size = max(last, fall * before / ratio_of_falls) if ratio_of_falls > 0 else last
+        if ratio_of_falls * last > fall * before:
+            fall = min(ratio_of_falls * last / before, 1.0)
         factor = -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
         for k in range(TERMS + 2):
             fitted = fitted_next[j, k] if k < TERMS else 0.0

@@ -15,6 +15,7 @@ from weier.methods.method import Method, Noise, Settings, Style, applies_to_reso
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_points
 from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 # Points for each of the finest waves. Halved, they stay whole.
 NODES_COMPARED = (12, 24, 96, 384, 1536)  # with the edges of contact on nodes: from the paper's 12 on
@@ -37,7 +38,7 @@ def _solve(
     return curve(profile, loads, solver, points, residual_tolerance, resistance, edges, points_per_wave)
 
 
-def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
+def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
     """Edges of contact on nodes and between them, on several grids; residuals at which the solver stops."""
     waves = profile.waves_per_period[-1]
     largest = MAX_POINTS_COMPARED / waves
@@ -50,13 +51,13 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
         yield f"{POINTS_AT_RESIDUALS} {residual:.0e}", {**grid, "residual_tolerance": residual}
 
 
-def _solution_error(profile: Profile, solved: Curve) -> float:
+def _solution_error(profile: Waves, solved: Curve) -> float:
     """The largest error of the compliance, in g_0."""
     return float(solved.compliance_error.max(initial=0.0))
 
 
 def _check(
-    profile: Profile,
+    profile: Waves,
     solver: str = "fft",
     points: int | None = None,
     edges: str | None = None,
@@ -67,7 +68,7 @@ def _check(
     check_points(checked_points(profile, points, checked_edges(edges, solver), points_per_wave), solver == "direct")
 
 
-def _seconds(profile: Profile, loads: Array) -> float:
+def _seconds(profile: Waves, loads: Array) -> float:
     """On the default grid, at most: at each load as many contacts as there are waves."""
     contacts = np.full(loads.size, float(profile.waves_per_period[-1]))
     start, each = error_model.seconds(checked_points(profile, None, "subgrid"), contacts)

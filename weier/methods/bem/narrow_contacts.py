@@ -28,9 +28,9 @@ def contact_edges(height: Array, force: float, centre: float, half_width: float)
     shift(slope, centre)
     for _ in range(MAX_STEPS):
         tilt, tilt_t, bend, bend_t, bend_tt = means(slope, half_width)
-        missing = -half_width / 2 * tilt_t - force
+        excess = -half_width / 2 * tilt_t - force
         down, across = -half_width / 2 * bend_t, -(tilt_t + half_width * bend_tt) / 2
-        along, wider = _step(tilt, missing, bend, bend_t, down, across, half_width)
+        along, wider = _step(tilt, excess, bend, bend_t, down, across, half_width)
         centre, half_width = centre + along, half_width + wider
         shift(slope, along)
         if abs(along) + abs(wider) <= CLOSE * (1 + half_width):

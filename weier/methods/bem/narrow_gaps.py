@@ -182,22 +182,22 @@ def correct_gap(
             opening[i] = solution.displacement[node] - solution.rate  # per mean pressure
     window = nodes + 2 * margin
     offset, scale = continuum.windows.offset[window], scale_of(window)
-    seen = np.empty((3, continuum.windows.fitted[window]))  # pressure that closes this gap, its rate, and z
-    for i in range(seen.shape[1]):
+    values = np.empty((3, continuum.windows.fitted[window]))  # pressure that closes this gap, its rate, and z
+    for i in range(values.shape[1]):
         node = (start - margin + offset[i]) % points
-        seen[0, i], seen[1, i], seen[2, i] = relaxed[node], solution.per_load[node], grid.height[node]
+        values[0, i], values[1, i], values[2, i] = relaxed[node], solution.per_load[node], grid.height[node]
         for j in range(nodes):
             stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
-            seen[0, i] -= stiffness * gap[j]
-            seen[1, i] -= stiffness * opening[j]
-    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, window, seen)
+            values[0, i] -= stiffness * gap[j]
+            values[1, i] -= stiffness * opening[j]
+    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, window, values)
     pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
     rate = average_under_triangle(nodal_rate, scale)
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
         return _edges_not_found()
     compliance_error, resistance_error, uncertain = _errors_of_depth(
-        nodal_pressure, pressure, rate, nodes, window, factor, grid.tolerance, continuum, spacing
+        nodal_pressure, pressure, rate, nodes, window, factor, grid.max_residual, continuum, spacing
     )
     grid_mixed = grid_energy = mixed = energy = 0.0
     smoothing = added_by_triangles(rate, nodes, scale)
@@ -223,7 +223,7 @@ def correct_gap(
 @kernel
 def _errors_of_depth(
     nodal_pressure: Array, pressure: Array, rate: Array, nodes: int, window: int, factor: float,
-    grid_tolerance: float, continuum: Continuum, spacing: float,
+    max_residual: float, continuum: Continuum, spacing: float,
 ) -> tuple[float, float, bool]:  # fmt: skip
     """Errors of both numbers by `factor` times the next two terms of the pressure; whether these may close the gap.
 
@@ -239,7 +239,7 @@ def _errors_of_depth(
     pressure_error = factor * (abs(value(rest[0], least)) + abs(value(rest[1], least)))
     pressure_error += OPEN_DEPTH * continuum.angle**3 * bend / scale**2  # times the square of the wavenumber
     pressure_error += (
-        grid_tolerance * continuum.angle / (2 * np.pi * spacing)
+        max_residual * continuum.angle / (2 * np.pi * spacing)
     )  # heights are off by a wave as high as that
     if depth <= -pressure_error:
         return 0.0, 0.0, False

@@ -167,17 +167,17 @@ def solve_bordered(
     Conjugate gradients on changes that sum to 0, preconditioned by the slopes.
     """
     n = right.size
-    x, direction, give = np.zeros(n), np.zeros(n), np.zeros(n)  # 1/slope of those that touch
+    x, direction, stiffness = np.zeros(n), np.zeros(n), np.zeros(n)  # 1/slope of those that touch
     size = 0.0
     for i in range(n):
         if touching[i]:
             if not slope[i] > 0:
                 return x, 0.0, False
-            give[i] = 1 / slope[i]
-            size += right[i] ** 2 * give[i]
-    weight = give.sum()
+            stiffness[i] = 1 / slope[i]
+            size += right[i] ** 2 * stiffness[i]
+    weight = stiffness.sum()
     for i in range(n):
-        x[i] = total * give[i] / weight
+        x[i] = total * stiffness[i] / weight
     rest = press(x, interaction)
     for i in range(n):
         rest[i] = right[i] - slope[i] * x[i] - rest[i]
@@ -185,14 +185,14 @@ def solve_bordered(
     for step in range(MAX_GRADIENTS):
         last, common, energy = energy, 0.0, 0.0
         for i in range(n):
-            common += rest[i] * give[i] / weight
+            common += rest[i] * stiffness[i] / weight
         for i in range(n):
-            energy += (rest[i] - common) ** 2 * give[i]
+            energy += (rest[i] - common) ** 2 * stiffness[i]
         first = energy if step == 0 else first
         if energy <= GRADIENT_TOLERANCE * first + ROUNDING**2 * size:
             return x, common, True
         for i in range(n):
-            direction[i] = (rest[i] - common) * give[i] + (energy / last * direction[i] if step > 0 else 0.0)
+            direction[i] = (rest[i] - common) * stiffness[i] + (energy / last * direction[i] if step > 0 else 0.0)
         product = press(direction, interaction)
         curvature = 0.0
         for i in range(n):

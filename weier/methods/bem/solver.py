@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
-from weier.methods.bem.subgrid_solver import CurveSolver, LoadSolution, check_residual
+from weier.methods.bem.subgrid import LoadSolution
+from weier.methods.bem.subgrid_solver import CurveSolver, check_residual
 from weier.methods.errors import ConvergenceError
 from weier.theory.arguments import checked_number, shown
 from weier.theory.halfplane import eigenvalues, influence_coefficients
@@ -85,7 +86,7 @@ def curve(
 
     Parameters
     ----------
-    profile : Profile
+    profile : Profile or Trace
         With a finite number of terms.
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
@@ -139,9 +140,7 @@ def curve(
     return _nodal_curve(profile, loads, points, tolerance, resistance, solver)
 
 
-def _nodal_curve(
-    profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool, solver: str
-) -> Curve:
+def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, resistance: bool, solver: str) -> Curve:
     """The curve with the edges of contact on nodes."""
     partial = loads[loads < full_contact_load(profile, points)]
     if partial.size == 0:
@@ -242,7 +241,7 @@ def _fill(loads: Array, values: NDArray[Any], at_full_contact: float) -> NDArray
     return np.concatenate([values, np.full(loads.size - values.size, at_full_contact)])
 
 
-def full_contact_load(profile: Profile, points: int) -> float:
+def full_contact_load(profile: Waves, points: int) -> float:
     """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
 
@@ -331,10 +330,10 @@ def check_tolerance(tolerance: float) -> None:
 
 def check_resistance(resistance: Array, loads: Array, points: int) -> None:
     """Refuse a resistance that the solver gave up, which it says by inf."""
-    missed = np.flatnonzero(np.isinf(resistance))
-    if missed.size:
+    failed = np.flatnonzero(np.isinf(resistance))
+    if failed.size:
         raise ConvergenceError(
             f"boundary elements on {points} points found the compliance but not the resistance under the mean "
-            f"pressure {loads[missed[0]]:.6g} p_0*; try other points, or resistance=False",
+            f"pressure {loads[failed[0]]:.6g} p_0*; try other points, or resistance=False",
             np.inf,
         )

@@ -19,7 +19,7 @@ from weier.methods.bem.subgrid import LoadSolution, correct_contacts
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
 from weier.theory.profile import Profile
-from weier.theory.waves import MAX_POINTS
+from weier.theory.waves import MAX_POINTS, Waves
 
 if TYPE_CHECKING:
     from weier.methods import patches
@@ -37,10 +37,10 @@ class GridSolver:
     """One profile on one grid, and what its solution under a load leaves for the next lighter one."""
 
     def __init__(
-        self, profile: Profile, points: int, tolerance: float, rate_tolerance: float = RATE_TOLERANCE
+        self, profile: Waves, points: int, max_residual: float, rate_tolerance: float = RATE_TOLERANCE
     ) -> None:
         """Make the grids, and room for a solution."""
-        self.hierarchy, self.rate_tolerance = nested_grids(profile, points, tolerance), rate_tolerance
+        self.hierarchy, self.rate_tolerance = nested_grids(profile, points, max_residual), rate_tolerance
         self._grid = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
         self.continuum = make_continuum(profile, self._grid)
         self._state, self._carried = fft.make_grid_state(points), np.zeros(points)
@@ -51,7 +51,7 @@ class GridSolver:
     def solve(self, load: float) -> LoadSolution:
         """Solve the next lighter load: on the grid, its rate, and what the continuum adds to both."""
         plane, residual, pairs = self._solve_on_grid(load)
-        if not residual <= self._grid.tolerance:
+        if not residual <= self._grid.max_residual:
             return _unsolved(plane, residual, pairs)
         state, deformed = self._state, self._state.deformed.copy()
         rate, more = fft.solve_rate(self.rate_tolerance, self._grid, state)
@@ -75,7 +75,7 @@ class GridSolver:
             self._start = full_contact(self.hierarchy, load)
         elif load > MIN_NEAR * self._heavier:
             plane, residual, pairs = fft.resume(load, self._heavier, self._carried, self._grid, self._state)
-        if not residual <= self._grid.tolerance:
+        if not residual <= self._grid.max_residual:
             plane, residual, more = fft.cascade(load, self.hierarchy, self._start, self._state)
             pairs += more
         self._carried[:] = self._state.pressure
@@ -98,16 +98,16 @@ def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
 class CurveSolver:
     """Loads of a profile on a grid, verified."""
 
-    def __init__(self, profile: Profile, points: int, tolerance: float) -> None:
+    def __init__(self, profile: Profile, points: int, max_residual: float) -> None:
         """Make the grid; finer ones are made if they are needed."""
-        self.profile, self.points, self.tolerance = profile, points, tolerance
+        self.profile, self.points, self.max_residual = profile, points, max_residual
 
     def solve(self, loads: Array) -> list[LoadSolution]:
         """Solve loads of partial contact, which increase, from the heaviest down."""
-        found, grid = [], GridSolver(self.profile, self.points, self.tolerance)
+        found, grid = [], GridSolver(self.profile, self.points, self.max_residual)
         for load in loads[::-1]:
             solution = grid.solve(float(load))
-            check_residual(np.array([solution.residual]), np.array([load]), self.points, self.tolerance)
+            check_residual(np.array([solution.residual]), np.array([load]), self.points, self.max_residual)
             found.append(solution if solution.verified else self._solve_more_finely(float(load)))
             count_load()
         return found[::-1]
@@ -115,7 +115,7 @@ class CurveSolver:
     @cached_property
     def _finer(self) -> list[GridSolver]:
         points = [self.points * 2**doubling for doubling in range(1, MAX_DOUBLINGS + 1)]
-        return [GridSolver(self.profile, count, self.tolerance) for count in points if count <= MAX_POINTS]
+        return [GridSolver(self.profile, count, self.max_residual) for count in points if count <= MAX_POINTS]
 
     def _solve_more_finely(self, load: float) -> LoadSolution:
         """Solve a load on a finer grid, or by contact patches."""
@@ -170,7 +170,7 @@ def _shares(profile: Profile, solution: patches.Solution) -> Array:
     return np.full(solution.centre.size, np.nan)
 
 
-def check_residual(residual: Array, loads: Array, points: int, tolerance: float) -> None:
+def check_residual(residual: Array, loads: Array, points: int, max_residual: float) -> None:
     """Refuse a solution with a residual above the tolerance, in g_0, or without one.
 
     Raises
@@ -179,12 +179,12 @@ def check_residual(residual: Array, loads: Array, points: int, tolerance: float)
         With the first such residual and its load.
 
     """
-    missed = np.flatnonzero(~(residual <= tolerance))
-    if missed.size:
-        worst = missed[0]
+    failed = np.flatnonzero(~(residual <= max_residual))
+    if failed.size:
+        worst = failed[0]
         raise ConvergenceError(
             f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
-            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {tolerance:.1e}; try other points or a larger "
+            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {max_residual:.1e}; try other points or a larger "
             "residual_tolerance",
             float(residual[worst]),
         )
