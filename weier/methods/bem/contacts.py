@@ -45,8 +45,7 @@ class GridContacts(NamedTuple):
     centre, half_width : where the search for its edges begins, in s
     height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
     height_rest, rate_rest : two terms beyond these, as polynomials, shape (contacts, 2, TERMS + 2)
-    grid_mixed, grid_energy, grid_cross : energies of its force with A q of the others, of its share with itself and
-        twice with the others, and of its share with the others
+    grid_mixed, grid_cross : energies of its force, and of its share, with A q of the others
     force_moments, share_moments : first and second moments of force and share about `position`, (contacts, 2)
     """
 
@@ -70,7 +69,6 @@ class GridContacts(NamedTuple):
     height_rest: Array
     rate_rest: Array
     grid_mixed: Array
-    grid_energy: Array
     grid_cross: Array
     force_moments: Array
     share_moments: Array
@@ -79,12 +77,12 @@ class GridContacts(NamedTuple):
 @kernel
 def make_contacts(contacts: int, terms: int) -> GridContacts:
     """Room for so many."""
-    number, integer, polynomial = np.zeros((16, contacts)), np.zeros((2, contacts), np.int64), (contacts, terms)
+    number, integer, polynomial = np.zeros((15, contacts)), np.zeros((2, contacts), np.int64), (contacts, terms)
     moments, rest = (contacts, 2), (contacts, 2, terms + 2)
     return GridContacts(
         integer[0], number[0], number[1], number[2], number[3], number[4], number[5], number[6], number[7],
         integer[1], number[8], number[9], number[10], number[11], number[12], np.zeros(polynomial),
-        np.zeros(polynomial), np.zeros(rest), np.zeros(rest), number[13], number[14], number[15], np.zeros(moments),
+        np.zeros(polynomial), np.zeros(rest), np.zeros(rest), number[13], number[14], np.zeros(moments),
         np.zeros(moments),
     )  # fmt: skip
 
@@ -144,9 +142,43 @@ def add_contact(
     margin = margin_of(edge, run)
     if not polynomial or nodes + 2 * margin < MIN_POLYNOMIAL or not contacts.share[at] > 0:
         return False
+    scale = enter_polynomials(start, margin, force, share, solution, continuum, contacts, at)
+    reach, limit = ((nodes - 1) / 2 + EDGE) / scale, ((nodes - 1) / 2 + MAX_BEYOND) / scale
+    centre, width, found = contact_edges(contacts.height[at], contacts.force[at], 0.0, reach)
+    if not found or abs(centre) + width > limit:
+        return False
+    contacts.kind[at], contacts.limit[at] = NARROW, limit
+    contacts.centre[at], contacts.half_width[at] = centre, width
+    contacts.position[at] += centre * scale * spacing
+    smoothing, own = added_by_triangles(contacts.rate[at], nodes, scale), 0.0
+    for i in range(nodes):
+        others = displacement = solution.displacement[(start + i) % points]
+        for j in range(nodes):
+            others -= continuum.influence[abs(i - j)] * share[j]
+        own += share[i] * (displacement - others)
+        contacts.grid_mixed[at] += force[i] * (others + smoothing[i])
+        contacts.grid_cross[at] += share[i] * (others + smoothing[i] / 2)
+        x = (i - (nodes - 1) / 2 - centre * scale) * spacing
+        add_grid_moments(force[i], x, spacing, contacts.force_moments[at])
+        add_grid_moments(share[i], x, spacing, contacts.share_moments[at])
+    contacts.self_compliance[at] = own / contacts.share[at] ** 2
+    return True
+
+
+@kernel
+def enter_polynomials(
+    start: int, margin: int, force: Array, share: Array, solution: GridSolution, continuum: Continuum,
+    contacts: GridContacts, at: int,
+) -> float:  # fmt: skip
+    """Fit the surface as a contact with these nodal forces sees it, and A q of the others; the nodes in one s.
+
+    The fit is to the nodes of the contact, which begins at `start`, and some more at both ends. The next two terms of
+    each polynomial are entered, too.
+    """
+    nodes, points, windows = force.size, solution.pressure.size, continuum.windows
     window = nodes + 2 * margin
-    offset, scale = continuum.windows.offset[window], scale_of(window)
-    values = np.empty((2, continuum.windows.fitted[window]))  # z as this contact sees it, and A q of the others
+    offset, scale, following = windows.offset[window], scale_of(window), windows.following[window]
+    values = np.empty((2, windows.fitted[window]))
     for i in range(values.shape[1]):
         node = (start - margin + offset[i]) % points
         values[0, i], values[1, i] = solution.deformed[node], solution.displacement[node]
@@ -154,49 +186,14 @@ def add_contact(
             influence = continuum.influence[abs(offset[i] - margin - j)]
             values[0, i] += influence * force[j]
             values[1, i] -= influence * share[j]
-    fitted = fit_window(continuum.windows, window, values)
-    height, rate = fitted[0], fitted[1]
-    centre, width, found = contact_edges(height, contacts.force[at], 0.0, ((nodes - 1) / 2 + EDGE) / scale)
-    limit = ((nodes - 1) / 2 + MAX_BEYOND) / scale
-    if not found or abs(centre) + width > limit:
-        return False
-    mixed = energy = own = 0.0  # of the grid: with the rate of the others at its own nodes, and of its own
-    for i in range(nodes):
-        others = displacement = solution.displacement[(start + i) % points]
-        for j in range(nodes):
-            others -= continuum.influence[abs(i - j)] * share[j]
-        mixed += force[i] * others
-        energy += share[i] * others
-        own += share[i] * (displacement - others)
-    smoothing = added_by_triangles(rate, nodes, scale)
-    contacts.kind[at], contacts.limit[at] = NARROW, limit
-    contacts.origin[at] = contacts.position[at]
-    contacts.position[at] += centre * scale * spacing
-    enter_polynomials(fitted, window, centre, width, continuum, spacing, contacts, at)
-    contacts.self_compliance[at] = own / contacts.share[at] ** 2
-    for i in range(nodes):
-        x = (i - (nodes - 1) / 2 - centre * scale) * spacing
-        add_grid_moments(force[i], x, spacing, contacts.force_moments[at])
-        add_grid_moments(share[i], x, spacing, contacts.share_moments[at])
-    contacts.grid_mixed[at] = mixed + np.sum(force * smoothing)
-    contacts.grid_energy[at] = own + 2 * energy + np.sum(share * smoothing)
-    contacts.grid_cross[at] = energy + np.sum(share * smoothing) / 2
-    return True
-
-
-@kernel
-def enter_polynomials(
-    fitted: Array, window: int, centre: float, half_width: float, continuum: Continuum, spacing: float,
-    contacts: GridContacts, at: int,
-) -> None:  # fmt: skip
-    """Enter what was fitted in the window of a contact: heights, rates of others, and the next two terms of each."""
-    scale, degree, following = scale_of(window), continuum.windows.degree[window], continuum.windows.following[window]
-    contacts.scale[at] = scale * spacing
-    contacts.centre[at], contacts.half_width[at] = centre, half_width
+    fitted, degree, ratio = fit_window(windows, window, values), windows.degree[window], scale * continuum.angle
     copy_values(fitted[0], contacts.height[at])
     copy_values(fitted[1], contacts.rate[at])
-    remainder(fitted[0], following, degree, scale * continuum.angle, contacts.height_rest[at])
-    remainder(fitted[1], following, degree, scale * continuum.angle, contacts.rate_rest[at])
+    remainder(fitted[0], following, degree, ratio, contacts.height_rest[at])
+    remainder(fitted[1], following, degree, ratio, contacts.rate_rest[at])
+    contacts.origin[at] = (start + (nodes - 1) / 2) * continuum.period / points
+    contacts.scale[at] = scale * continuum.period / points
+    return scale
 
 
 @kernel
@@ -258,25 +255,13 @@ def add_crests(
     used: int,
 ) -> int:  # fmt: skip
     """Enter the marked crests of a gap; the contacts then used."""
-    points = solution.pressure.size
-    spacing = continuum.period / points
     for i in range(nodes):
-        node = (start + i) % points
-        if not crest[node]:
-            continue
-        margin = side_margin(node, solution.contact)
-        window = 1 + 2 * margin
-        scale = scale_of(window)
-        values = np.empty((2, window))
-        for j in range(window):
-            near = (node - margin + j) % points
-            values[0, j], values[1, j] = solution.deformed[near], solution.displacement[near]
-        fitted = fit_window(continuum.windows, window, values)
-        top = highest(fitted[0], 0.0, 1 / scale)
-        contacts.kind[used] = CREST
-        contacts.position[used] = (node + top * scale) * spacing
-        contacts.origin[used] = node * spacing
-        contacts.limit[used] = 1.0
-        enter_polynomials(fitted, window, top, 0.0, continuum, spacing, contacts, used)
-        used += 1
+        node = (start + i) % crest.size
+        if crest[node]:
+            none, margin = np.zeros(1), side_margin(node, solution.contact)
+            scale = enter_polynomials(node, margin, none, none, solution, continuum, contacts, used)
+            top = highest(contacts.height[used], 0.0, 1 / scale)
+            contacts.kind[used], contacts.limit[used], contacts.centre[used] = CREST, 1.0, top
+            contacts.position[used] = contacts.origin[used] + top * contacts.scale[used]
+            used += 1
     return used

@@ -106,17 +106,16 @@ def punch_compliance(half_width: float, period: float) -> float:
 
 
 @kernel
-def contact_energy(height: Array, rate: Array, force: float, share: float, compliance: float) -> tuple[float, float]:
-    """The mixed energy of heights and rates on a contact, and that of the rates alone.
+def contact_energies(height: Array, rate: Array, force: float, share: float) -> tuple[float, float]:
+    """Energies of a contact, with this force and share, in the rates of others: of its pressure and of its rate.
 
-    Both polynomials come as coefficients of T_k. The first is the integral of the pressure times the rate; the
-    second is the smallest energy of pressures per load, half of it times two, that carry `share`.
+    Both polynomials come as coefficients of T_k. The rate of the pressure follows the rates of others.
     """
-    mixed, alone = force * rate[0], share * share * compliance + 2 * share * rate[0]
+    mixed, cross = force * rate[0], share * rate[0]
     for k in range(1, rate.size):
         mixed += k * height[k] * rate[k] / 4
-        alone -= k * rate[k] * rate[k] / 4
-    return mixed, alone
+        cross -= k * rate[k] * rate[k] / 4
+    return mixed, cross
 
 
 @kernel
@@ -126,15 +125,6 @@ def force_per_half_width(height: Array, centre: float, half_width: float) -> flo
     shift(slope, centre)
     _, tilt_t, _, _, bend_tt = means(slope, half_width)
     return -(tilt_t + half_width * bend_tt) / 2
-
-
-@kernel
-def cross_energy(rate: Array, share: float) -> float:
-    """Of those rates alone, with the pressures per load of this contact."""
-    energy = share * rate[0]
-    for k in range(1, rate.size):
-        energy -= k * rate[k] * rate[k] / 4
-    return energy
 
 
 @kernel

@@ -12,7 +12,7 @@ from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
 from weier.methods.bem.grid_solution import Continuum
 from weier.methods.bem.interaction import Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
-from weier.methods.bem.narrow_contacts import contact_energy, cross_energy, plane_height, punch_compliance
+from weier.methods.bem.narrow_contacts import contact_energies, plane_height, punch_compliance
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
@@ -371,11 +371,11 @@ def _weigh(contacts: GridContacts, rate: float, period: float, state: _State) ->
             others = expansion(contacts.rate[i], state.centre[i], state.half_width[i])
             if contacts.kind[i] == NARROW:
                 height = expansion(contacts.height[i], state.centre[i], state.half_width[i])
-                mixed, energy = contact_energy(height, others, contacts.force[i], share, compliance)
-                weights.others[i] = (cross_energy(others, share) - contacts.grid_cross[i]) / share
+                mixed, cross = contact_energies(height, others, contacts.force[i], share)
+                weights.others[i] = (cross - contacts.grid_cross[i]) / share
                 weights.raised[i] = others[0] - contacts.grid_cross[i] / share
-                more = energy - contacts.grid_energy[i] + contacts.edge_resistance[i] * period
-                weights.own[i] = more / share**2 - 2 * weights.others[i] / share
+                weights.own[i] = compliance - contacts.self_compliance[i] + (others[0] - cross / share) / share
+                weights.own[i] += contacts.edge_resistance[i] * period / share**2
                 shape += mixed - contacts.grid_mixed[i] + contacts.edge_compliance[i] * period
             else:
                 weights.closing[i] = rate - others[0]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
 from weier.methods.bem.subgrid import LoadSolution
-from weier.methods.bem.subgrid_solver import CurveSolver, check_residual
+from weier.methods.bem.subgrid_solver import check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
 from weier.theory.arguments import checked_number, shown
 from weier.theory.halfplane import eigenvalues, influence_coefficients
@@ -206,7 +206,7 @@ def _numbers(solution: LoadSolution) -> tuple[float, ...]:
 def _solve_subgrid(profile: Profile, loads: Array, points: int, tolerance: float) -> list[LoadSolution]:
     """All loads of partial contact."""
     partial = loads[loads < profile.full_contact_load]
-    return CurveSolver(profile, points, tolerance).solve(partial) if partial.size else []
+    return solve_curve(profile, points, tolerance, partial) if partial.size else []
 
 
 def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:

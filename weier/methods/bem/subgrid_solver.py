@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import cached_property
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -95,35 +95,18 @@ def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
     return LoadSolution(False, plane, np.nan, np.nan, np.nan, none, True, residual, pairs)
 
 
-class CurveSolver:
-    """Loads of a profile on a grid, verified."""
-
-    def __init__(self, profile: Profile, points: int, max_residual: float) -> None:
-        """Make the grid; finer ones are made if they are needed."""
-        self.profile, self.points, self.max_residual = profile, points, max_residual
-
-    def solve(self, loads: Array) -> list[LoadSolution]:
-        """Solve loads of partial contact, which increase, from the heaviest down."""
-        found, grid = [], GridSolver(self.profile, self.points, self.max_residual)
-        for load in loads[::-1]:
-            solution = grid.solve(float(load))
-            check_residual(np.array([solution.residual]), np.array([load]), self.points, self.max_residual)
-            found.append(solution if solution.verified else self._solve_more_finely(float(load)))
-            count_load()
-        return found[::-1]
-
-    @cached_property
-    def _finer(self) -> list[GridSolver]:
-        points = [self.points * 2**doubling for doubling in range(1, MAX_DOUBLINGS + 1)]
-        return [GridSolver(self.profile, count, self.max_residual) for count in points if count <= MAX_POINTS]
-
-    def _solve_more_finely(self, load: float) -> LoadSolution:
-        """Solve a load on a finer grid, or by contact patches."""
-        for grid in self._finer:
-            solution = grid.solve_alone(load)
-            if solution.verified:
-                return solution
-        return _solve_by_patches(self.profile, load)
+def solve_curve(profile: Profile, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
+    """Solve loads of partial contact, which increase, from the heaviest down; finer grids are made if they are needed."""
+    found, grid_on = [], cache(lambda count: GridSolver(profile, count, max_residual))
+    for load in map(float, loads[::-1]):
+        solution = grid_on(points).solve(load)
+        check_residual(np.array([solution.residual]), np.array([load]), points, max_residual)
+        for doubling in range(1, MAX_DOUBLINGS + 1):
+            if not solution.verified and points * 2**doubling <= MAX_POINTS:
+                solution = grid_on(points * 2**doubling).solve_alone(load)
+        found.append(solution if solution.verified else _solve_by_patches(profile, load))
+        count_load()
+    return found[::-1]
 
 
 def _solve_by_patches(profile: Profile, load: float) -> LoadSolution:
