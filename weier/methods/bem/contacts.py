@@ -38,6 +38,7 @@ class GridContacts(NamedTuple):
     force, share : on the grid, per period, and its rate per mean pressure
     self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
     edge_compliance, edge_resistance : what its lone edges add to compliance and resistance
+    edge_drop, edge_yield : by how much one step of these lowers the resistance, and more force does, per force
     left, right : its edges by themselves, or those of narrow gaps beside it, in lambda_0
     closed_after : 1 where the gap after it is closed in the continuum
     origin, scale : of the variable s of the polynomials, in lambda_0
@@ -56,6 +57,8 @@ class GridContacts(NamedTuple):
     self_compliance: Array
     edge_compliance: Array
     edge_resistance: Array
+    edge_drop: Array
+    edge_yield: Array
     left: Array
     right: Array
     closed_after: Indices
@@ -77,12 +80,12 @@ class GridContacts(NamedTuple):
 @kernel
 def make_contacts(contacts: int, terms: int) -> GridContacts:
     """Room for so many."""
-    number, integer, polynomial = np.zeros((15, contacts)), np.zeros((2, contacts), np.int64), (contacts, terms)
+    number, integer, polynomial = np.zeros((17, contacts)), np.zeros((2, contacts), np.int64), (contacts, terms)
     moments, rest = (contacts, 2), (contacts, 2, terms + 2)
     return GridContacts(
-        integer[0], number[0], number[1], number[2], number[3], number[4], number[5], number[6], number[7],
-        integer[1], number[8], number[9], number[10], number[11], number[12], np.zeros(polynomial),
-        np.zeros(polynomial), np.zeros(rest), np.zeros(rest), number[13], number[14], np.zeros(moments),
+        integer[0], number[0], number[1], number[2], number[3], number[4], number[5], number[6], number[7], number[8],
+        number[9], integer[1], number[10], number[11], number[12], number[13], number[14], np.zeros(polynomial),
+        np.zeros(polynomial), np.zeros(rest), np.zeros(rest), number[15], number[16], np.zeros(moments),
         np.zeros(moments),
     )  # fmt: skip
 
@@ -210,6 +213,9 @@ def place_edge(
         compliance, resistance = correct_edge(steps, run)
         contacts.edge_compliance[which] += compliance
         contacts.edge_resistance[which] += resistance
+        contacts.edge_drop[which] += steps.drop[run]
+        if steps.load[run] > 0:
+            contacts.edge_yield[which] += steps.drop[run] / (steps.load[run] * contacts.share[which])
         beyond = steps.place[run] + EDGE
         position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
     elif run == 0 and begins:  # the gap before it ends in the next period

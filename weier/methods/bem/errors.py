@@ -120,11 +120,10 @@ def _errors_of_edges(
         gap = run - 1 if solution.contact[edge[run + 1] % solution.pressure.size] else run
         contact = run - 1 if gap == run else run
         change = steps.drop[run] * min(steps.load[run], mean_pressure), steps.drop[run]  # no older than the load
-        if polynomial[gap]:
-            errors[0] += factors.GAP * angle**2 * change[0]
         for quantity in range(2):
             if polynomial[gap]:
-                errors[quantity] += factors.NEAR_GAP[quantity] * near * change[quantity]
+                share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
+                errors[quantity] += share * change[quantity]
             elif not polynomial[contact]:
                 errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
     return errors[0], errors[1]

@@ -10,14 +10,13 @@ import numpy as np
 
 # Polynomials, of contacts and gaps.
 REST = 2.0  # times the sizes of the next two terms of a polynomial, for all further ones
-EDGE_REST = 4.0  # in place of REST for a gap beside an edge of contact, near which the pressure is a root
 # Of the depth of a gap, over its second derivative in finest wavenumbers and over (2 pi/points a wave)^5: what
 # polynomial and aliases leave of it on one wave at 32 to 256 points.
 OPEN_DEPTH = 0.01
 # Steps, of compliance and resistance: an edge that moves by a node changes them by D (a + b) and D.
 # Over the nodes of the narrower run, or of half of a finest wave where these are fewer: edges without a polynomial.
 ALONE = np.array([0.2, 0.9])
-GAP = 0.006  # times (2 pi/points a wave)^2, of compliance, for gaps with a polynomial, which stands for waves
+GAP = np.array([0.006, 0.035])  # times (2 pi/points a wave)^2, for gaps with a polynomial, which stands for waves
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
 IMAGES = 0.13  # times (narrower run/both)^4, for one contact and its images
 # Contacts that bear on each other.

@@ -322,6 +322,11 @@ def _sum_up(
             tilts = (state.half_width[i] * contacts.scale[i]) ** 2 * abs(moved_shares[i, 1]) / (4 * period)
             second[i] += tilts * abs(tilt[i])
             rate_second[i] += tilts * abs(moved_shares[i, 1])
+        elif touching[i]:  # its edges move on with the force, by a step at most
+            yielded = contacts.edge_yield[i] * change[i]
+            yielded = min(max(yielded, -contacts.edge_drop[i]), contacts.edge_drop[i])
+            resistance -= yielded
+            rate_second[i] += abs(yielded)
         if touching[i]:
             tilted -= weights.closing[i]
             higher = share * (state.excess[i] - plane) - (weights.raised[i] + tilted) * change[i]

@@ -96,7 +96,7 @@ def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
 
 
 def solve_curve(profile: Profile, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
-    """Solve loads of partial contact, which increase, from the heaviest down; finer grids are made if they are needed."""
+    """Solve loads of partial contact, which increase, from the heaviest down; finer grids are made if needed."""
     found, grid_on = [], cache(lambda count: GridSolver(profile, count, max_residual))
     for load in map(float, loads[::-1]):
         solution = grid_on(points).solve(load)
