@@ -61,17 +61,18 @@ def estimate_errors(
         if contacts.kind[at] == WIDE:
             continue
         rest = factors.REST * _size(contacts.height_rest[at], forces.centre[at])
-        displaced = _displacement_by_moments(contacts, forces, at, solution.contact.size, period)
+        displaced, relief = _effects_of_others(contacts, forces, at, solution.contact.size, period)
         height = factors.HEIGHT_SHARE * compliance + rest + displaced
         if forces.touching[at]:  # the more of the load it takes, the less another can take from it
             height *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
         else:
             judged &= forces.penetration[at] <= height
         uncertain |= abs(forces.penetration[at]) <= height
-        drop = _drop(contacts, forces, at, height, period) - _drop(contacts, forces, at, -height, period)
+        drop = _drop(contacts, forces, at, height, relief, period)
+        drop -= _drop(contacts, forces, at, -height, relief, period)
         birth_resistance += drop
         if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
-            birth_compliance += drop * displaced / forces.closing[at]
+            birth_compliance += drop * height / forces.closing[at]
     compliance += gaps.error[0] + birth_compliance
     return Errors(compliance, gaps.error[1] + resistance + birth_resistance, uncertain, judged)
 
@@ -175,33 +176,40 @@ def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[f
 
 
 @kernel
-def _displacement_by_moments(
+def _effects_of_others(
     contacts: GridContacts, forces: Redistribution, at: int, points: int, period: float
-) -> float:
-    """How far the moments of contacts on the grid that are not corrected may displace a crest.
+) -> tuple[float, float]:
+    """How far others may displace a crest by moments that are not corrected, and how much they relieve its force.
 
-    These are the second of wide contacts, by K''/2 of each, and the next two of those with polynomials, whose half
-    width squared times the corrected ones they are at most, as if all of these stood at the edges.
+    These moments are the second of wide contacts, by K''/2 of each, and the next two of those with polynomials: as if
+    the corrected ones m_1 and m_2 were of dipoles at their edges, they are 3 a^2 m_1 and 2 a^2 m_2. A force f that
+    another contact loses displaces both by f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
-    displacement = 0.0
+    displacement = relief = 0.0
     for other in range(contacts.kind.size):
         if other == at:
             continue
-        near = np.pi / period / abs(np.sin(np.pi / period * (contacts.position[at] - contacts.position[other])))
+        apart = abs(np.sin(np.pi / period * (contacts.position[at] - contacts.position[other])))
+        near, yielding = np.pi / period / apart, contacts.self_compliance[other]
         if contacts.kind[other] == WIDE:
             displacement += factors.MOMENT * contacts.force[other] * (near * period / points) ** 2
         elif forces.touching[other]:
             first, second = abs(forces.moments[other, 1]), abs(forces.moments[other, 2])
-            reach = near * forces.half_width[other] * contacts.scale[other]
-            displacement += factors.MOMENTS * near * reach**2 * (2 / 3 * first + near / 2 * second)
-    return displacement
+            half_width = forces.half_width[other] * contacts.scale[other]
+            displacement += factors.MOMENTS * near * (near * half_width) ** 2 * (2 * first + near * second)
+            yielding = punch_compliance(half_width, period)
+        if forces.touching[other]:
+            relief = min(relief, yielding + 4 * np.log(2 * apart))
+    return displacement, relief
 
 
 @kernel
-def _drop(contacts: GridContacts, forces: Redistribution, at: int, higher: float, period: float) -> float:
+def _drop(
+    contacts: GridContacts, forces: Redistribution, at: int, higher: float, relief: float, period: float
+) -> float:
     """What a contact takes off the resistance that a crest makes by penetrating so much farther."""
     penetration, bend = forces.penetration[at] + higher, -slopes(contacts.height[at], forces.centre[at])[1]
     if penetration <= 0 or bend <= 0:
         return 0.0
     half_width = min(np.sqrt(2 * penetration / bend) * contacts.scale[at], period / 4)
-    return forces.closing[at] ** 2 / (1 + punch_compliance(half_width, period)) / period
+    return forces.closing[at] ** 2 / max(1 + punch_compliance(half_width, period) + relief, 1.0) / period
