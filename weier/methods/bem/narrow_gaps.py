@@ -9,11 +9,12 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import Edges
-from weier.methods.bem.factors import OPEN_DEPTH, REST
+from weier.methods.bem.factors import EDGE_REST, OPEN_DEPTH, REST
 from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.local_fit import (
+    CREST_MARGIN,
     EDGE,
     MAX_BEYOND,
     MIN_POLYNOMIAL,
@@ -89,7 +90,7 @@ def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
         start = edge[run + 1] % points
         if polynomial[run] and not solution.contact[start]:
             nodes, margin = edge[run + 2] - edge[run + 1], margin_of(edge, run)
-            gap = correct_gap(start, nodes, margin, pressure, solution, continuum)
+            gap = correct_gap(start, nodes, margin, REST, pressure, solution, continuum)
             polynomial[run] = gap.left <= gap.right
             place[run, 0], place[run, 1] = gap.left, gap.right
             adds[run, 0], adds[run, 1] = gap.compliance, gap.resistance
@@ -103,7 +104,8 @@ def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
         if not is_dip(node, solution):
             continue
         margin = side_margin(node, solution.contact)
-        gap = correct_gap(node, 1, margin, pressure, solution, continuum)
+        factor = REST if margin == CREST_MARGIN else EDGE_REST
+        gap = correct_gap(node, 1, margin, factor, pressure, solution, continuum)
         if not gap.left <= gap.right:
             found = False
             continue
@@ -159,12 +161,12 @@ def _edges_not_found() -> GapCorrection:
 
 @kernel
 def correct_gap(
-    start: int, nodes: int, margin: int, relaxed: Array, solution: GridSolution, continuum: Continuum
+    start: int, nodes: int, margin: int, factor: float, relaxed: Array, solution: GridSolution, continuum: Continuum
 ) -> GapCorrection:
     """What a narrow gap adds to compliance and resistance by its polynomial, fitted on `margin` more nodes each side.
 
-    It may stand between two nodes: then its one node is the one of least pressure. `relaxed` is the nodal pressure
-    without what the residual makes of it.
+    It may stand between two nodes: then its one node is the one of least pressure. The error is `factor` times the
+    next two terms of the polynomial; `relaxed` is the nodal pressure without what the residual makes of it.
     """
     grid, points = continuum.grid, solution.pressure.size
     spacing = continuum.period / points
@@ -195,7 +197,7 @@ def correct_gap(
     if not found:
         return _edges_not_found()
     compliance_error, resistance_error, uncertain = _errors_of_depth(
-        nodal_pressure, pressure, rate, nodes, window, grid.max_residual, continuum, spacing
+        nodal_pressure, pressure, rate, nodes, window, factor, grid.max_residual, continuum, spacing
     )
     grid_mixed = grid_energy = mixed = energy = 0.0
     smoothing = added_by_triangles(rate, nodes, scale)
@@ -220,10 +222,10 @@ def correct_gap(
 
 @kernel
 def _errors_of_depth(
-    nodal_pressure: Array, pressure: Array, rate: Array, nodes: int, window: int,
+    nodal_pressure: Array, pressure: Array, rate: Array, nodes: int, window: int, factor: float,
     max_residual: float, continuum: Continuum, spacing: float,
 ) -> tuple[float, float, bool]:  # fmt: skip
-    """Errors of both numbers by the next two terms of the pressure; whether these may close the gap.
+    """Errors of both numbers by `factor` times the next two terms of the pressure; whether these may close the gap.
 
     They are much where few nodes are in the window, or an edge of contact is near it.
     """
@@ -234,7 +236,7 @@ def _errors_of_depth(
     per_load = value(rate, least)
     if bend <= 0 or per_load <= 0:
         return 0.0, 0.0, False
-    pressure_error = REST * (abs(value(rest[0], least)) + abs(value(rest[1], least)))
+    pressure_error = factor * (abs(value(rest[0], least)) + abs(value(rest[1], least)))
     pressure_error += OPEN_DEPTH * continuum.angle**3 * bend / scale**2  # times the square of the wavenumber
     pressure_error += (
         max_residual * continuum.angle / (2 * np.pi * spacing)
