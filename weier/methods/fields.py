@@ -11,8 +11,7 @@ from weier.methods import bem, patches
 from weier.theory.arguments import checked_word
 from weier.theory.limits import check_resolvable
 from weier.theory.loads import checked_load
-from weier.theory.profile import Profile
-from weier.theory.waves import checked_surface
+from weier.theory.waves import Waves, checked_surface
 
 ATTRIBUTES = {
     "x": ("position along the surface", "lambda_0"),
@@ -34,7 +33,7 @@ ATTRIBUTES = {
 
 @interruptible
 def fields(
-    profile: Profile, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
+    profile: Waves, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
 ) -> xr.Dataset:
     """Pressure, gap and displacement along one period under one mean pressure.
 
@@ -93,7 +92,7 @@ def fields(
 
 
 @interruptible
-def events(profile: Profile, low: float, high: float) -> xr.Dataset:
+def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     """Mean pressures at which contacts are born or merge.
 
     Parameters

@@ -14,7 +14,6 @@ from weier.methods.bem.solver import Curve, checked_edges, checked_points, curve
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_points
-from weier.theory.profile import Profile
 from weier.theory.waves import Waves
 
 # Points for each of the finest waves. Halved, they stay whole.
@@ -26,7 +25,7 @@ POINTS_AT_RESIDUALS = 32
 
 
 def _solve(
-    profile: Profile,
+    profile: Waves,
     loads: Array,
     points_per_wave: int | None = None,
     points: int | None = None,
@@ -103,7 +102,7 @@ def _grid(task: Task, points: int) -> Segment:
     )
 
 
-def _solve_segment(profile: Profile, points: int, loads: Array) -> SegmentSolution:
+def _solve_segment(profile: Waves, points: int, loads: Array) -> SegmentSolution:
     grid = curve(profile, loads, points=points, tolerance=error_model.PLANNED_RESIDUAL, edges="subgrid")
     return SegmentSolution(grid.compliance, grid.resistance, grid.compliance_error, grid.resistance_error)
 

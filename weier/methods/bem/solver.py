@@ -17,7 +17,6 @@ from weier.theory.arguments import checked_number, shown
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.limits import check_points, check_resolvable
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
 from weier.theory.waves import Waves
 
 Array = NDArray[np.float64]
@@ -73,7 +72,7 @@ class Contacts(NamedTuple):
 
 
 def curve(
-    profile: Profile,
+    profile: Waves,
     mean_pressure: ArrayLike,
     solver: str = "fft",
     points: int | None = None,
@@ -171,7 +170,7 @@ def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, re
     )
 
 
-def _subgrid_curve(profile: Profile, loads: Array, points: int, tolerance: float, resistance: bool) -> Curve:
+def _subgrid_curve(profile: Waves, loads: Array, points: int, tolerance: float, resistance: bool) -> Curve:
     """The curve with the edges of contact between nodes."""
     solutions = _solve_subgrid(profile, loads, points, tolerance)
     plane, dh_dp, compliance_error, resistance_error, residual, work, count, width = (
@@ -203,7 +202,7 @@ def _numbers(solution: LoadSolution) -> tuple[float, ...]:
     )  # fmt: skip
 
 
-def _solve_subgrid(profile: Profile, loads: Array, points: int, tolerance: float) -> list[LoadSolution]:
+def _solve_subgrid(profile: Waves, loads: Array, points: int, tolerance: float) -> list[LoadSolution]:
     """All loads of partial contact."""
     partial = loads[loads < profile.full_contact_load]
     return solve_curve(profile, points, tolerance, partial) if partial.size else []
@@ -218,7 +217,7 @@ def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:
 
 
 def contacts(
-    profile: Profile, mean_pressure: ArrayLike, points: int | None = None, tolerance: float = 1e-10
+    profile: Waves, mean_pressure: ArrayLike, points: int | None = None, tolerance: float = 1e-10
 ) -> list[Contacts]:
     """The contacts under each of several loads, with their edges between the nodes.
 

@@ -18,7 +18,6 @@ from weier.methods.bem.narrow_gaps import find_gaps
 from weier.methods.bem.subgrid import LoadSolution, correct_contacts
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
-from weier.theory.profile import Profile
 from weier.theory.waves import MAX_POINTS, Waves
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
     return LoadSolution(False, plane, np.nan, np.nan, np.nan, none, True, residual, pairs)
 
 
-def solve_curve(profile: Profile, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
+def solve_curve(profile: Waves, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
     """Solve loads of partial contact, which increase, from the heaviest down; finer grids are made if needed."""
     found, grid_on = [], cache(lambda count: GridSolver(profile, count, max_residual))
     for load in map(float, loads[::-1]):
@@ -109,7 +108,7 @@ def solve_curve(profile: Profile, points: int, max_residual: float, loads: Array
     return found[::-1]
 
 
-def _solve_by_patches(profile: Profile, load: float) -> LoadSolution:
+def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
     """A load that the grids leave in doubt, by the method that needs none."""
     from weier.methods import patches  # which begins with boundary elements itself
 
@@ -140,7 +139,7 @@ def forces_of(solution: patches.Solution) -> Array:
     return np.asarray(solution.half_width * (pressure @ np.sin(angle)) * np.pi / (QUADRATURE_NODES + 1))
 
 
-def _shares(profile: Profile, solution: patches.Solution) -> Array:
+def _shares(profile: Waves, solution: patches.Solution) -> Array:
     """Shares of one more load, by the forces under a load nearby with as many contacts; NaN where there is none."""
     from weier.methods import patches
 

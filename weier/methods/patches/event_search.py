@@ -35,7 +35,7 @@ from weier.methods.patches.segments import contacts_of
 from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, nearest_crests, surface_of
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 MAX_DECADES = 1.0  # between two loads at first
 MAX_ADVANCE = 0.15  # of an edge between two loads, in the finest waves
@@ -84,7 +84,7 @@ class _Event(NamedTuple):
 
 
 @one_thread
-def events(profile: Profile, low: float, high: float, tolerance: float = TOLERANCE) -> Events:
+def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE) -> Events:
     """All births and merges of contacts between two mean pressures.
 
     Parameters

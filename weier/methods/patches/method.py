@@ -17,29 +17,30 @@ from weier.methods.patches.surface import nearest_crests, surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
 
 THREE_WAVES = Profile(D=1.25, gamma=2, m=3, phases=(0.0, 1.0, 2.0))
 
 
-def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
+def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
     for tolerance in TOLERANCES_COMPARED:
         yield f"{tolerance:.0e}", {"residual_tolerance": tolerance}
 
 
-def _solution_error(profile: Profile, solved: Curve) -> float:
+def _solution_error(profile: Waves, solved: Curve) -> float:
     """The largest bound on the error of the compliance, in g_0."""
     return float(solved.compliance_error.max(initial=0.0))
 
 
-def _seconds(profile: Profile, loads: Array) -> float:
+def _seconds(profile: Waves, loads: Array) -> float:
     """Seconds of a curve at most, with as many contacts at each load as there are waves."""
     waves = profile.waves_per_period[-1]
     return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
 
 
-def _solve_loads(profile: Profile, loads: Array, residual_tolerance: float = TOLERANCE) -> Curve:
+def _solve_loads(profile: Waves, loads: Array, residual_tolerance: float = TOLERANCE) -> Curve:
     return curve(profile, loads, residual_tolerance)
 
 
@@ -81,7 +82,7 @@ def _patches(task: Task, tolerance: float) -> Segment:
     )
 
 
-def _solve(profile: Profile, tolerance: float, loads: Array) -> SegmentSolution:
+def _solve(profile: Waves, tolerance: float, loads: Array) -> SegmentSolution:
     exact = curve(profile, loads, tolerance)
     resistance_error = error_model.error(tolerance, RESISTANCE) * np.maximum(exact.resistance, 1)
     partial_contact = exact.patch_count > 0

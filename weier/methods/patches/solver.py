@@ -21,7 +21,7 @@ from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
 from weier.methods.progress import count_load
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 TOLERANCE = 1e-10
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
@@ -104,7 +104,7 @@ def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
 
 
 @one_thread
-def curve(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
+def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
     """Compliance and resistance of a truncated series by contact patches.
 
     Chebyshev collocation of the singular integral equation on every contact, whose edges are unknowns, or on every
@@ -181,7 +181,7 @@ def _curve_point(
     return total - top + state.approach, error, state.approach, resistance, share, count, state.residual
 
 
-def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
+def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
     """The contacts under one mean pressure, and with them the pressure and the gap anywhere.
 
     The parameters, and what is raised, are those of `curve`, with one load.
@@ -190,7 +190,7 @@ def solve_load(profile: Profile, mean_pressure: float, tolerance: float = TOLERA
 
 
 @one_thread
-def solve_loads(profile: Profile, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
+def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
     """The contacts under each of several loads, with the parameters of `curve`."""
     loads = check_loads(mean_pressure)
     check_tolerance(tolerance)

@@ -23,7 +23,7 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
 MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
@@ -40,7 +40,7 @@ MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are sol
 class Starts:
     """Initial guesses for the loads of one surface, each independent of the other loads."""
 
-    def __init__(self, profile: Profile, surface: Surface, tolerance: float) -> None:
+    def __init__(self, profile: Waves, surface: Surface, tolerance: float) -> None:
         """Nothing is computed before it is needed."""
         self.profile, self.surface, self.tolerance = profile, surface, tolerance
         self._grid = cache(self._make_grid)

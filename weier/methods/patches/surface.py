@@ -7,6 +7,7 @@ positions are given as a crest and the distance from it, and heights relative to
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.crests import crest_heights, find_crests
 from weier.theory.limits import check_crests
-from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 # Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
 # that differ by less than the latter are told apart in more digits than a float has.
@@ -75,7 +76,7 @@ class Surface(NamedTuple):
         return self.tensions if dual else self.heights
 
 
-def surface_of(profile: Profile) -> Surface:
+def surface_of(profile: Waves) -> Surface:
     """The series of a profile with a finite number of terms; ValueError if its waves are too many for a computer."""
     check_crests(profile)
     waves = profile.waves_per_period, profile.phase, profile.period
@@ -86,7 +87,7 @@ def surface_of(profile: Profile) -> Surface:
     )
 
 
-def make_series(amplitude: Array, waves_per_period: list[int], phase: Array, period: float) -> CosineSeries:
+def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float) -> CosineSeries:
     """The series with its crests."""
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     x, theta = find_crests(amplitude, waves_per_period, phase, period)
