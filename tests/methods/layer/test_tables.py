@@ -11,7 +11,7 @@ from weier import ConvergenceError
 from weier.methods import layer
 from weier.methods.layer import fixed_point, solver, tables
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, _may_be_infinite
-from weier.methods.layer.tables import BOTTOM_POSITIONS, MIN_LOADS
+from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS
 from weier.theory.series import tail_amplitude
 
 
@@ -20,7 +20,9 @@ def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
     """The lightest load of the ordinary tables, on these and on those that begin 650 e-folds lower."""
     log_load = np.log([MIN_LOADS[0], 1e-12, 1.0])
     settings = POINTS, ACCURACY, TOLERANCE
-    short, long = (solver._solve(log_load, bottom, (D, gamma, m), settings)[0] for bottom in BOTTOM_POSITIONS)
+    short, long = (
+        solver._solve(log_load, bottom, MAX_POSITION, (D, gamma, m), settings)[0] for bottom in BOTTOM_POSITIONS
+    )
     np.testing.assert_allclose(short, long, rtol=ACCURACY)
 
 

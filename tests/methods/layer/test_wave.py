@@ -35,7 +35,7 @@ def test_a_wave_that_misses_the_tolerance_is_refused():
 
 
 def test_the_contact_conditions_see_a_wrong_state():
-    finer, log_load = finest_wave(BOTTOM_POSITIONS[0], ACCURACY).rows.closure, np.log([0.1])
+    finer, log_load = finest_wave(BOTTOM_POSITIONS[0], 0.0, ACCURACY).rows.closure, np.log([0.1])
     closure = coarser_units(finer, Scaling.of(1.25, 5))
     solved = solve_waves(log_load, closure, midpoints(POINTS), TOLERANCE)
     assert violations(solved.state, log_load, closure, solved.compliance) < 1e-12

@@ -123,7 +123,7 @@ def coarser_units(closure: Closure, scaling: Scaling) -> Closure:
     return closure._replace(log_compression=log_compression, origin=origin)
 
 
-def finest_wave(bottom: float, accuracy: float) -> ComplianceTable:
+def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
     """Westergaard's wave (12)."""
 
     def waves(position: Array, _: Array | None) -> Rows:
@@ -131,17 +131,17 @@ def finest_wave(bottom: float, accuracy: float) -> ComplianceTable:
         slope, nothing = -y / (1 - y) * POSITION_SCALE * np.cosh(position), np.zeros((y.size, 0))
         return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
 
-    return ComplianceTable(tabulate(waves, lattice(bottom, 0.0), accuracy), 1.0, 0.0)
+    return ComplianceTable(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
 
 
 def finer_waves(
-    m: int, bottom: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
+    m: int, bottom: float, top: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
 ) -> ComplianceTable:
-    """The waves finer than the first of m, in the units of the second, on tables from this position."""
+    """The waves finer than the first of m, in the units of the second, on tables between these positions."""
     share = accuracy / (m - 1)
-    waves = finest_wave(bottom, share)
+    waves = finest_wave(bottom, top, share)
     for _ in range(m - 2):
         scale = scale_on(waves, scaling, mesh, tolerance)
-        rows = tabulate(scale.rows, lattice(bottom, position_of(scale.log_full)), share)
+        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
         waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
     return waves

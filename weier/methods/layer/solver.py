@@ -15,7 +15,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import FixedPoint
 from weier.methods.layer.scales import ComplianceTable, Scaling, Solution, finer_waves, scale_on
-from weier.methods.layer.tables import BOTTOM_POSITIONS, MIN_LOADS, log_load_at, position_of
+from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.methods.layer.wave import midpoints
 from weier.theory.arguments import checked_count, checked_number, checked_numbers
 from weier.theory.series import checked_dimension, checked_terms, tail_amplitude
@@ -114,9 +114,15 @@ def curve(
         h, R = westergaard.compliance(loads), westergaard.resistance(loads)
         solution = Curve(h, R, np.zeros(loads.size), np.zeros(loads.size, np.int64))
     else:
-        light = int(np.searchsorted(loads, MIN_LOADS[0]))  # these have tables of their own
-        parts = zip(BOTTOM_POSITIONS[::-1], (loads[:light], loads[light:]), strict=True)
-        solved = [_solve(np.log(some), bottom, series, settings) for bottom, some in parts if some.size]
+        # Light loads have tables that begin lower, and heavy ones on a finite series tables up to full contact.
+        top = _top(series, accuracy)
+        parts = zip(
+            np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),
+            (BOTTOM_POSITIONS[1], BOTTOM_POSITIONS[0], BOTTOM_POSITIONS[0]),
+            (position_of(top), position_of(top), MAX_POSITION),
+            strict=True,
+        )
+        solved = [_solve(np.log(some), bottom, end, series, settings) for some, bottom, end in parts if some.size]
         wave = Solution(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
         solution = Curve(wave.compliance, wave.rate / loads, wave.residual, wave.work)
     index = position.reshape(given.shape)
@@ -140,7 +146,7 @@ def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Ar
 
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
     """The closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
-    waves = _finer_waves(BOTTOM_POSITIONS[0], (D, gamma, math.inf), (POINTS, ACCURACY, TOLERANCE))
+    waves = _finer_waves(BOTTOM_POSITIONS[0], MAX_POSITION, (D, gamma, math.inf), (POINTS, ACCURACY, TOLERANCE))
     flat = _flat_waves(log_load, waves, Scaling.of(D, gamma))
     log_W, power = log_compression(waves.rows.closure, flat.log_load)
     W = flat.height + flat.scale * np.exp(log_W)
@@ -169,27 +175,24 @@ def _flat_waves(log_load: Array, waves: ComplianceTable, scaling: Scaling) -> Fl
 
 
 @one_thread
-def _solve(log_load: Array, bottom: float, series: Series, settings: Settings) -> Solution:
+def _solve(log_load: Array, bottom: float, top: float, series: Series, settings: Settings) -> Solution:
     """The coarsest wave under these loads, on the layer of all finer ones."""
     D, gamma, _ = series
     points, _, tolerance = settings
-    scaling, waves = Scaling.of(D, gamma), _finer_waves(bottom, series, settings)
+    scaling, waves = Scaling.of(D, gamma), _finer_waves(bottom, top, series, settings)
     flat = _flat_waves(log_load, waves, scaling)
     h, rate, residual, work = scale_on(waves, scaling, midpoints(points), tolerance).solve(flat.log_load)
     return Solution(flat.height + flat.scale * h, flat.scale * rate, flat.scale * residual, work)
 
 
 @one_thread
-def _finer_waves(bottom: float, series: Series, settings: Settings) -> ComplianceTable:
+def _finer_waves(bottom: float, top: float, series: Series, settings: Settings) -> ComplianceTable:
     """The waves finer than the first, on tables that depend on no load."""
     (D, gamma, m), (points, accuracy, tolerance) = series, settings
     scaling, mesh = Scaling.of(D, gamma), midpoints(points)
     tolerance = max(min(tolerance, RESIDUAL_SHARE * accuracy), MIN_TOLERANCE)
     if _may_be_infinite(bottom, series, accuracy):
-        # No pressure in a wave exceeds 1 + xi: the table that a wave at its end rests on ends no earlier.
-        self_contained = -scaling.log_pressure - math.log(-math.expm1(-scaling.log_pressure))
-        top = position_of(max(self_contained, -0.5 * math.log(accuracy)) + FLAT_MARGIN)
-        waves = FixedPoint(D, gamma, mesh, accuracy, tolerance).waves(bottom, top)
+        waves = FixedPoint(D, gamma, mesh, accuracy, tolerance).waves(bottom, position_of(_top(series, accuracy)))
         tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
         if tail <= TAIL_SHARE * accuracy * math.exp(waves.rows.log_compliance[0]):
             return waves
@@ -199,7 +202,17 @@ def _finer_waves(bottom: float, series: Series, settings: Settings) -> Complianc
             f"{MAX_SCALES} scales one by one: choose a smaller m, or m = inf",
             float(tail_amplitude(m, D, gamma) / tail_amplitude(0, D, gamma)),
         )
-    return finer_waves(int(m), bottom, scaling, mesh, accuracy, tolerance)
+    return finer_waves(int(m), bottom, top, scaling, mesh, accuracy, tolerance)
+
+
+def _top(series: Series, accuracy: float) -> float:
+    """The ln xi at which tables end: from here on the first wave is as good as flat.
+
+    No pressure in a wave exceeds 1 + xi, and so the table that a wave at the end rests on ends no later.
+    """
+    step = Scaling.of(*series[:2]).log_pressure
+    self_contained = -step - math.log(-math.expm1(-step))
+    return max(self_contained, -0.5 * math.log(accuracy)) + FLAT_MARGIN
 
 
 def _may_be_infinite(bottom: float, series: Series, accuracy: float) -> bool:

@@ -35,7 +35,6 @@ MIN_POWER = 0.02  # d ln w/d ln p: where w hardly grows with p, steps of ln p ar
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # of ln xi, from one load to the next
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
 GUESS_HALVINGS = 16  # of the error of ln sin^2(pi a) in the first guess, which is 700 at most
-GUESS_STEPS = 8  # of Newton's method for a pressure: a guess needs it to some digits
 LOG_ROUNDING = 1e-15  # of ln p, relative to itself: a few units in the last place
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
 MAX_NUMBERS = 2**20  # of the matrices of some loads, which are solved together: 8 MB
@@ -215,24 +214,16 @@ def shares(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array
 
 
 def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
-    """States near enough for Newton: depth of the edge 2 sin^2(pi a) = 2 xi + w, and p of what yields more alone."""
+    """States near enough for Newton: Westergaard's q, where the depth of the edge is 2 sin^2(pi a) = 2 xi + w."""
     load = np.exp(log_load)
-    sine_squared, w, crowding = np.minimum(1.0, load), np.zeros(load.size), np.zeros(load.size)
+    sine_squared, w = np.minimum(1.0, load), np.zeros(load.size)
     for _ in range(GUESS_HALVINGS):
         crowding = np.maximum(0.0, np.log(np.pi / (2 * np.sqrt(sine_squared))))
         w = np.exp(log_compression(closure, log_load + crowding)[0])
         sine_squared = np.sqrt(sine_squared) * np.sqrt(np.minimum(1.0, load + w / 2))  # a product may underflow
-    closed, edge = sine_squared > MIN_CLOSED_SINE, np.log(sine_squared)
-    with np.errstate(divide="ignore"):  # w may underflow where the half-plane yields all
-        log_w = np.log(w)[:, None] + np.log(mesh.rise)
-    log_p = (log_load + crowding)[:, None] + np.zeros(mesh.rise.size)
-    for _ in range(GUESS_STEPS):
-        reached, power = log_compression(closure, log_p)
-        log_p += (log_w - reached) / np.maximum(power, MIN_POWER)
-    alone = log_p - log_load[:, None] - log_pressure_factor(edge, mesh.rise)[0]
-    y = np.where((w > 2 * load)[:, None], alone, np.log(2 * mesh.rise))  # Westergaard's q
-    y -= np.log(np.exp(y).mean(axis=1))[:, None]
-    return np.column_stack([np.where(closed[:, None], 0.0, y), np.where(closed, w, edge)])
+    closed = sine_squared > MIN_CLOSED_SINE
+    y = np.where(closed[:, None], 0.0, np.log(2 * mesh.rise))
+    return np.column_stack([y, np.where(closed, w, np.log(sine_squared))])
 
 
 def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array, Indices]:
