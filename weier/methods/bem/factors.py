@@ -1,7 +1,7 @@
 """What was fitted or measured and not derived, all in one place: the factors of the stated errors.
 
-They were fitted on 4 000 to 10 000 loads of the families of `benchmarks.stated_errors`, to leave all but a few errors of h and
-R within what is stated.
+They were fitted on 4 000 to 10 000 loads of the families of `benchmarks.stated_errors`, to leave all but a few errors
+of h and R within what is stated.
 """
 
 from __future__ import annotations
