@@ -54,6 +54,7 @@ SOUND = {
 OWN = {
     "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
+    "load_scene": {"path": "config/scenes/minimal.yaml"},
     "fields": {"mean_pressure": 0.1, "method": "patches"},
     "Profile.sampled_height": {"terms": 2},
     "cases": {"phases": 1.0, "seed": None, "study": None},

@@ -272,7 +272,6 @@ def test_all_that_is_public_is_described(site):
         "weier.methods.segment.Segment",
         "weier.pipeline.plan.ScenePlan",
         "weier.scene.Scene",
-        "weier.scene.load",
     }
     modules = {f"weier.methods.{name}" for name in registry.names()}
     public |= {f"{name}.curve" for name in modules if hasattr(import_module(name), "curve")}

@@ -66,7 +66,7 @@ def load_or_refuse(path):
     start = time.perf_counter()
     refusal = ""
     try:
-        loaded = checks.load(path)
+        loaded = checks.load_scene(path)
     except scene.SceneError as error:
         refusal = str(error)
     else:

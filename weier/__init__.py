@@ -11,6 +11,7 @@ from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
     from weier.data.dataset import open
+    from weier.figures.checks import load_scene
     from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
     from weier.methods.fields import events, fields
     from weier.pipeline.plan import plan
@@ -34,6 +35,7 @@ __all__ = [
     "events",
     "fields",
     "fit",
+    "load_scene",
     "open",
     "plan",
     "random_phases",
@@ -50,6 +52,7 @@ _MODULES = {
     "events": "methods.fields",
     "fields": "methods.fields",
     "fit": "theory.spectrum",
+    "load_scene": "figures.checks",
     "open": "data.dataset",
     "plan": "pipeline.plan",
     "random_phases": "theory.phases",

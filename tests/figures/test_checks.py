@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import weier
 from weier import figures, scene
 from weier.figures import checks
 from weier.figures.captions import caption
@@ -33,7 +34,7 @@ def write(folder, product=None, other_studies=None, without="", **figure):
 
 @pytest.mark.parametrize("path", sorted(Path("config").glob("*/*.yaml")), ids=lambda path: path.stem)
 def test_every_scene_that_comes_with_weier_can_be_drawn(path):
-    checks.load(path)
+    checks.load_scene(path)
 
 
 SWEEP = {"D": [1.2, 1.5], "gamma": [2, 3], "m": [1, 2], "seed": [0, 1]}
@@ -67,7 +68,7 @@ MISTAKES = [
 def test_what_cannot_be_drawn_is_told(figure, said, tmp_path):
     path = write(tmp_path, **figure)
     with pytest.raises(SceneError, match=rf"^{re.escape(str(path))}, line \d+: figures.{said}"):
-        checks.load(path)
+        checks.load_scene(path)
 
 
 SOUND = [
@@ -82,7 +83,7 @@ SOUND = [
 
 @pytest.mark.parametrize("figure", SOUND, ids=str)
 def test_what_can_be_drawn_is_not_refused(figure, tmp_path):
-    checks.load(write(tmp_path, **figure))
+    checks.load_scene(write(tmp_path, **figure))
 
 
 CONDUCTORS = dict.fromkeys(["mu_1", "mu_2", "lambda_0", "g_0"], 1.0) | dict.fromkeys(["nu_1", "nu_2", "rho_1"], 0.3)
@@ -103,16 +104,16 @@ def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1
     path.write_text(path.read_text() + yaml.safe_dump({"interface": bodies}))
     if said:
         with pytest.raises(SceneError, match=f"figures.f.units: {said}"):
-            checks.load(path)
+            checks.load_scene(path)
     else:
-        assert checks.load(path).figures["f"].interface == Interface(**bodies)
+        assert checks.load_scene(path).figures["f"].interface == Interface(**bodies)
 
 
 def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_path):
     path = write(tmp_path, {"D": 2.5}, draw="complience", title=r"$\gama$")
     path.write_text(path.read_text() + "claims: {archard_abov: [one]}\n")
     with pytest.raises(SceneError) as caught:
-        checks.load(path)
+        weier.load_scene(path)
     places = re.findall(r"line \d+: ([^:]+):", str(caught.value))
     assert sorted(places) == ["claims.archard_abov", "figures.f.draw", "figures.f.title", "studies.one.product.D"]
 

@@ -41,7 +41,7 @@ def write_heights(path, heights=HEIGHTS):
 def load(folder, **changes):
     path = folder / "scene.yaml"
     path.write_text(yaml.safe_dump(SCENE | changes))
-    return checks.load(path)
+    return checks.load_scene(path)
 
 
 @pytest.fixture

@@ -20,12 +20,12 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 
     The profiles are those of a scene. The data go to PATH, and the page to TABLE.
     """
-    from weier import scene
     from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
     from weier.data import dataset
+    from weier.figures import checks
 
     with job("tradeoff", scene_file.stem):
-        loaded = scene.load(scene_file)
+        loaded = checks.load_scene(scene_file)
         data = trade.measure(loaded)
         dataset.write(data, path, loaded.title, "measured", loaded.text)
         trade.write_table(data, loaded.title, table)
@@ -42,12 +42,12 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
 
     The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it.
     """
-    from weier import scene
     from weier.accuracy import convergence as study
     from weier.data import dataset
+    from weier.figures import checks
 
     with job("convergence", scene_file.stem):
-        loaded = scene.load(scene_file)
+        loaded = checks.load_scene(scene_file)
         profiles = [case.profile for case in loaded.cases.values()]
         data = study.measure_convergence(profiles, loaded.loads, terms)
         dataset.write(data, path, loaded.title, "solved", loaded.text)

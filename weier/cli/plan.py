@@ -71,7 +71,7 @@ def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, qu
     from weier.figures import checks
     from weier.pipeline.plan import plan as plan_scene
 
-    return plan_scene(checks.load(scene_file), loads, tolerance, quantity)
+    return plan_scene(checks.load_scene(scene_file), loads, tolerance, quantity)
 
 
 def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | None, quantity: str | None) -> Plan:

@@ -115,4 +115,4 @@ def _load(scene_file: Path) -> Scene:
     """A scene, all of it checked."""
     from weier.figures import checks
 
-    return checks.load(scene_file)
+    return checks.load_scene(scene_file)

@@ -15,8 +15,32 @@ from weier.scene.study import CaseProduct
 from weier.theory.arguments import suggestion
 
 
-def load(path: str | Path) -> Scene:
-    """Read a scene file and check all of it; a SceneError tells all mistakes, as of `weier.scene.load`."""
+def load_scene(path: str | Path) -> Scene:
+    """Read a scene file and check all of it, as `snakemake` and `weier plan` do: what it solves, draws and claims.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    Scene
+        With its cases, loads, figures and claims. `weier.plan` says what it costs.
+
+    Raises
+    ------
+    SceneError
+        If the file is missing, is not YAML, has unknown keys or values out of range, or figures that cannot be drawn:
+        all of its mistakes, each with its line, its key and what is allowed.
+
+    Examples
+    --------
+    >>> import weier
+    >>> loaded = weier.load_scene("config/scenes/minimal.yaml")
+    >>> print(len(loaded.cases), list(loaded.studies), list(loaded.figures))
+    1 ['two_waves'] ['compliance']
+    """
     return scene.load(path, CHECKS)
 
 

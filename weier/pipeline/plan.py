@@ -83,7 +83,7 @@ def plan(
     Parameters
     ----------
     subject : Profile or Scene
-        With any number of terms, inf too; a scene as `weier.scene.load` reads it.
+        With any number of terms, inf too; a scene as `weier.load_scene` reads it.
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*. By default, those of the scene; a profile has none.
     tolerance : float

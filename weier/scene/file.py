@@ -24,7 +24,7 @@ from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.products import MAX_CASES, axis, check_count, distinct_values, products
 from weier.scene.schema import mistakes_of_form
 from weier.scene.study import CaseProduct, Study, check_value
-from weier.theory.arguments import shown, suggestion
+from weier.theory.arguments import checked_file, shown, suggestion
 from weier.theory.conduction import Interface
 from weier.theory.loads import check_range, checked_loads
 from weier.theory.profile import Profile
@@ -38,14 +38,14 @@ Check = Callable[[Scene], Iterable[Mistake]]
 
 
 def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
-    """Read and check a scene file.
+    """Read a scene file, and check what it solves; `weier.load_scene` checks its figures and claims, too.
 
     Parameters
     ----------
     path : path
         The file.
     checks : sequence of callable, optional
-        What else to check, on what is sound of the scene. `weier.figures.checks.load` checks figures and claims.
+        What else to check, on what is sound of the scene.
 
     Raises
     ------
@@ -53,7 +53,10 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
         If the file is missing, is not YAML, has unknown keys, or values out of range: all of its mistakes.
 
     """
-    path = Path(path)
+    try:
+        path = checked_file(path)
+    except (OSError, ValueError) as error:
+        raise SceneError(str(error)) from None
     try:
         text = path.read_text(encoding="utf-8")
         document = read_yaml(text)

@@ -22,6 +22,8 @@ KINDS = {
     "boolean": "true or false",
 }  # fmt: skip
 LIMITS = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "more than"}
+# What numpy.linspace and others call the keys of a range.
+SYNONYMS = {"n": "count", "num": "count", "start": "from", "min": "from", "stop": "to", "end": "to", "max": "to"}
 SAME_WORD = 0.8  # similarity of a key that stands for one that is missing
 
 
@@ -50,7 +52,8 @@ def _mistakes(error: ValidationError, known: Mapping[str, Any]) -> Iterator[Mist
     if kind == "additionalProperties":
         allowed = error.schema["properties"]
         for key in value.keys() - allowed.keys():
-            yield Mistake((*keys, key), f"there is no such key, only {', '.join(allowed)}{suggestion(key, allowed)}")
+            meant = suggestion(SYNONYMS.get(key, key), allowed) or suggestion(key, allowed)
+            yield Mistake((*keys, key), f"there is no such key, only {', '.join(allowed)}{meant}")
     elif kind == "required":
         yield from _missing(error, keys, known)
     elif kind == "anyOf":
@@ -60,10 +63,11 @@ def _mistakes(error: ValidationError, known: Mapping[str, Any]) -> Iterator[Mist
 
 
 def _missing(error: ValidationError, keys: Keys, known: Mapping[str, Any]) -> Iterator[Mistake]:
-    """The keys that are missing, but for one that is there with a slip of the pen, which is a mistake of its own."""
+    """The keys that are missing, but for one that is there misspelt or by another word, which is a mistake itself."""
     of_all = error.schema.get("properties", known["properties"])
     for key in error.validator_value:
-        if key not in error.instance and not get_close_matches(key, error.instance, cutoff=SAME_WORD):
+        given = [*error.instance, *(SYNONYMS[each] for each in error.instance if each in SYNONYMS)]
+        if not get_close_matches(key, given, cutoff=SAME_WORD):
             yield Mistake((*keys, key), f"this key is missing: {of_all[key]['description']}")
 
 

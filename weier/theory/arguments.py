@@ -12,6 +12,8 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from decimal import Decimal
 from difflib import get_close_matches
 from numbers import Real
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -113,6 +115,17 @@ def shown(value: Any) -> str:
     except ValueError:  # an integer in it is too long to be written
         text = f"<{type(value).__name__}>"
     return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}..."
+
+
+def checked_file(path: Any) -> Path:
+    """The path of a file that is there; a FileNotFoundError names one that is not."""
+    if not isinstance(path, str | PathLike):
+        raise ValueError(f"path must be the name of a file, got {shown(path)}")
+    file = Path(path)
+    if not file.is_file():
+        name = file if str(file).isprintable() else repr(str(file))
+        raise FileNotFoundError(f"there is no file {name}{': that is a folder' if file.is_dir() else ''}")
+    return file
 
 
 def _what_came(value: Any) -> str:
