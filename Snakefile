@@ -4,16 +4,12 @@ import os
 import sys
 from pathlib import Path
 
-
-def say_stopped(kind, error, trace):
-    """Ctrl-C ends a run in one line; of its own, Snakemake adds a traceback until the jobs begin."""
-    if issubclass(kind, KeyboardInterrupt):
-        print("weier: stopped by Ctrl-C", file=sys.stderr)
-    else:
-        sys.__excepthook__(kind, error, trace)
-
-
-sys.excepthook = say_stopped
+# Ctrl-C ends a run in one line; of its own, Snakemake adds a traceback until the jobs begin.
+sys.excepthook = lambda kind, error, trace: (
+    print("weier: stopped by Ctrl-C", file=sys.stderr)
+    if issubclass(kind, KeyboardInterrupt)
+    else sys.__excepthook__(kind, error, trace)
+)
 
 # The checkout, not an installed copy, here and in the jobs, from whatever folder Snakemake runs and in other workflows.
 CHECKOUT = Path(workflow.current_basedir)
