@@ -18,7 +18,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
 from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
+from weier.theory.profile import PARAMETERS, Profile
 
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
@@ -50,8 +50,8 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
     loads = checked_loads(mean_pressure)
     data = _blank(len(profiles), loads, max_terms)
     for case, profile in enumerate(profiles):
-        values = {"D": profile.D, "gamma": float(profile.gamma), "m": profile.m, "tail_amplitude": 0.0}
-        for name, value in {**values, "total_amplitude": profile.total_amplitude}.items():
+        values = {name: float(getattr(profile, name)) for name in PARAMETERS}
+        for name, value in {**values, "tail_amplitude": 0.0, "total_amplitude": profile.total_amplitude}.items():
             data[name].values[case] = value
         data["phases"].values[case] = profile.truncated(max_terms).phase
         for terms in range(1, max_terms + 1):

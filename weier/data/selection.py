@@ -17,14 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from weier.data.variables import CURVE, RUN, VARIABLES, Status
 from weier.kernels.arrays import Flags
 from weier.theory.arguments import checked_number, checked_numbers, shown
-from weier.theory.profile import checked_ratio
+from weier.theory.profile import PARAMETERS, checked_ratio
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 
 CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
 MAX_VALUES_IN_MESSAGE = 10  # values that a message lists
-PARAMETERS = ("D", "gamma", "m")
 NEEDED = (*PARAMETERS, "phases", "solution_method", "mean_pressure")
 
 Ratio = int | float | str | Fraction

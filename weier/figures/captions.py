@@ -10,8 +10,9 @@ from weier import figures
 from weier.methods.registry import find_method, numerical_names
 from weier.scene import BY_DEFAULT, Grouping, Scene
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+from weier.theory.profile import PARAMETERS
 
-NOUNS = {name: name for name in ("D", "gamma", "m")}
+NOUNS = {name: name for name in PARAMETERS}
 NOUNS |= {"method": "the method", "trace": "the trace", "phases": "the phases", "seed": "the seed of the phases"}
 
 

@@ -13,6 +13,7 @@ from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
 from weier.scene.study import CaseProduct
 from weier.theory.arguments import suggestion
+from weier.theory.profile import PARAMETERS
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -111,14 +112,14 @@ def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
 
 def _varying(products: Sequence[CaseProduct]) -> list[str]:
     """The parameters that have several values among the profiles of some products; phases are those of one m."""
-    found = {name: set[object]() for name in ("D", "gamma", "m", "trace")}
+    found = {name: set[object]() for name in (*PARAMETERS, "trace")}
     phases: dict[float, set[str]] = {}
     for product in products:
         traces = product.axes.get("trace", ())
         found["trace"].update([each["digest"] for each in traces] or [""])
         if traces:
             continue
-        for name in ("D", "gamma", "m"):
+        for name in PARAMETERS:
             found[name].update(getattr(case.profile, name) for case in product.of_all_kinds(name))
         for case in product.of_all_kinds("m"):
             given = [json.dumps([name, value]) for name in PHASES for value in product.axes.get(name, ())] or [""]

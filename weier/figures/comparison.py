@@ -25,6 +25,7 @@ from weier.methods.registry import names, numerical_names
 from weier.scene import BY_DEFAULT, Grouping
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
 from weier.theory.conduction import Interface, at_scale_of
+from weier.theory.profile import PARAMETERS
 
 LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
@@ -33,7 +34,7 @@ STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band 
 # A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
 # the resistance there.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
-PARAMETERS = ("D", "gamma", "m", "trace")
+SURFACES = (*PARAMETERS, "trace")  # what tells the surfaces of curves apart beside phases
 EACH_CASE = Grouping(facet=("case",))
 
 
@@ -88,7 +89,7 @@ def compare(
     title, shown = style.limit_panels(title, list(itertools.product(*of_each)), noun, style.MAX_GRID)
     labels = style.SI_LABELS if interface else style.LABELS
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], columns)
-    alike = () if grouping == EACH_CASE else ("method", *PARAMETERS, "seed")
+    alike = () if grouping == EACH_CASE else ("method", *SURFACES, "seed")
     shared = _describe(
         drawn, [name for name in alike if name not in grouping.facet and drawn[0].parameters[name] != ""]
     )
@@ -136,7 +137,7 @@ def _parameters(case: xr.Dataset, position: int) -> dict[str, Hashable]:
     phase = phase[np.isfinite(phase)].round(9)
     phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
     seed = float(case.get("seed", np.nan))
-    numbers = {name: float(case[name]) for name in ("D", "gamma", "m")}
+    numbers = {name: float(case[name]) for name in PARAMETERS}
     trace = style.trace_name(case)
     known = {name: None if trace else value for name, value in numbers.items()} | {"trace": trace}
     return {"": None, "case": position, **known, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
@@ -217,7 +218,7 @@ def _draw(
 
 def _differing(same: Sequence[Curve]) -> list[str]:
     """The parameters in which some curves differ; phases where they have several waves, as many each."""
-    differing = [name for name in PARAMETERS if len(_values(same, name)) > 1]
+    differing = [name for name in SURFACES if len(_values(same, name)) > 1]
     several = [curve for curve in same if curve.parameters["m"] != 1]
     by_phases = "m" not in differing and len(_values(several, "phases")) > 1
     return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases

@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from weier.figures import lines, style
 from weier.methods import curves
+from weier.theory.profile import PARAMETERS
 
 CAPTION = (
     "The infinite series. Bands are rigorous bounds, which hold whatever the terms are that are not resolved: the "
@@ -39,7 +40,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure.set_figheight(figure.get_figheight() + LEGEND_ROW * len(cases))
     for number, case in enumerate(cases):
         _draw_bounds(axes[number], case)
-        style.name_panel(axes[number], number, len(axes), style.describe(case, "D", "gamma", "m"))
+        style.name_panel(axes[number], number, len(axes), style.describe(case, *PARAMETERS))
         _draw_convergence(axes[-1], case, COLORS[number])
     style.name_panel(axes[-1], len(cases), len(axes), "largest over the loads")
     axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))

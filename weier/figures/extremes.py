@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import style
 from weier.methods import registry
+from weier.theory.profile import PARAMETERS
 
 CAPTION = (
     "Correct digits of the compliance of one profile by every method, over all loads that a number can hold; and how "
@@ -39,7 +40,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure, axes = style.column(2)
     _digits(axes[0], case)
     _conditions(axes[1], data)
-    style.name_panel(axes[0], 0, 2, style.describe(case, "D", "gamma", "m"))
+    style.name_panel(axes[0], 0, 2, style.describe(case, *PARAMETERS))
     style.name_panel(axes[1], 1, 2, "boundary elements")
     style.set_title(figure, title)
     return figure

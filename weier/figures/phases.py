@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import lines, style
 from weier.methods import curves
+from weier.theory.profile import PARAMETERS
 
 CAPTION = (
     "What the phase between the waves changes: the compliance over mean pressure. A dashed line is one phase, from "
@@ -23,11 +24,11 @@ CAPTION = (
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Compliance over mean pressure for each phase, one panel a series, with the average as a solid line."""
     solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
-    title, series = style.limit_panels(title, curves.groups(solved, "D", "gamma", "m"), "series")
+    title, series = style.limit_panels(title, curves.groups(solved, *PARAMETERS), "series")
     figure, panels = style.column(len(series))
     for number, (axes, cases) in enumerate(zip(panels, series, strict=True)):
         _draw_phases(axes, cases)
-        style.name_panel(axes, number, len(series), style.describe(cases[0], "D", "gamma", "m"))
+        style.name_panel(axes, number, len(series), style.describe(cases[0], *PARAMETERS))
         axes.set_ylabel(style.LABELS["compliance"])
     panels[-1].set_xlabel(style.LABELS["mean_pressure"])
     colors = ScalarMappable(Normalize(0, np.pi), ListedColormap(style.shade(np.linspace(0, 1, 256))))

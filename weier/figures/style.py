@@ -17,7 +17,7 @@ from weier.figures import MAX_PANELS
 from weier.methods import curves, registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
-from weier.theory.profile import MAX_DENOMINATOR
+from weier.theory.profile import MAX_DENOMINATOR, PARAMETERS
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -265,7 +265,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
     """What tells a case from others, in the paper's symbols: the coordinates that are named, or all."""
     if trace := trace_name(case):
         return trace if not names or "trace" in names else ""
-    values = {"D": rf"$D={float(case['D']):g}$", "gamma": rf"$\gamma={_ratio(case)}$", "m": rf"$m={_terms(case)}$"}
+    values = {name: f"${_symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
     seed = float(case.get("seed", np.nan))
@@ -282,10 +282,15 @@ def trace_name(case: xr.Dataset) -> str:
     return digest and (str(case["trace"].values).replace("$", r"\$") or f"trace {digest}")
 
 
-def _ratio(case: xr.Dataset) -> Fraction:
-    return Fraction(float(case["gamma"])).limit_denominator(MAX_DENOMINATOR)
+def _symbol(name: str) -> str:
+    """The symbol of a parameter in mathtext, where Greek letters have names."""
+    symbol = VARIABLES[name].symbol
+    return symbol if len(symbol) == 1 else f"\\{symbol}"
 
 
-def _terms(case: xr.Dataset) -> str:
-    m = float(case["m"])
-    return f"{m:g}" if np.isfinite(m) else r"\infty"
+def _parameter(case: xr.Dataset, name: str) -> str:
+    """The value of a parameter in mathtext: gamma as a ratio."""
+    value = float(case[name])
+    if name == "gamma":
+        return str(Fraction(value).limit_denominator(MAX_DENOMINATOR))
+    return f"{value:g}" if np.isfinite(value) else r"\infty"

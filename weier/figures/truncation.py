@@ -11,6 +11,9 @@ from matplotlib.figure import Figure
 from weier.figures import lines, style
 from weier.kernels.arrays import Array
 from weier.methods import curves
+from weier.theory.profile import PARAMETERS
+
+BESIDE_TERMS = [name for name in PARAMETERS if name != "m"]
 
 
 def compare(
@@ -26,12 +29,12 @@ def compare(
 
     """
     solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
-    title, series = style.limit_panels(title, curves.groups(solved, "D", "gamma"), "series")
+    title, series = style.limit_panels(title, curves.groups(solved, *BESIDE_TERMS), "series")
     figure, axes = style.column(len(series))
     ordered = [sorted(cases, key=lambda case: float(case["m"])) for cases in series]
     for number, (panel, cases) in enumerate(zip(axes, ordered, strict=True)):
         draw_curves(panel, cases, quantity)
-        style.name_panel(panel, number, len(series), style.describe(cases[-1], "D", "gamma"))
+        style.name_panel(panel, number, len(series), style.describe(cases[-1], *BESIDE_TERMS))
     axes[-1].set_xlabel(style.LABELS["mean_pressure"])
     style.set_title(figure, title)
     return figure, list(zip(axes, ordered, strict=True))

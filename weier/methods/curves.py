@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
-from weier.theory.profile import Profile
+from weier.theory.profile import PARAMETERS, Profile
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +75,8 @@ def profile(case: xr.Dataset) -> Profile:
     """The profile of a case, from its coordinates alone."""
     m = float(case["m"])
     phases = case["phases"].values[: int(m)] if np.isfinite(m) else 0.0
-    return Profile(float(case["D"]), float(case["gamma"]), m, phases)
+    series: dict[str, Any] = {name: float(case[name]) for name in PARAMETERS}
+    return Profile(**series, phases=phases)
 
 
 def phase_angle(case: xr.Dataset) -> float:

@@ -27,6 +27,7 @@ from weier.scene.case import Case
 from weier.scene.cases import Scene
 from weier.theory.bounds import first_contact, infinite_series_bounds
 from weier.theory.limits import resolvable
+from weier.theory.profile import PARAMETERS
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
@@ -98,7 +99,7 @@ def _solve(
     if method.uses_phases:
         return solve_checked(profile, loads, method, settings)
     method.check_applies(profile)  # a trace has no D
-    same = method.name, profile.D, profile.gamma, profile.m, _settings_text(settings)
+    same = method.name, *(getattr(profile, name) for name in PARAMETERS), _settings_text(settings)
     if same not in known:
         known[same] = solve_checked(profile, loads, method, settings)
     return known[same]

@@ -27,7 +27,7 @@ from weier.scene.study import CaseProduct, Study, check_value
 from weier.theory.arguments import checked_file, shown, suggestion
 from weier.theory.conduction import Interface
 from weier.theory.loads import check_range, checked_loads
-from weier.theory.profile import Profile
+from weier.theory.profile import PARAMETERS, Profile
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 MAX_BATCH_BYTES = 4 * 2**30  # of one batch
@@ -192,7 +192,7 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
     """Refuse a study without any profile to which one of its methods applies: nothing would be solved."""
     reasons: dict[str, str] = {}
     for product in products:
-        for case in product.of_all_kinds("D", "gamma", "m"):
+        for case in product.of_all_kinds(*PARAMETERS):
             for method in map(find_method, product.methods):
                 try:
                     return method.check_applies(case.profile)

@@ -24,6 +24,8 @@ from weier.theory.phases import Phases, RandomPhases, checked_phases, random_pha
 from weier.theory.tables import html_table
 from weier.theory.waves import Waves
 
+# What tells one series from others beside its phases: fields of a profile, and coordinates of data.
+PARAMETERS = ("D", "gamma", "m")
 MAX_PHASES_DESCRIBED = 8  # phases in a line
 MAX_PHASES_LISTED = 1000  # of random ones, which the seed gives as well
 MAX_TERMS_SHOWN = 12  # rows of a notebook's table
@@ -169,9 +171,7 @@ class Profile(Waves):
         short = not drawn or self.m <= MAX_PHASES_LISTED
         phases = self.phase.tolist() if drawn and short else self.phases if short else None
         return {
-            "D": self.D,
-            "gamma": float(self.gamma),
-            "m": float(self.m),
+            **{name: float(getattr(self, name)) for name in PARAMETERS},
             "seed": float(self.phases.seed) if isinstance(self.phases, RandomPhases) else math.nan,
             "phases": json.dumps(phases),
         }

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.theory.arguments import checked_number, checked_numbers, checked_word, shown
+from weier.theory.profile import PARAMETERS
 from weier.theory.waves import Waves
 
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
@@ -193,8 +194,8 @@ class Trace(Waves):
     @property
     def labels(self) -> dict[str, Any]:
         """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
-        series = {"D": math.nan, "gamma": math.nan, "m": float(self.m), "seed": math.nan, "phases": "null"}
-        return series | {
+        return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {
+            "m": float(self.m), "phases": "null",
             "trace": self.source, "trace_digest": self.digest, "trace_ends": self.ends,
             "trace_length": self.lambda_0, "trace_height": self.g_0, "trace_shortest": self.shortest,
         }  # fmt: skip

@@ -16,13 +16,14 @@ from bokeh.plotting import figure
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 from weier.figures.page.cells import coordinate_text
+from weier.theory.profile import PARAMETERS
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
 # The last tells apart what is left: studies, seeds and settings.
-LABELS = ("trace", "D", "gamma", "m", "phase", "case")
+LABELS = ("trace", *PARAMETERS, "phase", "case")
 NONE = "-"  # what a trace or a series has no label for; a list of nothing else is hidden
 TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMALL LETTER PHI}, rad"}
-MIN_WIDTHS = {"trace": 12, "D": 6, "gamma": 6, "m": 6, "phase": 18, "case": 18}  # of the drop-down lists, in rem
+MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of the drop-down lists, in rem
 QUANTITIES = {name: entry.plot for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE}
 LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
 MAX_POINTS = 30  # of a curve that is drawn as points
@@ -46,7 +47,7 @@ def curve_explorer(data: xr.Dataset) -> Column:
         In memory, over case, solution_method and mean_pressure.
 
     """
-    data = data.isel(case=np.lexsort([data[name].values for name in ("m", "gamma", "D")]))
+    data = data.isel(case=np.lexsort([data[name].values for name in reversed(PARAMETERS)]))
     labels = {name: _labels(data, name) for name in LABELS}
     methods = data["solution_method"].values.tolist()
     table = {f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()

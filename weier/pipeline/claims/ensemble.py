@@ -16,11 +16,11 @@ from weier.data.check import Check
 from weier.methods import curves
 from weier.pipeline.claims.claim import Case, Cases, Claim, Condition, Ensemble, Finding, Judgement, written
 from weier.pipeline.claims.measures import MissingError, describe, need
+from weier.theory.profile import PARAMETERS
 
 MIN_MEMBERS = 6  # of an ensemble: fewer profiles say nothing of the others
 MIN_SHARE = 5 / 6  # of an ensemble, to say what usually happens
 THIN = 2  # every second load is left out, to see what a number owes to the choice of loads
-PARAMETERS = ("D", "gamma", "m")
 
 
 def by_phases(cases: Cases) -> list[Ensemble]:

@@ -12,6 +12,7 @@ from weier.pipeline.claims.claim import OPEN_FACTOR, Cases, Claim, Condition, En
 from weier.pipeline.claims.claim import at_least, at_most, negative, positive  # isort: skip
 from weier.pipeline.claims.ensemble import MIN_MEMBERS, MIN_SHARE, by_phases, series
 from weier.pipeline.claims.measures import ESTIMATES, INTERMEDIATE, LOW_COMPLIANCE, ROUNDING, describe, need
+from weier.theory.profile import PARAMETERS
 
 # What the paper's words are taken to mean.
 CLOSE_AGREEMENT = 0.1  # relative to the compliance itself: no plot shows such an error at light loads
@@ -55,7 +56,7 @@ COARSE, FINE = slice(0, 1), slice(1, 2)
 def _beside_one_wave(cases: Cases) -> list[Ensemble]:
     """One case of each longer series, since the estimates know no phases, beside the one-wave solution."""
     waves = [case for case in cases if float(case["m"]) == 1]
-    longer = curves.groups([case for case in cases if float(case["m"]) > 1], "D", "gamma", "m")
+    longer = curves.groups([case for case in cases if float(case["m"]) > 1], *PARAMETERS)
     need(waves and longer, "one-wave solution and longer series")
     return [Ensemble(describe(group[0]), ((group[0], waves[0]),), True) for group in longer]
 
