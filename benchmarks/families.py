@@ -89,8 +89,8 @@ def any_phases(random: Generator, waves: Array) -> Array:
 
 def near_symmetry(random: Generator, waves: Array) -> Array:
     """Within 1e-15 to 1e-3 of 0 and pi."""
-    off = 10 ** random.uniform(-15, -3, waves.size) * random.choice([-1, 0, 1], waves.size)
-    return np.pi * random.integers(0, 2, waves.size) + off
+    distance = 10 ** random.uniform(-15, -3, waves.size) * random.choice([-1, 0, 1], waves.size)
+    return np.pi * random.integers(0, 2, waves.size) + distance
 
 
 def aligned(random: Generator, waves: Array) -> Array:

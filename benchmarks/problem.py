@@ -50,7 +50,7 @@ def linear_elements(points: int, period: float) -> Array:
 
 
 def fourier(points: int, period: float) -> Array:
-    """The same for trigonometric pressure, cut off at the grid: what FFT codes call the 1/|k| kernel."""
+    """Displacement per wave of pressure, cut off at the grid: what FFT codes call the 1/|k| kernel."""
     waves = np.arange(1, points // 2 + 1)
     return np.concatenate([[0.0], period / waves])
 

@@ -114,13 +114,13 @@ def exceeded(found: list[tuple[Draw, Judged]]) -> Iterator[tuple[float, str]]:
     for draw, judged in found:
         D, gamma, m, phase = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phase
         for at in map(tuple, np.argwhere(judged.ratio > 1)):
-            off, stated, uncertainty = (
+            error, stated, uncertainty = (
                 f"{part[at]:.2e}" for part in (judged.error, judged.stated, judged.uncertainty)
             )
             yield (
                 float(judged.ratio[at]),
                 (
-                    f"{'hR'[at[0]]} off by {off}, stated {stated}, known to {uncertainty} ({draw.family}): "
+                    f"{'hR'[at[0]]} off by {error}, stated {stated}, known to {uncertainty} ({draw.family}): "
                     f'Profile({D}, "{gamma}", {m}, {phase.tolist()}) at {draw.loads[at[1]]}, {draw.settings}'
                 ),
             )

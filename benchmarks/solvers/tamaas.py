@@ -53,7 +53,7 @@ def begin(problem: Problem) -> PolonskyKeer:
 
 
 def begin_counted(problem: Problem) -> PolonskyKeer:
-    """The same with one more term of the energy, always 0, that sees each gradient: Python is called for it."""
+    """A solver with one more term of the energy, always 0, that sees each gradient: Python is called for it."""
 
     class Count(import_module("tamaas").Functional):  # type: ignore[misc]  # an optional extra: no type to see
         gradients = 0

@@ -37,7 +37,7 @@ def begin(problem: Problem, with_resistance: bool = False) -> Descent:
 
 
 def begin_with_resistance(problem: Problem) -> Descent:
-    """The same, to solve for the resistance too."""
+    """A solver for the heights and, beside these, for the resistance."""
     return begin(problem, with_resistance=True)
 
 

@@ -20,7 +20,7 @@ def kernel(x):
 
 
 def images(x):
-    """The same by the images alone, of a force at 0."""
+    """Displacement at x by the images of a unit force at 0, without the force itself."""
     return kernel(x) + 2 * np.log(2 * np.pi * np.abs(x) / PERIOD)
 
 
@@ -81,8 +81,12 @@ def test_the_grid_has_moments_of_triangles():
     assert moments == pytest.approx([3 * weight @ x**k for k in (1, 2)], rel=1e-6)
 
 
-def test_several_contacts_state_errors_within_one_order():
-    """The median over loads where contacts bear on each other: 13 and 19 on random series."""
+def test_several_contacts_state_errors_that_are_neither_too_small_nor_too_wide():
+    """Stated over true errors where contacts bear on each other: from 6.6 and 3.0 on, with medians of 26 and 25.
+
+    Without the moments of contacts the least would be 0.02, and with twice the factor of what second moments change
+    the medians would be 33 and 35.
+    """
     wider = []
     for seed, D in ((1, 1.25), (2, 1.6), (3, 1.4)):
         profile = Profile(D, 4, 3, random_phases(seed))

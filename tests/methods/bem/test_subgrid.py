@@ -228,10 +228,10 @@ def test_the_remainder_of_a_polynomial_is_known_to_a_tenth():
     terms = np.empty((2, local_fit.TERMS + 2))
     local_fit.remainder(fitted[0], fitted[1:], local_fit.DEGREE, ratio, terms)
     rest = terms.sum(axis=0)
-    missed = np.cos(ratio * middle + 1.0) - [local_fit.value(fitted[0], x) for x in middle]
+    deviation = np.cos(ratio * middle + 1.0) - [local_fit.value(fitted[0], x) for x in middle]
     said = np.array([local_fit.value(rest, x) for x in middle])
-    assert np.abs(missed).max() > 1e-9
-    assert np.abs(said - missed).max() < 0.1 * np.abs(missed).max()
+    assert np.abs(deviation).max() > 1e-9
+    assert np.abs(said - deviation).max() < 0.1 * np.abs(deviation).max()
 
 
 def test_the_lightest_loads_and_the_verge_of_full_contact_are_right():
@@ -326,8 +326,8 @@ def test_every_curve_states_the_error_of_its_compliance():
     assert np.all(between.compliance_error[:2] > 0)
     assert np.all(between.resistance_error[:2] > 0)
     assert between.compliance_error[2] == between.resistance_error[2] == 0  # in full contact all is known
-    missed = np.abs(on_nodes.compliance - between.compliance)
-    assert np.all(missed <= on_nodes.compliance_error + between.compliance_error)
+    deviation = np.abs(on_nodes.compliance - between.compliance)
+    assert np.all(deviation <= on_nodes.compliance_error + between.compliance_error)
     assert np.all(on_nodes.compliance_error > 0)
     assert np.all(on_nodes.resistance_error.isnull())
 

@@ -37,8 +37,8 @@ def test_fast_sums_are_the_closed_forms(profile, share, dual, monkeypatch):
     solution = patches.solve_load(profile, share * patches.solve_load(profile, 1.0).surface.full_contact_load)
     assert solution.state.dual == dual
     left, right = solution.edges.T
-    off = np.array([1e-9, 1e-3, 0.3])[:, None] * (right - left)
-    near = np.concatenate([left - off, right + off]).ravel()
+    distance = np.array([1e-9, 1e-3, 0.3])[:, None] * (right - left)
+    near = np.concatenate([left - distance, right + distance]).ravel()
     x = np.concatenate([np.random.default_rng(0).uniform(-1, 2, 300) * profile.period, near])
     values = []
     for limit in (0, 10**9):

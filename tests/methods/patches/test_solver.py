@@ -240,7 +240,7 @@ def test_thousands_of_waves_under_a_light_load():
 
 
 def test_hundreds_of_contacts():
-    """As many as once were too many: their edges on 32 points a wave agree within the error that is stated."""
+    """More than a hundred contacts agree with boundary elements on 32 points a wave within the error these state."""
     profile = Profile(1.5, 5, 5, 1.0)
     exact = patches.curve(profile, 1.0)
     elements = bem.curve(profile, 1.0, points=32 * 625, tolerance=1e-9, edges="subgrid")
@@ -282,8 +282,8 @@ def test_each_condition_that_is_violated_counts_in_the_bound():
     assert error_bound(state, Violations(1e-5, 1e-6), 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
     elsewhere = state._replace(load=0.5 + 1e-4)
     exact = patches.solve_load(THREE_WAVES, 0.5 + 1e-4)
-    off = abs(exact.mean_gap - solution.mean_gap)
-    assert off == pytest.approx(error_bound(elsewhere, Violations(0.0, 0.0), 1.0), rel=1e-2)
+    deviation = abs(exact.mean_gap - solution.mean_gap)
+    assert deviation == pytest.approx(error_bound(elsewhere, Violations(0.0, 0.0), 1.0), rel=1e-2)
 
 
 def test_a_contact_beside_two_probes_that_nearly_coincide_is_found():

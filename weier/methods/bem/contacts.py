@@ -78,10 +78,10 @@ class GridContacts(NamedTuple):
 
 
 @kernel
-def make_contacts(contacts: int, terms: int) -> GridContacts:
+def make_contacts(contacts: int) -> GridContacts:
     """Room for so many."""
-    number, integer, polynomial = np.zeros((17, contacts)), np.zeros((2, contacts), np.int64), (contacts, terms)
-    moments, rest = (contacts, 2), (contacts, 2, terms + 2)
+    number, integer, polynomial = np.zeros((17, contacts)), np.zeros((2, contacts), np.int64), (contacts, TERMS)
+    moments, rest = (contacts, 2), (contacts, 2, TERMS + 2)
     return GridContacts(
         integer[0], number[0], number[1], number[2], number[3], number[4], number[5], number[6], number[7], number[8],
         number[9], integer[1], number[10], number[11], number[12], number[13], number[14], np.zeros(polynomial),
@@ -98,7 +98,7 @@ def find_contacts(
     edge, points = solution.edge, solution.pressure.size
     runs = edge.size - 2
     polynomial = gaps.polynomial.copy()
-    contacts = make_contacts(runs // 2 + crests, TERMS)
+    contacts = make_contacts(runs // 2 + crests)
     contact_of = np.zeros(runs, np.int64)  # of a gap, the one before it
     used = 0
     for run in range(runs):
@@ -266,7 +266,7 @@ def add_crests(
         if crest[node]:
             none, margin = np.zeros(1), side_margin(node, solution.contact)
             scale = enter_polynomials(node, margin, none, none, solution, continuum, contacts, used)
-            top = highest(contacts.height[used], 0.0, 1 / scale)
+            top = highest(contacts.height[used], 1 / scale)
             contacts.kind[used], contacts.limit[used], contacts.centre[used] = CREST, 1.0, top
             contacts.position[used] = contacts.origin[used] + top * contacts.scale[used]
             used += 1

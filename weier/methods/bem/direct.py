@@ -6,14 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array, Flags
 from weier.kernels.blas import one_thread
 from weier.methods.bem.fft import DiscreteSolution, count_patches
 from weier.methods.progress import count_load
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 MAX_ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
 

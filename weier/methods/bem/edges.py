@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Edges = NDArray[np.int64]
 
 # Beyond an edge the residual is continued into the gap, falling linearly to 0 over REACH contact widths (less if the
 # gap is narrower). Cut off at the edge, it would be a jump, which A^-1 takes for a logarithmically large force: the
@@ -18,7 +12,7 @@ REACH = 2
 
 
 @kernel
-def find_edges(contact: Flags, space: Edges) -> Edges:
+def find_edges(contact: Flags, space: Indices) -> Indices:
     """Nodes where contact begins or ends, between two more.
 
     The first and the last number are the last and the first edge, shifted by one period. `space`, shape (N + 2,), is
@@ -36,7 +30,7 @@ def find_edges(contact: Flags, space: Edges) -> Edges:
 
 
 @kernel
-def _path_into_gap(which: int, edge: Edges, contact: Flags) -> tuple[int, int, int]:
+def _path_into_gap(which: int, edge: Indices, contact: Flags) -> tuple[int, int, int]:
     """From the last node in contact at this edge into the gap: the node, the direction, and how far to go."""
     before, here, after = edge[which - 1], edge[which], edge[which + 1]
     if contact[here]:
@@ -47,7 +41,7 @@ def _path_into_gap(which: int, edge: Edges, contact: Flags) -> tuple[int, int, i
 
 
 @kernel
-def extrapolate_into_gap(values: Array, edge: Edges, contact: Flags) -> None:
+def extrapolate_into_gap(values: Array, edge: Indices, contact: Flags) -> None:
     """From each edge into the gap, add the value there, falling to 0 in a straight line."""
     for which in range(1, edge.size - 1):
         node, side, reach = _path_into_gap(which, edge, contact)
@@ -57,7 +51,7 @@ def extrapolate_into_gap(values: Array, edge: Edges, contact: Flags) -> None:
 
 
 @kernel
-def restrict_from_gap(values: Array, edge: Edges, contact: Flags) -> None:
+def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
     """The transpose: to the value at each edge, add those in the gap, with weights that fall in a straight line."""
     for which in range(1, edge.size - 1):
         node, side, reach = _path_into_gap(which, edge, contact)

@@ -42,7 +42,7 @@ BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
 
 def compliance_error(profile: Waves, points: int) -> float:
     """Error of h on `points` nodes, in g_0, with edges of contact on nodes: COMPLIANCE sum g_n (waves_n/points)^2."""
-    return COMPLIANCE * _missed(profile, points)
+    return COMPLIANCE * _nodal_curvature(profile, points)
 
 
 def solution_error(profile: Waves, points: int, residual: Number) -> Number:
@@ -67,7 +67,7 @@ def stated_error(profile: Waves, points: int, quantity: str, contacts: Array) ->
     crowding, lone = contacts / profile.waves_per_period[-1], np.where(contacts < 1.5, LONE_SHARE, 1.0)
     if quantity == "compliance":
         share = STATED_COMPLIANCE * crowding / per_wave
-        return np.asarray(lone * share * _missed(profile, points) + PLANNED_RESIDUAL)
+        return np.asarray(lone * share * _nodal_curvature(profile, points) + PLANNED_RESIDUAL)
     share = (STATED_RESISTANCE + RESISTANCE_CROWDING * crowding) / per_wave + RESISTANCE_PAIRS * crowding**2
     return np.asarray(lone * share / per_wave)
 
@@ -80,7 +80,8 @@ def curvature(profile: Waves) -> float:
     return float(np.sum(profile.amplitude * share**2))
 
 
-def _missed(profile: Waves, points: int) -> float:
+def _nodal_curvature(profile: Waves, points: int) -> float:
+    """Sum g_n (waves_n/points)^2, in g_0: the largest curvature, in that of a wave as long as the nodes' spacing."""
     return curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
 
 

@@ -12,16 +12,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum, backward, forward
-from weier.methods.bem.edges import Edges, Flags, extrapolate_into_gap, find_edges, restrict_from_gap
+from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, copy_values, grid_of, refine
 from weier.methods.bem.local_fit import EDGE
 from weier.methods.progress import count_load
-
-Array = NDArray[np.float64]
 
 RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
 MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
@@ -66,7 +64,7 @@ class GridState(NamedTuple):
     residual: Array
     spectrum: Spectrum
     contact: Flags
-    edge: Edges
+    edge: Indices
 
 
 @kernel
@@ -182,7 +180,7 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 
 @kernel
 def conjugate_step(
-    plane: float, edge: Edges, restart: bool, last_energy: float, grid: Grid, state: GridState
+    plane: float, edge: Indices, restart: bool, last_energy: float, grid: Grid, state: GridState
 ) -> float:
     """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
 
@@ -244,7 +242,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
 
 
 @kernel
-def punch_shape(edge: Edges, contact: Flags, shape: Array) -> None:
+def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
     """Pressure of flat punches on all contacts, q = N/sqrt(distances to both edges in nodes); 0 outside."""
     shape[:] = 0.0
     points = contact.size

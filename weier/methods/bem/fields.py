@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array
 from weier.methods.bem import fft
 from weier.methods.bem.grids import full_contact, nested_grids
 from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load, full_contact_pressure
 from weier.methods.bem.subgrid_solver import check_residual
 from weier.theory.loads import checked_load
 from weier.theory.waves import Waves
-
-Array = NDArray[np.float64]
 
 
 class Field(NamedTuple):

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.edges import Edges
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.local_fit import MAX_MARGIN, Windows, make_windows
 from weier.theory.halfplane import eigenvalues
@@ -42,7 +41,7 @@ class GridSolution(NamedTuple):
     per_load: Array
     displacement: Array
     contact: Flags
-    edge: Edges
+    edge: Indices
 
 
 class Continuum(NamedTuple):

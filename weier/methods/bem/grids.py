@@ -10,13 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
-from numpy.typing import NDArray
 
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.waves import Waves
-
-Array = NDArray[np.float64]
 
 MIN_POINTS_PER_WAVE = 8  # of the finest wave on a grid; fewer miss its crests
 MIN_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
@@ -32,7 +30,7 @@ class Harmonics(NamedTuple):
     full_contact_pressure : mean pressure p_n* that flattens this wave alone, in p_0*
     """
 
-    waves_per_period: NDArray[np.int64]
+    waves_per_period: Indices
     cycle: Array
     full_contact_pressure: Array
 
@@ -50,8 +48,8 @@ class Hierarchy(NamedTuple):
     harmonics : all waves of the profile
     """
 
-    points: NDArray[np.int64]
-    terms: NDArray[np.int64]
+    points: Indices
+    terms: Indices
     height: Array
     influence: Array
     inverse: Array

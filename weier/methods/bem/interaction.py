@@ -50,9 +50,9 @@ def make_interaction(position: Array, continuum: Continuum) -> Interaction:
     points, contacts = continuum.grid.height.size, position.size
     node, beside = np.empty(contacts, np.int64), np.empty(contacts)
     for i in range(contacts):
-        place = position[i] * points / continuum.period
-        node[i] = int(np.round(place))
-        beside[i] = place - node[i]
+        in_nodes = position[i] * points / continuum.period
+        node[i] = int(np.round(in_nodes))
+        beside[i] = in_nodes - node[i]
     return Interaction(
         _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, beside,
         continuum.grid.influence, continuum.influence, continuum.period / points, np.zeros(points), np.zeros(points),

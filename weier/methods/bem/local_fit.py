@@ -13,7 +13,6 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.edges import Edges
 
 DEGREE = 8  # over half a wave, a cosine differs from its best polynomial of this degree by 1e-6
 TERMS = DEGREE + 1
@@ -188,7 +187,7 @@ def fit_window(windows: Windows, window: int, values: Array) -> Array:
 
 
 @kernel
-def margin_of(edge: Edges, run: int) -> int:
+def margin_of(edge: Indices, run: int) -> int:
     """Nodes beyond both ends of a run that belong to no further one, at most as many as the polynomial needs."""
     before, nodes = edge[run + 1] - edge[run], edge[run + 2] - edge[run + 1]
     after = edge[run + 3] - edge[run + 2] if run + 3 < edge.size else edge[2] - edge[1]

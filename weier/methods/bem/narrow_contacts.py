@@ -142,14 +142,14 @@ def gap_energy(pressure: Array, rate: Array, half_width: float) -> tuple[float, 
 
 
 @kernel
-def highest(height: Array, start: float, reach: float) -> float:
-    """Where the polynomial is highest near `start`, not farther than `reach`."""
-    s = start
+def highest(height: Array, reach: float) -> float:
+    """Where the polynomial is highest near the middle, not farther than `reach`."""
+    s = 0.0
     for _ in range(MAX_STEPS):
         first, second, _ = slopes(height, s)
         if second >= 0:
             break
-        further = min(max(s - first / second, start - reach), start + reach)
+        further = min(max(s - first / second, -reach), reach)
         if abs(further - s) <= CLOSE:
             break
         s = further

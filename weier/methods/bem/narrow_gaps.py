@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.edges import Edges
 from weier.methods.bem.factors import EDGE_REST, OPEN_DEPTH, REST
 from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
@@ -138,7 +137,7 @@ def _pressure_without_residual(solution: GridSolution, grid: Grid) -> Array:
 
 
 @kernel
-def narrow_runs(edge: Edges, contact: Flags, most: int) -> Flags:
+def narrow_runs(edge: Indices, contact: Flags, most: int) -> Flags:
     """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others."""
     runs = edge.size - 2
     nodes = np.empty(runs, np.int64)
@@ -251,9 +250,7 @@ def _errors_of_depth(
 def _edges_of_gap(pressure: Array, nodes: int, scale: float) -> tuple[float, float, bool]:
     """Centre and half width of a gap of so many nodes; 0 if the continuum has none there; whether this is known."""
     centre, half_width, found = gap_edges(pressure, 0.0, ((nodes + 1) / 2 - EDGE) / scale)
-    if (
-        not found
-    ):  # from the parabola at the least pressure instead, which few nodes may see far pressure_error their middle
+    if not found:  # from the parabola at the least pressure instead, which few nodes may see far from their middle
         least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
         if depth <= 0:
             return least, 0.0, bend > 0
@@ -271,7 +268,7 @@ def _fourth(polynomial: Array, scale: float) -> Array:
 @kernel
 def deepest(pressure: Array, reach: float) -> tuple[float, float, float]:
     """Where the pressure is least, at most `reach` from the middle; how far below 0, and its second derivative."""
-    least = highest(-pressure, 0.0, reach)
+    least = highest(-pressure, reach)
     return least, -value(pressure, least), slopes(pressure, least)[1]
 
 

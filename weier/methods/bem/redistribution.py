@@ -9,6 +9,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
+from weier.methods.bem.factors import ROUNDING
 from weier.methods.bem.grid_solution import Continuum
 from weier.methods.bem.interaction import Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
@@ -19,7 +20,6 @@ MAX_ROUNDS = 8  # of touching and letting go
 MAX_GRADIENTS = 200  # steps of conjugate gradients; there are no more than contacts, but for rounding
 GRADIENT_TOLERANCE = 1e-14  # square of the relative error at which they stop
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
-ROUNDING = 1e-14  # of the heights, below which no step says anything
 MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 
@@ -266,7 +266,7 @@ def _moments(
 
 @kernel
 def _moments_of_force(contacts: GridContacts, state: _State) -> Array:
-    """Those of the pressure."""
+    """First and second moments of the pressure that the continuum has more than the grid, shape (contacts, 3)."""
     return _moments(contacts.height, contacts.force + state.change, 1.0, contacts.force_moments, contacts, state)
 
 
@@ -275,7 +275,7 @@ class _Weights(NamedTuple):
 
     own : compliance that each has more than on the grid
     others : displacement by the rates of others that each has more, since it is elsewhere
-    raised : the same for more force, which does not change how the rates are spread
+    raised : displacement by these rates for more force, which does not change how the rates are spread
     closing : rate of the plane towards a crest that the grid has not in contact
     """
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
 from weier.methods.bem.subgrid import LoadSolution
@@ -18,8 +19,6 @@ from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.limits import check_points, check_resolvable
 from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
-
-Array = NDArray[np.float64]
 
 POINTS_PER_WAVE = {"subgrid": 32, "nodes": 64}  # of the finest wave, by default: docs/subgrid.md says why
 MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # fewer were not measured; fewer do not show the wave
@@ -44,7 +43,7 @@ class Curve(NamedTuple):
     compliance: Array
     resistance: Array
     contact_fraction: Array
-    patch_count: NDArray[np.int64]
+    patch_count: Indices
     residual: Array
     work: Array
     compliance_error: Array

@@ -235,10 +235,10 @@ def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tu
         there = np.minimum(here + stride, log_load)
         equations = _balance(state, here, closure, mesh)
         ahead = _moved(state, (there - here) * _solve(equations.jacobian, -equations.drift), equations.trust)
-        ahead, missed, steps = _newton(ahead, there, closure, mesh, limit, MAX_NEWTON_STEPS)
+        ahead, error_ahead, steps = _newton(ahead, there, closure, mesh, limit, MAX_NEWTON_STEPS)
         work += steps
-        if missed[0] <= limit[0]:
-            state, error, here, stride = ahead, missed, there, MAX_STRIDE
+        if error_ahead[0] <= limit[0]:
+            state, error, here, stride = ahead, error_ahead, there, MAX_STRIDE
         else:
             stride /= 2
     return state, error if here[0] == log_load else np.array([np.inf]), work
@@ -272,11 +272,11 @@ def solve_waves(
     Solutions
         Where a load does not converge its residual is above the tolerance or NaN.
     """
-    together = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
+    batch_size = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
     parts = [
-        _solve_some(some, closure, mesh, tolerance, None if guess is None else guess[first : first + together])
-        for first in range(0, log_load.size, together)
-        for some in [log_load[first : first + together]]
+        _solve_some(some, closure, mesh, tolerance, None if guess is None else guess[first : first + batch_size])
+        for first in range(0, log_load.size, batch_size)
+        for some in [log_load[first : first + batch_size]]
     ]
     return Solutions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 

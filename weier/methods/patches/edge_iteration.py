@@ -268,9 +268,9 @@ def next_guess(problem: Problem, step: Step, stage: Stage, more_nodes: Array | N
     """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
     left, right = _moved_edges(step)
     moved = moved_expansion(step.punches, step.b, 0.5 * (left + right), 0.5 * (right - left))
-    keep = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
+    remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
     merged = np.array(_merged_intervals(problem, left, right, step)).reshape(-1, 2)
-    return rearrange(problem, step, moved, (left, right), keep, merged, stage, more_nodes)
+    return rearrange(problem, step, moved, (left, right), remaining, merged, stage, more_nodes)
 
 
 def _moved_edges(step: Step) -> tuple[Array, Array]:
@@ -301,14 +301,15 @@ def _merged_intervals(problem: Problem, left: Array, right: Array, step: Step) -
 
 
 def rearrange(
-    problem: Problem, step: Step, b: Array, edges: tuple[Array, Array], keep: Flags, added: NDArray[np.float64],
+    problem: Problem, step: Step, b: Array, edges: tuple[Array, Array], remaining: Flags, added: NDArray[np.float64],
     stage: Stage, more_nodes: Array | None = None,
 ) -> Guess:  # fmt: skip
-    """A guess of the contacts that are kept, with the expansions b, and of added intervals, shape (added, 2)."""
+    """A guess of the remaining contacts, with the expansions b, and of added intervals, shape (added, 2)."""
     period, none = step.punches.period, np.full(len(added), -1)
-    left, right = np.concatenate([edges[0][keep], added[:, 0]]), np.concatenate([edges[1][keep], added[:, 1]])
-    origin = np.concatenate([np.flatnonzero(keep), none])
-    tight = np.concatenate([step.tight[keep], np.zeros(len(added), bool)])
+    left = np.concatenate([edges[0][remaining], added[:, 0]])
+    right = np.concatenate([edges[1][remaining], added[:, 1]])
+    origin = np.concatenate([np.flatnonzero(remaining), none])
+    tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])
     if left.size == 0:
         raise ConvergenceError("no contact is left")
     turn = period * np.floor(left / period)

@@ -288,18 +288,19 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     first, crest, y = _sample_points(state.segments, True)
     segments, count = state.segments, np.diff(np.append(first, y.size))
     middle, offset = np.repeat(segments.origin + segments.centre, count), y - np.repeat(segments.centre, count)
-    off = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
-    some = np.random.default_rng(off.size).choice(off.size, DIRECT_SUMS, replace=False)  # the same ones each time
-    off[some] = np.maximum(off[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
-    return np.asarray(np.maximum.reduceat(off, first))
+    residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
+    # The seed is fixed, so that each run checks the same points.
+    some = np.random.default_rng(y.size).choice(y.size, DIRECT_SUMS, replace=False)
+    residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
+    return np.asarray(np.maximum.reduceat(residual, first))
 
 
 @kernel
 def _residual_of_few(state: ContactState, series: CosineSeries) -> Array:
     first, crest, y = _sample_points(state.segments, False)
-    off, largest = residuals_one_by_one(state, series, crest, y), np.zeros(first.size)
+    residual, largest = residuals_one_by_one(state, series, crest, y), np.zeros(first.size)
     for j in range(first.size):
-        largest[j] = np.abs(off[first[j] :] if j + 1 == first.size else off[first[j] : first[j + 1]]).max()
+        largest[j] = np.abs(residual[first[j] :] if j + 1 == first.size else residual[first[j] : first[j + 1]]).max()
     return largest
 
 
@@ -446,8 +447,8 @@ def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residu
         inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)  # the last takes its middle
         shift = np.clip(middle + shift, low + inner_end, high - inner_end) - middle
         # The stencil tells slopes less well than a minimum must be known: it may be as far off as that is wide.
-        off = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
-        some = np.minimum(here - off, lowest[1]) < 0
+        fall = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
+        some = np.minimum(here - fall, lowest[1]) < 0
         some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
         low, middle, high, interval = low[some], (middle + shift)[some], high[some], interval[some]
         stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]

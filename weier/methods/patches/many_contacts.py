@@ -114,11 +114,11 @@ def _solve_to(problem: Problem, guess: Iterate, tolerance: float, scale: float) 
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage.fine else None)
             continue
         state = contact_state(problem, step)
-        added, keep, lowest = _corrections(problem, step, state, stage)
-        if not np.all(keep) or len(added) > 0:
+        added, remaining, lowest = _corrections(problem, step, state, stage)
+        if not np.all(remaining) or len(added) > 0:
             moved = False
             counts = step.punches.node_count.astype(float) if stage.fine else None
-            now = rearrange(problem, step, step.b, _edges(step), keep, added, stage, counts)
+            now = rearrange(problem, step, step.b, _edges(step), remaining, added, stage, counts)
         elif not stage.fine:
             stage = fine if step.settled else rough
             now = next_guess(problem, step, stage)
@@ -179,7 +179,7 @@ def _converged(step: Step, target: float, last_move: float) -> bool:
 
 
 def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
-    """As many nodes as before, and more where the last coefficients have not decayed."""
+    """Nodes of each segment: those that it has, and more where the last coefficients have not decayed."""
     last, count = step.punches.first_node[1:], step.punches.node_count
     tail = np.maximum(np.abs(step.b[last - 1]), np.abs(step.b[last - 2]))
     height = 2 * np.pi * step.punches.half_width * tail / count
@@ -190,7 +190,7 @@ def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
 def _corrections(
     problem: Problem, step: Step, state: ContactState, stage: Stage
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], tuple[float, float]]:
-    """Segments to add, shape (added, 2); which of those there stay; and the lowest values off and on them, or 0."""
+    """Segments to add, shape (added, 2); which of those there remain; and the lowest values off and on them, or 0."""
     negative = find_negative_intervals(state)
     inside = float(negative.lowest.min(initial=0.0))
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
@@ -199,10 +199,10 @@ def _corrections(
         within = np.maximum(np.abs(negative.start), np.abs(negative.end)) < MAX_INNER
         negative = negative.select(within)
     negative = negative.select(negative_heights(state, negative) > stage.opening)
-    keep = np.ones(step.punches.centre.size, bool)
-    keep[negative.segment] = False
+    remaining = np.ones(step.punches.centre.size, bool)
+    remaining[negative.segment] = False
     missing, outside = find_missing(problem, step, stage.outside)
-    return np.concatenate([_cut_segments(step, negative), missing]), keep, (outside, inside)
+    return np.concatenate([_cut_segments(step, negative), missing]), remaining, (outside, inside)
 
 
 def _cut_segments(step: Step, negative: NegativeIntervals) -> NDArray[np.float64]:

@@ -504,12 +504,12 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
     count = np.maximum(count, np.diff(few.first_node))
     for _ in range(MAX_NODE_ROUNDS):
         _check_size(np.append(0, np.cumsum(count)), load)
-        state, more, size, off = _solve_on_many_nodes(coarse, factors, count, series, load, tolerance)
+        state, more, size, resistance_error = _solve_on_many_nodes(coarse, factors, count, series, load, tolerance)
         if not size < np.inf:
             break
         steps += more
-        if off < np.inf:
-            if off > MAX_RESISTANCE_ERROR:
+        if resistance_error < np.inf:
+            if resistance_error > MAX_RESISTANCE_ERROR:
                 raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
             return state, steps
         count = increase_node_count(state.segments, state.coefficient, load, tolerance)
@@ -525,12 +525,12 @@ def _solve_on_many_nodes(
     Both are inf, if corrections do not shrink; and the latter is, if the nodes do not resolve the density.
     """
     now, steps, size = _refine(coarse, factors, node_count, series, load, tolerance)
-    coefficient, sensitivity, off = expand(now), np.full(1, np.nan), np.inf
+    coefficient, sensitivity, resistance_error = expand(now), np.full(1, np.nan), np.inf
     if size < np.inf and np.all(are_resolved(now.segments, coefficient, tolerance)):
-        sensitivity, more, off = _sensitivity(now, factors, series, load)
+        sensitivity, more, resistance_error = _sensitivity(now, factors, series, load)
         steps += more
     unknowns = (now.approach, now.segments, now.phi, coefficient, sensitivity)
-    return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps, size, off
+    return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps, size, resistance_error
 
 
 @kernel
@@ -564,18 +564,19 @@ def expand(now: Iterate) -> Array:
 def _sensitivity(now: Iterate, factors: Factors, series: CosineSeries, load: float) -> tuple[Array, int, float]:
     """The derivatives of the unknowns in the mean pressure, the corrections, and the resistance's relative error."""
     system = assemble(now, series, load)
-    found, previous, off = np.zeros(system.residual.size), np.inf, 1.0
+    found, previous, resistance_change = np.zeros(system.residual.size), np.inf, 1.0
     for step in range(1, MAX_STEPS + 1):
         left = -system.by_load - found @ system.matrix
         change = _correction(left, factors, now.segments.first_node, series.period, now.dual)
         found = found + change
-        size, off = _relative_step(now.segments, now.phi, load * change), abs(change[-1] / found[-1])
+        size = _relative_step(now.segments, now.phi, load * change)
+        resistance_change = abs(change[-1] / found[-1])
         ratio, previous = size / previous, size
-        if step > 2 and off * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
-            return found, step, off * ratio
+        if step > 2 and resistance_change * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
+            return found, step, resistance_change * ratio
         if ratio > MAX_RATIO:
             break
-    return found, step, off
+    return found, step, resistance_change
 
 
 def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:

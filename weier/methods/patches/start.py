@@ -98,8 +98,8 @@ def contacts_guess(surface: Surface, middle: Array, half_width: Array, force: Ar
     if np.all(distance > 0):
         between = middle[order] + half_width[order] + 0.5 * distance
         between -= period * np.floor(between / period)
-        by_place = np.argsort(between, kind="mergesort")
-        gaps = segments_about(surface.tensions, between[by_place], 0.5 * distance[by_place])
+        by_position = np.argsort(between, kind="mergesort")
+        gaps = segments_about(surface.tensions, between[by_position], 0.5 * distance[by_position])
         needed = _expected_nodes(contacts, surface.heights, tolerance)
         if _expected_nodes(gaps, surface.tensions, tolerance) < MAX_NODE_RATIO * needed:
             return Iterate(True, gaps, np.zeros(gaps.node.size), 0.0)
@@ -128,16 +128,16 @@ def _find_lone_contacts(series: CosineSeries, load: float) -> tuple[Indices, Arr
         half_width = 2 * np.sqrt(force / curvature[touching])
         if n > MAX_LONE_CONTACTS or not _are_lone(series, touching, half_width):
             break
-        matrix, off, max_own = np.zeros((n + 1, n + 1)), np.empty(n + 1), -np.inf
+        matrix, residual, max_own = np.zeros((n + 1, n + 1)), np.empty(n + 1), -np.inf
         matrix[:n, :n] = _influence(series, touching, touching)
         for i in range(n):
             own = displacement_of_punch(half_width[i], series.period)
             max_own = max(max_own, own)
-            off[i] = matrix[i, :n] @ force + force[i] * (1 + own) - series.crest_offset[touching[i]]
+            residual[i] = matrix[i, :n] @ force + force[i] * (1 + own) - series.crest_offset[touching[i]]
             matrix[i, i] += own
             matrix[i, n] = matrix[n, i] = 1.0
-        off[n] = force.sum() - load * series.period
-        step = np.linalg.solve(matrix, off)
+        residual[n] = force.sum() - load * series.period
+        step = np.linalg.solve(matrix, residual)
         approach = step[n]
         force = np.maximum(force - step[:n], 0.1 * force)
         if np.abs(step[:n]).max() > FORCE_TOLERANCE * force.sum():
