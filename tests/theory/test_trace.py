@@ -217,8 +217,8 @@ EVEN = np.arange(100.0)
         ),
         ("0,5\n0,7\n", {"length": 1.0}, "length must be left out, and decimals must have points"),
         ("1,\n2,\n", {"length": 1.0}, "shaft.csv, line 1, must have one or two numbers, got '1,'"),
-        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "positions must rise in equal steps, got nan in row 51"),
-        (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, "heights must be finite, in m, got nan at position 9"),
+        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "shaft.csv, line 51, must have finite numbers, got"),
+        (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, "shaft.csv, line 10, must have finite numbers, got"),
         ("1\n" * (10**6 + 1), {"length": 1.0}, "line 1000001, is one of more than 1000000 heights"),
         (rows(COS, EVEN), {"x_unit": "inch"}, "x_unit must be one of m, mm, um, .*nm, got 'inch'"),
         (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, .*nm, got 'A'"),
@@ -231,8 +231,12 @@ def test_a_file_that_is_no_trace_is_refused_in_one_sentence(file, text, more, sa
 
 
 def test_a_missing_file_is_said_to_be_missing(tmp_path):
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match=r"^there is no file .*nowhere\.csv$"):
         Trace.read(tmp_path / "nowhere.csv")
+    with pytest.raises(FileNotFoundError, match=rf"^there is no file {re.escape(str(tmp_path))}: that is a folder$"):
+        Trace.read(tmp_path)
+    with pytest.raises(ValueError, match=r"^path must be the name of a file, got 5$"):
+        Trace.read(5)
 
 
 def self_affine(samples, D, random):

@@ -150,5 +150,7 @@ def _unchanged_trace(text: str) -> Trace:
 def _read_trace(file: str, **options: Any) -> Trace:
     try:
         return Trace.read(file, **options)
+    except FileNotFoundError as error:
+        raise ValueError(str(error)) from None
     except OSError as error:
         raise ValueError(f"{file} cannot be read: {error.strerror}") from None

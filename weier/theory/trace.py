@@ -18,7 +18,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from weier.kernels.arrays import Array, Indices
-from weier.theory.arguments import checked_number, checked_numbers, checked_word, shown
+from weier.theory.arguments import checked_file, checked_number, checked_numbers, checked_word, shown
 from weier.theory.profile import PARAMETERS
 from weier.theory.waves import Waves
 
@@ -143,11 +143,13 @@ class Trace(Waves):
 
         Raises
         ------
+        FileNotFoundError
+            If there is no such file.
         ValueError
-            If the file is no such table, or its heights are no roughness.
+            If it is no such table, or its heights are no roughness.
 
         """
-        table = _table(Path(path))
+        table = _table(checked_file(path))
         heights = table[:, -1] * UNITS[checked_word("height_unit", height_unit, UNITS)]
         if (length is None) == (table.shape[1] == 1):
             two = "two columns, with positions: length must be left out, and decimals must have points"
@@ -299,6 +301,8 @@ def _row(place: str, line: str, before: Sequence[Sequence[float]]) -> list[float
         problem = f"must have one or two numbers, got {shown(line)}{more}"
     elif before and len(found) != len(before[0]):
         problem = f"must have as many numbers as the lines before, got {shown(line)}"
+    elif not all(map(math.isfinite, found)):
+        problem = f"must have finite numbers, got {shown(line)}"
     else:
         return found
     raise ValueError(f"{place} {problem}")
@@ -317,7 +321,7 @@ def _length(x: Array) -> float:
     step = (x[-1] - x[0]) / max(x.size - 1, 1)
     even = x[0] + step * np.arange(x.size)
     at = int(np.argmax(np.abs(x - even))) if step > 0 else x.size - 1
-    if not (step > 0 and abs(x[at] - even[at]) <= UNEVEN * step):  # NaN, too
+    if not (step > 0 and abs(x[at] - even[at]) <= UNEVEN * step):  # NaN of what overflows, too
         behind = f"for {even[at]:g}" if step > 0 else f"behind {x[0]:g}"
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} {behind}: "
