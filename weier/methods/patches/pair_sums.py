@@ -337,33 +337,35 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
 
 
 @kernel
-def _add_block(row: Array, f: Array, total: Array, f_of_row: float) -> float:
-    """One row of a block times f, and that row times the row's own f added to the total of the columns."""
-    result = 0.0
-    for j in range(row.size):
-        result += row[j] * f[j]
-        total[j] += row[j] * f_of_row
-    return result
+def _add_block(
+    block: NDArray[np.float64], f_of_rows: Array, f_of_columns: Array, to_rows: Array, to_columns: Array
+) -> None:
+    """Add a block times f of its columns to the totals of its rows, and the other way round."""
+    for i in range(block.shape[0]):
+        of_row = 0.0
+        for j in range(block.shape[1]):
+            of_row += block[i, j] * f_of_columns[j]
+            to_columns[j] += block[i, j] * f_of_rows[i]
+        to_rows[i] += of_row
 
 
 @kernel
 def pair_sums(matrix: PairMatrix, f: Array) -> Array:
     """The sum over all other points b of f_b times the kernel between a and b, shape (points,)."""
-    tree, total = matrix.tree, np.zeros(f.size)
+    tree, total, none = matrix.tree, np.zeros(f.size), np.zeros(LEAF_POINTS + 1)
     moment = _moments(tree, f)
     field = np.zeros_like(moment)
     for pair in range(matrix.far.shape[0]):
         a, b = matrix.far[pair, 0], matrix.far[pair, 1]
-        for i in range(ORDER):
-            field[a, i] += _add_block(matrix.far_block[pair, i], moment[b], field[b], moment[a, i])
+        _add_block(matrix.far_block[pair], moment[a], moment[b], field[a], field[b])
     for pair in range(matrix.near.shape[0]):
         start, end = points_of_leaf(tree, matrix.near[pair, 0])
-        other_start, other_end = points_of_leaf(tree, matrix.near[pair, 1])
-        f_b, total_b, width = f[other_start:other_end], total[other_start:other_end], other_end - other_start
-        for a in range(start, end):
-            at = matrix.near_start[pair] + (a - start) * width
-            of_row = f[a] if start != other_start else 0.0  # a leaf with itself holds both orders of each pair
-            total[a] += _add_block(matrix.near_block[at : at + width], f_b, total_b, of_row)
+        first, last = points_of_leaf(tree, matrix.near[pair, 1])
+        block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
+        of_rows = f[start:end] if start != first else none  # a leaf with itself holds both orders of each pair
+        _add_block(
+            block.reshape(end - start, last - first), of_rows, f[first:last], total[start:end], total[first:last]
+        )
     _add_local_fields(tree, field, total)
     return total
 
