@@ -88,11 +88,11 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
     """All loads as one curve and, if that ends in an error, each load by itself. Raises nothing."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        together = _attempt(variant, profile, loads)
-        if together.message and loads.size > 1:
+        outcome = _attempt(variant, profile, loads)
+        if outcome.message and loads.size > 1:
             parts = [_attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
-            together = _join(parts)._replace(message=together.message)
-    return together._replace(warned=tuple(dict.fromkeys(str(warning.message) for warning in caught)))
+            outcome = _join(parts)._replace(message=outcome.message)
+    return outcome._replace(warned=tuple(dict.fromkeys(str(warning.message) for warning in caught)))
 
 
 def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:

@@ -188,7 +188,7 @@ def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figur
 def limit_panels(
     title: str, groups: Sequence[Group], noun: str, most: int = MAX_PANELS
 ) -> tuple[str, Sequence[Group]]:
-    """As many of the groups as there is space for, and a title that says so if these are not all."""
+    """The first groups, up to those that there is space for, and a title that says so if these are not all."""
     if not groups:
         raise ValueError(f"there are no {noun} to draw in these studies")
     note = f"{most} of {len(groups)} {noun}" if len(groups) > most else ""

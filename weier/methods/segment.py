@@ -62,7 +62,7 @@ class Segment(NamedTuple):
     memory : expected, in bytes
     why : in a sentence
     solve : from loads to their solution
-    whole : whether the method answers for the whole series, not for the terms alone
+    includes_tail : whether the method answers for the infinite or longer series, not for its terms alone
     other_loads : of each load, others to be solved with it, shape (loads, others), in p_0*: they tell how far the
         resistance may be off; None where the method knows by itself
     """
@@ -79,7 +79,7 @@ class Segment(NamedTuple):
     memory: float
     why: str
     solve: Callable[[Array], SegmentSolution]
-    whole: bool = False
+    includes_tail: bool = False
     other_loads: Array | None = None
 
     @property

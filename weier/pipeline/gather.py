@@ -53,13 +53,13 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
     """
     scene, cases = solutions.scene, solutions.scene.distinct
     labels, first = case_labels(scene), _read(solutions, cases[:1], scene.layout)
-    whole = first.assign_coords(labels.isel(case=slice(1)).coords)
-    whole = whole.merge(more) if more is not None else whole
-    whole = whole.assign_attrs(provenance.attributes(scene.title, step, scene.text, _histories(solutions, cases)))
+    header = first.assign_coords(labels.isel(case=slice(1)).coords)
+    header = header.merge(more) if more is not None else header
+    header = header.assign_attrs(provenance.attributes(scene.title, step, scene.text, _histories(solutions, cases)))
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, whole, {"case": len(cases)}, netcdf.text_widths(whole) | netcdf.text_widths(labels))
-        netcdf.fill(file, whole.drop_dims("case"))
+        netcdf.create(file, header, {"case": len(cases)}, netcdf.text_widths(header) | netcdf.text_widths(labels))
+        netcdf.fill(file, header.drop_dims("case"))
         netcdf.fill(file, labels, slice(0, len(cases)))
         for start in range(0, len(cases), size):
             block = list(cases[start : start + size])
@@ -67,7 +67,7 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
 
 
 def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
-    """Those of all files of these cases, each once."""
+    """The histories of all files of these cases, each once."""
     found = dict[str, None]()
     for batch in sorted({place.batch for case in cases for place in solutions.places(case).values()}):
         with dataset.reading(batch.with_suffix(".nc")) as data:

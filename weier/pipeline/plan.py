@@ -30,7 +30,7 @@ class ScenePlan:
 
     @property
     def plans(self) -> list[Plan]:
-        """Those of the cases that can be solved."""
+        """The plans of the cases that can be solved."""
         return [each for each in self.cases.values() if isinstance(each, Plan)]
 
     @property

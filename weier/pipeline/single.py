@@ -61,13 +61,13 @@ def solve_one(
 
 
 def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
-    """Those of some methods that apply to a profile; all of them where none does, so that they say why."""
+    """The methods that apply to a profile; all that are given where none does, so that they say why."""
     surface = Case(_parameters(profile), (), {}).profile
     return [method for method in methods if find_method(method).takes(surface)] or list(methods)
 
 
 def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Those of a case, which has a digest of its heights."""
+    """The parameters of a case: of a trace with a digest of its heights."""
     return {"trace": trace_parameters(profile["trace"], Path())} if "trace" in profile else profile
 
 

@@ -98,10 +98,10 @@ class _Search:
 
     def _moved(self, places: _Places, shifts: Sequence[int], parts: int) -> _Places:
         """Each place moved by each of the shifts, in so many parts of a wave of the largest."""
-        whole = parts * self.waves[0]
-        cycles = np.array([[k * shift % whole / whole for k in self.waves] for shift in shifts])
+        divisions = parts * self.waves[0]
+        cycles = np.array([[k * shift % divisions / divisions for k in self.waves] for shift in shifts])
         moved = (places.cycles[:, None] + cycles).reshape(-1, len(self.waves))
-        position = places.position[:, None] + np.array([shift / whole for shift in shifts])
+        position = places.position[:, None] + np.array([shift / divisions for shift in shifts])
         return _Places(position.ravel(), moved - np.rint(moved))
 
     def _kept(self, places: _Places, least: float, known: int, parts: int) -> tuple[Indices, float]:

@@ -317,7 +317,7 @@ def _numbers(line: str) -> list[float] | None:
 
 
 def _length(x: Array) -> float:
-    """As many steps as there are positions, if these are even."""
+    """The length of the trace: the positions times their step, if this is even."""
     step = (x[-1] - x[0]) / max(x.size - 1, 1)
     even = x[0] + step * np.arange(x.size)
     at = int(np.argmax(np.abs(x - even))) if step > 0 else x.size - 1

@@ -50,7 +50,7 @@ def _resolved(task: Task, kept: Profile) -> Segment:
         seconds_start=start,
         seconds_load=np.full(loads.size, load),
         memory=error_model.memory(points),
-        whole=True,
+        includes_tail=True,
     )
 
 

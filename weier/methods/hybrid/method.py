@@ -19,7 +19,7 @@ def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int
 
 
 def _default_terms(profile: Profile) -> int:
-    """As many terms as fit on the default number of nodes, and at least one."""
+    """The largest number of terms that fit on the default number of nodes, and at least one."""
     terms = 1
     while POINTS_PER_WAVE * profile.truncated(terms + 1).waves_per_period[-1] <= DEFAULT_POINTS:
         terms += 1

@@ -23,11 +23,11 @@ def candidates(
 ) -> Iterator[Segment]:
     """All that might do, each at its cheapest setting; their error is infinite where they say nothing."""
     lengths = resolvable_lengths(profile)
-    whole = _whole_task(profile, loads, tolerance, quantity, lengths)
-    yield from _full_contact(whole, lengths)
-    yield from _offers(whole, methods)
+    of_series = _series_task(profile, loads, tolerance, quantity, lengths)
+    yield from _full_contact(of_series, lengths)
+    yield from _offers(of_series, methods)
     if quantity == COMPLIANCE:
-        for task in truncation_tasks(profile, loads, tolerance, lengths, whole.first_contact):
+        for task in truncation_tasks(profile, loads, tolerance, lengths, of_series.first_contact):
             yield from _offers(task, methods)
     elif profile.m not in lengths:  # no bound holds a resistance tightly: all terms are better
         for task, other_loads in chord_tasks(profile, loads, lengths):
@@ -35,7 +35,7 @@ def candidates(
                 yield _with_chords(offer, other_loads)
 
 
-def _whole_task(profile: Profile, loads: Array, tolerance: float, quantity: str, lengths: Sequence[int]) -> Task:
+def _series_task(profile: Profile, loads: Array, tolerance: float, quantity: str, lengths: Sequence[int]) -> Task:
     first = forecast.first_contact(profile, lengths) if quantity == COMPLIANCE else math.inf
     resolved = profile.m in lengths
     contacts = forecast.contacts(profile, loads) if resolved else np.full(loads.size, np.inf)

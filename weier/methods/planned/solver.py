@@ -122,7 +122,7 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
             for old, new in zip(values, again, strict=True):
                 old[exceeding] = new
         solved.append(values)
-    return _joined(solved)
+    return _concatenated(solved)
 
 
 def _attempt_in_time(profile: Profile, segment: Segment) -> SolvedLoads:
@@ -166,7 +166,7 @@ def _attempt(profile: Profile, segment: Segment) -> SolvedLoads:
         if count == 1:
             return _solved_loads(segment, UNSOLVED)
         halves = slice(None, count // 2), slice(count // 2, None)
-        return _joined([_attempt(profile, segment.at(half)) for half in halves])
+        return _concatenated([_attempt(profile, segment.at(half)) for half in halves])
 
 
 def _run_again(made: Plan, loads: Array, methods: Sequence[Method], failed: tuple[Segment, ...]) -> SolvedLoads:
@@ -186,10 +186,10 @@ def _excess_message(segment: Segment, error: Array) -> str:
 
 def run(profile: Profile, segments: Sequence[Segment]) -> SolvedLoads:
     """Run segments that cover the loads one after the other."""
-    return _joined([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
+    return _concatenated([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
 
 
-def _joined(curves: Sequence[SolvedLoads]) -> SolvedLoads:
+def _concatenated(curves: Sequence[SolvedLoads]) -> SolvedLoads:
     return SolvedLoads(*(np.concatenate(columns) for columns in zip(*curves, strict=True)))
 
 
@@ -226,7 +226,7 @@ def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
 
 def _completed(profile: Profile, segment: Segment, solved: SegmentSolution) -> SegmentSolution:
     """The solution of the whole series: the middle of the bounds that the terms left out allow."""
-    if segment.whole:
+    if segment.includes_tail:
         return solved
     low, high = complete_bounds(solved.compliance, profile.amplitude_beyond(segment.terms), profile.total_amplitude)
     width = high - low
