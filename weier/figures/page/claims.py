@@ -46,13 +46,13 @@ def list_claims(data: xr.Dataset) -> list[ShownClaim]:
 
 def _picture(finding: Finding) -> Picture:
     """A dot for each profile, in the colour of what it says, on a line with the limit; a grey part is too close."""
-    ends = [*finding.values, finding.met, finding.failed]
+    ends = [*finding.values, finding.met, finding.missed]
     low, high = min(ends), max(ends)
 
     def at(value: float) -> float:
         return MARGIN + (WIDTH - 2 * MARGIN) * (value - low) / (high - low)
 
-    left, right = sorted((at(finding.met), at(finding.failed)))
+    left, right = sorted((at(finding.met), at(finding.missed)))
     middle = HEIGHT / 3
     dots = Markup("").join(
         Markup('<circle class="{}" cx="{:.1f}" cy="{:.1f}" r="4"><title>{}</title></circle>').format(

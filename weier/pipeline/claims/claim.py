@@ -17,14 +17,14 @@ OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and t
 
 
 class Limits(NamedTuple):
-    """The value up to which a condition is met, and the one from which it is failed.
+    """The value up to which a condition is met, and the one from which it is missed.
 
     sign : 1 where larger values are worse, -1 where smaller ones are
     word, nominal : the limit in words: "at most", 0.05
     """
 
     met: float
-    failed: float
+    missed: float
     sign: int
     word: str
     nominal: float
@@ -33,7 +33,7 @@ class Limits(NamedTuple):
         """Whether a value meets the condition, or lies between, or too close to tell."""
         if self.sign * (self.met - value) >= uncertainty:
             return Check.yes
-        return Check.no if self.sign * (value - self.failed) >= uncertainty else Check.not_decided
+        return Check.no if self.sign * (value - self.missed) >= uncertainty else Check.not_decided
 
 
 def at_most(limit: float, factor: float = OPEN_FACTOR) -> Limits:
@@ -98,7 +98,7 @@ class Finding(NamedTuple):
     """A condition on one ensemble, as a file holds it.
 
     statement, quantity, unit, ensemble : in words
-    limit, met, failed, sign : the limit in words, and as in `Limits`
+    limit, met, missed, sign : the limit in words, and as in `Limits`
     value : what decides: the worst member of all, or the middle one where most count
     values, checks : of each member
     outcome : of all
@@ -110,7 +110,7 @@ class Finding(NamedTuple):
     ensemble: str
     limit: str
     met: float
-    failed: float
+    missed: float
     sign: int
     value: float
     values: Sequence[float]

@@ -87,7 +87,7 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     limit = f"{limits.word} {written(limits.nominal, condition.unit)}"
     outcome = _outcome(checks, most, ensemble.complete)
     words = condition.text, condition.quantity, condition.unit, ensemble.name, limit
-    return Finding(*words, limits.met, limits.failed, limits.sign, value, values, checks, outcome)
+    return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome)
 
 
 def _every_second_load(case: Case) -> Case:
