@@ -18,7 +18,7 @@ REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leav
 MAX_REFERENCE_SCALES = 10  # more take minutes
 MAX_ERROR_SHARE = 0.5  # of the compliance, in the amplitude of the terms after the first
 SECONDS = 0.06, 3e-4  # to start, and for each load
-MAX_SECONDS_SCALE = 0.006  # of a scale, for each load: 1000 scales near D = 2
+MAX_SECONDS = 0.02, 1e-4  # of the table of a scale, 0.012 at most of 300 scales, and of a load
 
 
 def _solve(
@@ -56,7 +56,8 @@ def _seconds(profile: Profile, loads: Array) -> float:
 
     All scales of the infinite series share one table, which takes next to no time.
     """
-    return MAX_SECONDS_SCALE * profile.m * loads.size if math.isfinite(profile.m) else 0.0
+    scale, load = MAX_SECONDS
+    return scale * profile.m + load * loads.size if math.isfinite(profile.m) else 0.0
 
 
 METHOD = Method(
