@@ -175,13 +175,12 @@ rule claims:
         "python -m weier claims {params.scene} results/{wildcards.scene}/batches {output} 2>&1 | tee -i {log}"
 
 
-# A job for each method, so that they are compiled side by side, before any batch waits for them. What says that it is
-# done is named by a digest of their sources.
+# A job for each method, so that they are compiled side by side, before any batch waits for them.
 rule compile:
     output:
-        touch("results/kernels/{sources}/{method}"),
+        touch(compiled("{method}")),
     log:
-        "results/logs/compile/{sources}/{method}.log",
+        "results/logs/compile/{method}.log",
     conda:
         "rules/environment.yaml"
     message:

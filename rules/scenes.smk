@@ -5,10 +5,12 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
+from weier.data.files import check_target
 from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
-from weier.kernels.jit import announce_compiling, cache_folder
+from weier.kernels.digests import KERNELS, PACKAGE, digest
+from weier.kernels.jit import announce_compiling, cache_folder, disabled
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import Solutions, read_batch
 from weier.pipeline.forecast import forecast_scene
@@ -100,13 +102,34 @@ def batch(name, stem):
 def kernels(*names):
     """What says that the kernels of scenes are compiled, or without a scene all: that is no reason to solve again.
 
-    Those of closed forms take seconds, and no job of their own.
+    Those of closed forms take seconds, and no job of their own. There are none where nothing is compiled, or where the
+    cache takes no files: then each job compiles what it needs.
     """
     used = [find_method(each) for name in names for each in scene(name).layout.methods]
     if not names or any(method.runs_others for method in used):
         used = METHODS
-    folder = f"results/kernels/{cache_folder().name}"
-    return ancient([f"{folder}/{method.name}" for method in used if method.numerical])
+    try:
+        check_target(compiled("any"))
+    except OSError:
+        return []
+    numerical = [method.name for method in used if method.numerical]
+    return [] if disabled() else ancient(list(map(compiled, numerical)))
+
+
+def compiled(method):
+    """The file that says that a method is compiled: in the cache, so that it serves runs in all folders.
+
+    Since numba compiles again what is called from another path or of another date, both are in its name.
+    """
+    return str(cache_folder() / "compiled" / f"{method}-{checkout_state()}")
+
+
+@cache
+def checkout_state():
+    """The path of the sources and the date of the newest one."""
+    sources = [path for part in KERNELS for path in (PACKAGE / part).rglob("*.py")]
+    newest = max(path.stat().st_mtime_ns for path in sources)
+    return digest([str(PACKAGE), newest])[:12]
 
 
 def drawn_together():

@@ -1,11 +1,23 @@
-"""Scenes that are solved as the pipeline does it, without Snakemake."""
+"""Scenes of a text, and scenes that are solved as the pipeline does it, without Snakemake."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
+import yaml
+
+from weier import scene
 from weier.data import dataset
 from weier.pipeline.batch import solve_batch
 from weier.pipeline.batches import Solutions, read_batch
 from weier.scene import Scene
+
+
+def scene_in(folder: Path, content: str | Mapping[str, Any], load: Callable[[Path], Scene] = scene.load) -> Scene:
+    """A scene of this text, or of these values, which it writes into the folder."""
+    path = folder / "scene.yaml"
+    path.write_text(content if isinstance(content, str) else yaml.safe_dump(content), encoding="utf-8")
+    return load(path)
 
 
 def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:

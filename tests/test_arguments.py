@@ -12,18 +12,17 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import weier
+from tests.marks import examples, few
 from weier.data import dataset
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method, names
 from weier.methods.settings import defaults
 from weier.theory import conduction
 
-FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-MANY = settings(FEW, max_examples=500, derandomize=False, database=None)
 MAX_MESSAGE = 400
 
 PROFILE = weier.Profile(1.25, 5, 2, 1.0)
@@ -167,13 +166,10 @@ def check(name, argument, value):
     assert holds_a_number(value), (name, argument, value, result)
 
 
-def check_drawn(examples, name, argument):
-    examples(given(anything)(lambda value: check(name, argument, value)))()
-
-
+@examples(25, 500)
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
-def test_every_argument_of_every_public_function(name, argument):
-    check_drawn(FEW, name, argument)
+def test_every_argument_of_every_public_function(name, argument, how_many):
+    how_many(given(anything)(lambda value: check(name, argument, value)))()
 
 
 @pytest.mark.parametrize("value", [[bytearray(b"a")], [0.1, memoryview(b"a")], [[0.1], bytearray(b"a")]])
@@ -182,18 +178,12 @@ def test_bytes_in_a_list_which_numpy_takes_for_integers(value):
         weier.solve(PROFILE, value, "demelio")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
-def test_hundreds_of_each(name, argument):
-    check_drawn(MANY, name, argument)
-
-
 @pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda each: each)
 def test_every_setting_of_every_method(method, setting):
     profile = weier.Profile(1.25, 5, math.inf) if method == "hybrid" else PROFILE
     default = defaults(find_method(method))[setting]
 
-    @FEW
+    @few(25)
     @given(never | arrays_of_none)
     def run(value):
         taken = attempt(lambda: weier.solve(profile, [0.1], method, **{setting: value}), setting)
@@ -220,6 +210,7 @@ LIST = np.array([1.2, 1.3])
         (lambda: weier.Profile(1.25, 5, None), "m must be a whole number of terms, .*, got None"),
         (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
         (lambda: weier.solve([0.1], [0.1]), "profile must be a weier.Profile or a weier.Trace, got 0.1"),
+        (lambda: weier.solve(xr.Dataset(), [0.1]), "profile must be .* weier.Trace, got <xarray.Dataset>"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", resistance="no"), "resistance of bem must be true or false"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", resistance=None), "resistance of bem must be true or false"),
         (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),
@@ -236,10 +227,6 @@ def test_what_is_refused_is_told_in_a_sentence(call, message):
         call()
 
 
-def test_a_float_of_numpy_is_a_ratio():
-    assert weier.Profile(1.25, np.float32(1.5), 3).gamma == Fraction(3, 2)
-
-
 def test_full_contact_has_fields_however_heavy_the_load():
     for load in (3.0, 1e3, 1e100):
         bem, exact = (weier.fields(PROFILE, load, method) for method in ("bem", "patches"))
@@ -247,11 +234,3 @@ def test_full_contact_has_fields_however_heavy_the_load():
         # 64 points on the finest wave of amplitude 1.5: its pressure is off by (pi/64)^2/3 of itself.
         assert bem.pressure.values - load == pytest.approx(exact.pressure.values - load, abs=2e-3)
         assert bem.displacement.values == pytest.approx(exact.displacement.values, abs=1e-12)
-
-
-def test_a_curve_is_no_profile():
-    curve = weier.solve(weier.Profile(1.25, 5, 2), [0.1], "demelio")
-    with pytest.raises(
-        ValueError, match=r"profile must be a weier\.Profile or a weier\.Trace, got <xarray\.Dataset>"
-    ):
-        weier.solve(curve, [0.1])

@@ -15,9 +15,8 @@ import pytest
 import xarray as xr
 
 from tests.conventions import check, complaints
-from tests.scenes import solve_scene
+from tests.scenes import scene_in, solve_scene
 from tests.trade import small_trade
-from weier import scene
 from weier.accuracy.convergence import measure_convergence
 from weier.data import dataset, provenance, variables
 from weier.methods import demelio
@@ -58,8 +57,7 @@ IMPOSSIBLE = (
 def folder(tmp_path_factory):
     """Every kind of file that a scene leaves."""
     folder = tmp_path_factory.mktemp("scene")
-    (folder / "waves.yaml").write_text(SCENE, encoding="utf-8")
-    loaded = scene.load(folder / "waves.yaml")
+    loaded = scene_in(folder, SCENE)
     solutions = solve_scene(loaded, folder / "batches")
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
@@ -157,6 +155,7 @@ def test_netcdf4_reads_it_and_no_value_is_out_of_range(files):
         with netCDF4.Dataset(path) as file:
             for name, variable in file.variables.items():
                 assert {"long_name", "units"} <= set(variable.ncattrs()), name
+            assert "g_0" in file.normalisation
             if path.stem not in ("convergence", "tradeoff"):
                 assert [str(name) for name in file["solution_method"][:]] == METHODS
             file.set_auto_mask(False)

@@ -4,17 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from tests.marks import examples
 from weier import Profile
 from weier.accuracy.extremes import checks
 from weier.accuracy.runner import Outcome, attempt
 from weier.methods.method import Variant
 from weier.methods.registry import METHODS, find_method
 
-FEW = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-MANY = settings(FEW, max_examples=1000, derandomize=False, database=None)
 MAX_WAVES = 30  # in a period, of what is solved on a mesh or contact by contact
 
 ULP = np.finfo(float).eps
@@ -83,15 +82,10 @@ DRAWN = {
 }
 
 
+@examples(25, 1000)
 @pytest.mark.parametrize("method", DRAWN)
-def test_dozens(method):
-    throw(method, DRAWN[method], FEW)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("method", DRAWN)
-def test_a_thousand(method):
-    throw(method, DRAWN[method], MANY)
+def test_dozens_or_a_thousand(method, how_many):
+    throw(method, DRAWN[method], how_many)
 
 
 @pytest.mark.parametrize("method", ["bem", "patches", "planned"])

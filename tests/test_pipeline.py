@@ -100,8 +100,36 @@ def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
 
 def test_one_figure_needs_only_its_cases(checkout):
     jobs = planned(checkout, "results/test/figures/one.png")
-    jobs.pop("compile", None)  # unless a run before has done it
     assert jobs == {"solve": 1, "figure": 1}
+
+
+def test_what_is_compiled_is_told_in_the_cache_for_all_folders(checkout, tmp_path, monkeypatch):
+    """By this state of the sources, and not where the cache takes no files."""
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache))
+
+    def compiled():
+        command = ["snakemake", "-s", checkout / "Snakefile", "-d", tmp_path, "--summary", "--cores", "2"]
+        done = subprocess.run([*command, "--config", "scenes=test"], cwd=checkout, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return {
+            Path(line.split("\t")[0]): "missing" not in line
+            for line in done.stdout.splitlines()
+            if line.startswith(str(cache))
+        }
+
+    first = compiled()
+    assert list(first.values()) == [False]
+    for path in first:
+        path.parent.mkdir(parents=True)
+        path.touch()
+    assert list(compiled().values()) == [True]
+    (checkout / "weier/methods/bem/fft.py").touch()
+    assert list(compiled().values()) == [False]
+    shutil.rmtree(cache)
+    assert list(compiled().values()) == [False]
+    cache.touch()
+    assert compiled() == {}
 
 
 def test_a_page_and_all_products_need_the_same_job_for_all_figures(checkout):

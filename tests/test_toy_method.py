@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import weier
-from tests.scenes import solve_scene
+from tests.scenes import scene_in, solve_scene
 from tests.toy_method import TOY
 from weier import figures, scene
 from weier.data import dataset
@@ -38,9 +38,7 @@ def listed(monkeypatch):
 
 @pytest.fixture
 def loaded(tmp_path):
-    path = tmp_path / "toy.yaml"
-    path.write_text(SCENE)
-    return scene.load(path)
+    return scene_in(tmp_path, SCENE)
 
 
 def test_it_is_solved_with_its_settings():
@@ -67,10 +65,8 @@ def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
 
 
 def test_a_scene_refuses_its_bad_settings(tmp_path):
-    path = tmp_path / "bad.yaml"
-    path.write_text(SCENE.replace("share", "points"))
     with pytest.raises(scene.SceneError, match="has no setting"):
-        scene.load(path)
+        scene_in(tmp_path, SCENE.replace("share", "points"))
 
 
 def test_a_plan_may_choose_it():

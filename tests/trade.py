@@ -4,7 +4,7 @@ from importlib import import_module
 
 import pytest
 
-from weier import scene
+from tests.scenes import scene_in
 from weier.accuracy import tradeoff
 
 SCENE = """
@@ -21,7 +21,6 @@ studies:
 
 def small_trade(folder, text=SCENE, max_points=600):
     """The trade of a scene, on grids of no more points than this."""
-    (folder / "small.yaml").write_text(text, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", max_points)
-        return tradeoff.measure(scene.load(folder / "small.yaml"))
+        return tradeoff.measure(scene_in(folder, text))

@@ -1,50 +1,78 @@
-"""What is read from the text of options, and what is wrong usage."""
+"""What is wrong usage, and what is bad input, of any command."""
 
 import pytest
 
-from weier.cli import options
-
-SOLVE = ["solve", "-D", "1.25", "--gamma", "5", "-m", "2"]
-
-
-def test_loads_in_equal_ratios():
-    assert options.parse_loads("0.01:1:3") == pytest.approx([0.01, 0.1, 1])
+PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
+SOLVE = ["solve", *PROFILE]
 
 
-def test_phases():
-    assert options.parse_phases("0, 1e-3,-2") == [0.0, 1e-3, -2.0]
+WRONG_USAGE = [
+    ([*SOLVE, "--loads", "1:0.1:5"], "mean_pressure must increase"),
+    ([*SOLVE, "--loads", "-1"], "mean_pressure must be positive, got -1.0"),
+    ([*SOLVE, "--loads", "1:2"], 'loads must read "0.1,1" or "first:last:count", got \'1:2\''),
+    ([*SOLVE, "--loads", ""], "loads must read"),
+    ([*SOLVE, "--loads", "1:2:99999999999"], "must lie in [2, 10000], got 99999999999"),
+    ([*SOLVE, "--phases", "0,one"], 'phases must read "1" or "0,1,2", got \'0,one\''),
+    ([*SOLVE, "--phases", "1", "--seed", "1"], "--phases or --seed, got both"),
+    ([*SOLVE, "--set", "bem"], 'must read "method.name=value"'),
+    ([*SOLVE, "--set", "bem.points="], 'must read "method.name=value"'),
+    ([*SOLVE, "--set", "bem.points=!!python/name:os.system"], "must be a number or a word"),
+    ([*SOLVE, "--set", f"bem.points={'[' * 5000}"], "must be a number or a word"),
+    ([*SOLVE, "--method", "bme"], "bme"),
+    ([*SOLVE, "--seed", "1.5"], "1.5"),
+    ([*SOLVE, "--loads"], "requires an argument"),
+    ([*SOLVE, "-m"], "requires an argument"),
+    ([*SOLVE, "curves.nc"], "unexpected extra argument"),
+    ([*SOLVE, "--lods", "1"], "No such option"),
+    (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
+    (["solve", "--length", "1e-3"], "--length is of a trace: name its file by --trace"),
+    (["solve", "-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
+    (["plan"], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
+    (["plan", "--tolerance", "1e-3"], "got neither"),
+    (["plan", "--trace", "shaft.csv"], "plans are for series: take the one that weier.fit finds for the trace"),
+    (["plan", "scene.yaml", *PROFILE], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got both"),
+    (["plan", "-D", "1.5"], "a profile takes -D, --gamma and -m, got no --gamma and no -m"),
+    (["table", "curve.nc", "curves.txt"], "the name must end in one of .csv"),
+    (["table", "none.nc", "resluts/curves.csv"], "there is no folder resluts: make it first, or name another one"),
+    ([*SOLVE, "-o", "resluts/curves.csv"], "there is no folder resluts: make it first, or name another one"),
+]
 
 
-def test_settings_by_method():
-    assert options.parse_settings(["bem.points=512", "bem.solver=direct", "layer.points=6"]) == {
-        "bem": {"points": 512, "solver": "direct"},
-        "layer": {"points": 6},
-    }
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--loads", "1:0.1:5"], "mean_pressure must increase"),
-        (["--loads", "-1"], "mean_pressure must be positive, got -1.0"),
-        (["--loads", "1:2"], 'loads must read "0.1,1" or "first:last:count", got \'1:2\''),
-        (["--loads", ""], "loads must read"),
-        (["--loads", "1:2:99999999999"], "must lie in [2, 10000], got 99999999999"),
-        (["--phases", "0,one"], 'phases must read "1" or "0,1,2", got \'0,one\''),
-        (["--phases", "1", "--seed", "1"], "--phases or --seed, got both"),
-        (["--set", "bem"], 'must read "method.name=value"'),
-        (["--set", "bem.points="], 'must read "method.name=value"'),
-        (["--set", "bem.points=!!python/name:os.system"], "must be a number or a word"),
-        (["--set", f"bem.points={'[' * 5000}"], "must be a number or a word"),
-        (["--method", "bme"], "bme"),
-        (["--seed", "1.5"], "1.5"),
-        (["--loads"], "requires an argument"),
-        (["-m"], "requires an argument"),
-        (["curves.nc"], "unexpected extra argument"),
-        (["--lods", "1"], "No such option"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "message"), WRONG_USAGE)
 def test_wrong_usage_is_exit_code_2(run, arguments, message):
-    code, out, err = run(*SOLVE, *arguments)
+    code, out, err = run(*arguments)
     assert (code, out) == (2, "")
     assert message in err.splitlines()[-1]
+
+
+BAD_INPUT = [
+    (["solve", "-D", "2.5", "--gamma", "5", "-m", "2"], "D must lie in (1, 2), got 2.5"),
+    (["solve", "-D", "1.5", "--gamma", "5", "-m", "nan"], "m must be a whole number"),
+    (["solve", "-D", "1.5", "--gamma", "1000000.5", "-m", "2"], "gamma must be at most 1000000, got 1000000.5"),
+    (["solve", "-D", "1.5", "--gamma", "1e4000", "-m", "2"], "gamma must be a finite number or a fraction"),
+    (["solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3"], 'take gamma = "140/99"'),
+    ([*SOLVE, "--set", "bem.points=1e9"], "points of bem must be a whole number, from 1 to 10000000, got 1000"),
+    (
+        [*SOLVE, "--set", "bem.residual_tolerance=nan"],
+        "residual_tolerance of bem must lie in [1e-15, 1), got the text 'nan'",
+    ),
+    ([*SOLVE, "--set", "layer.points=3"], "'layer', which is not run"),
+    ([*SOLVE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
+    ([*SOLVE, "-m", "inf", "--phases", "0"], "choose a finite m, or a method for the infinite series"),
+    (["plan", *PROFILE, "--tolerance", "0"], "tolerance must be positive and finite, got 0.0"),
+    (
+        ["plan", "-D", "1.5", "--gamma", "3", "-m", "1e9"],
+        "m must be a whole number of terms, from 1 to 1000000, or inf",
+    ),
+    (["plan", "-D", "1.5", "--gamma", "3", "-m", "1e6"], "m must be at most 1000"),
+    (["plan", "-D", "1.95", "--gamma", "2", "-m", "inf"], "tolerance must be larger, or the series shorter, got 0"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD_INPUT)
+def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
+    code, out, err = run(*arguments)
+    last = err.splitlines()[-1]
+    assert (code, out) == (1, "")
+    assert last.startswith("weier: ")
+    assert message in last

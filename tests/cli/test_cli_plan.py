@@ -1,7 +1,6 @@
 """`weier plan`: of one profile, or of the cases of a scene."""
 
 import numpy as np
-import pytest
 
 import weier
 from weier import scene
@@ -32,38 +31,3 @@ def test_a_plan_of_a_scene_goes_by_the_scene_unless_told(run, tmp_path):
     told = weier.plan(scene.load(path), [0.2], 1e-4, "resistance")
     arguments = ["--loads", "0.2", "--tolerance", "1e-4", "--quantity", "resistance"]
     assert run("plan", path, *arguments)[1] == f"{told}\n"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
-        (["--tolerance", "1e-3"], "got neither"),
-        (["--trace", "shaft.csv"], "plans are for series: take the one that weier.fit finds for the trace"),
-        (["scene.yaml", *PROFILE], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got both"),
-        (["-D", "1.5"], "a profile takes -D, --gamma and -m, got no --gamma and no -m"),
-    ],
-)
-def test_a_plan_of_neither_or_both_is_wrong_usage(run, arguments, message):
-    code, out, err = run("plan", *arguments)
-    assert (code, out) == (2, "")
-    assert message in err.splitlines()[-1]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([*PROFILE, "--tolerance", "0"], "tolerance must be positive and finite, got 0.0"),
-        (
-            ["-D", "1.5", "--gamma", "3", "-m", "1e9"],
-            "m must be a whole number of terms, from 1 to 1000000, or inf",
-        ),
-        (["-D", "1.5", "--gamma", "3", "-m", "1e6"], "m must be at most 1000"),
-        (["-D", "1.95", "--gamma", "2", "-m", "inf"], "tolerance must be larger, or the series shorter, got 0.001"),
-    ],
-)
-def test_a_plan_out_of_range_is_one_sentence(run, arguments, message):
-    code, out, err = run("plan", *arguments)
-    assert (code, out) == (1, "")
-    assert err.startswith(f"weier: {message}")
-    assert err.count("\n") == 1

@@ -93,49 +93,12 @@ def test_an_infinite_series_is_plotted_by_the_methods_that_apply(run, tmp_path):
     assert (tmp_path / "x.png").stat().st_size > 0
 
 
-def test_a_ratio_that_a_method_cannot_resolve_is_answered_with_one_that_it_can(run):
-    code, _, err = run("solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3", "--loads", "0.1")
-    assert code == 1
-    assert 'take gamma = "140/99"' in err.splitlines()[-1]
-
-
 @pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])
 def test_plot_leaves_the_file_that_is_named(run, tmp_path, name, written):
     methods = ["--method", "demelio", "--method", "layer"]
     code, _, _ = run("plot", *PROFILE, *methods, "--quantity", "resistance", tmp_path / name)
     assert code == 0
     assert {path.name for path in tmp_path.iterdir()} == written
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["-D", "2.5", "--gamma", "5", "-m", "2"], "D must lie in (1, 2), got 2.5"),
-        (["-D", "1.5", "--gamma", "5", "-m", "nan"], "m must be a whole number"),
-        (["-D", "1.5", "--gamma", "1000000.5", "-m", "2"], "gamma must be at most 1000000, got 1000000.5"),
-        (
-            ["-D", "1.5", "--gamma", "1e4000", "-m", "2"],
-            "gamma must be a finite number or a fraction",
-        ),
-        (
-            [*PROFILE, "--set", "bem.points=1e9"],
-            "points of bem must be a whole number, from 1 to 10000000, got 1000000000.0",
-        ),
-        (
-            [*PROFILE, "--set", "bem.residual_tolerance=nan"],
-            "residual_tolerance of bem must lie in [1e-15, 1), got the text 'nan'",
-        ),
-        ([*PROFILE, "--set", "layer.points=3"], "'layer', which is not run"),
-        ([*PROFILE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
-        ([*PROFILE, "-m", "inf", "--phases", "0"], "choose a finite m, or a method for the infinite series"),
-    ],
-)
-def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
-    code, out, err = run("solve", *arguments)
-    last = err.splitlines()[-1]
-    assert (code, out) == (1, "")
-    assert last.startswith("weier: ")
-    assert message in last
 
 
 @pytest.mark.parametrize(("command", "name"), [(["solve"], "x.md"), (["solve"], "x"), (["plot"], "x.jpg")])
@@ -175,17 +138,3 @@ def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
         assert one.trace_digest.item() == trace.digest
         assert one.trace_length.item() == pytest.approx(1e-3)
         assert "trace = shaft.csv" in str(data.case.values[0])
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (["--trace", "FILE", "-D", "1.5"], "a trace has no D: take --trace or a series"),
-        (["--length", "1e-3"], "--length is of a trace: name its file by --trace"),
-        (["-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
-    ],
-)
-def test_a_trace_and_a_series_do_not_mix(run, shaft, options, says):
-    code, _, errors = run("solve", *[shaft if each == "FILE" else each for each in options])
-    assert code == 2
-    assert says in errors

@@ -63,18 +63,6 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]
 
 
-def test_a_truncated_file_is_one_sentence(solved, scene_file, tmp_path):
-    (whole,) = solved.glob("*.nc")
-    whole.write_bytes(whole.read_bytes()[:3000])
-    contact, table = tmp_path / "contact.nc", tmp_path / "claims.md"
-    done = weier("claims", scene_file, solved, contact, table)
-    assert done.returncode == 1
-    assert "not a whole netCDF file: if weier made it, delete it" in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert not contact.exists()
-    assert not table.exists()
-
-
 def test_an_unknown_figure_is_refused(scene_file):
     done = weier("figures", scene_file, ".", ".", "two")
     assert done.returncode == 1

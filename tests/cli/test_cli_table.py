@@ -100,19 +100,6 @@ def test_a_missing_file_of_bodies_is_named_in_a_sentence(run):
     assert (code, err) == (1, "weier: nowhere.yaml cannot be read or written: No such file or directory\n")
 
 
-def test_a_file_that_is_no_table_is_refused_at_once(run):
-    code, _, err = run("table", "curve.nc", "curves.txt")
-    assert code == 2
-    assert "the name must end in one of .csv" in err
-
-
-@pytest.mark.parametrize("command", [["table", "none.nc"], ["solve", "-D", "1.25", "--gamma", "5", "-m", "2", "-o"]])
-def test_a_folder_that_does_not_exist_is_told(run, command, folder):
-    code, out, err = run(*command, "resluts/curves.csv")
-    assert (code, out) == (2, "")
-    assert "there is no folder resluts: make it first, or name another one" in err
-
-
 def test_files_of_others_are_refused_in_a_sentence(run):
     with xr.open_dataset("curve.nc") as curve:
         curve.drop_vars("D").to_netcdf("no_d.nc")

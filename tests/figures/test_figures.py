@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from tests.scenes import solve_scene
+from tests.scenes import scene_in, solve_scene
 from weier import figures, scene
 from weier.data import dataset
 from weier.data.dataset import Status
@@ -44,8 +44,7 @@ OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command
 @pytest.fixture(scope="module")
 def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     folder = tmp_path_factory.mktemp("scene")
-    (folder / "small.yaml").write_text(SCENE)
-    loaded = scene.load(folder / "small.yaml")
+    loaded = scene_in(folder, SCENE)
     solutions = solve_scene(loaded, folder / "batches")
     return {name: read_study(solutions, name) for name in loaded.studies}
 
@@ -125,11 +124,6 @@ def test_one_load(kind: str, studies: dict[str, xr.Dataset]) -> None:
     sketch(kind, [studies["one"].isel(mean_pressure=[1])])
 
 
-def test_unknown_kind(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"no figure 'style'.*borodich_galanov, compliance"):
-        figures.draw("style", [], "", tmp_path / "figure.pdf")
-
-
 def test_every_module_that_draws_is_a_kind() -> None:
     modules = [path.stem for path in Path(figures.__file__).parent.glob("*.py") if path.stem != "__init__"]
     draws = {name for name in modules if hasattr(import_module(f"weier.figures.{name}"), "draw")}
@@ -170,8 +164,7 @@ def toy_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]
 
 
 def test_a_new_figure_is_one_module(toy_figure: str, studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
-    (tmp_path / "toy.yaml").write_text(SCENE)
-    loaded = replace(scene.load(tmp_path / "toy.yaml"), figures={"fig": scene.Figure(toy_figure, ("one",), "Loads")})
+    loaded = replace(scene_in(tmp_path, SCENE), figures={"fig": scene.Figure(toy_figure, ("one",), "Loads")})
     assert not list(checks.check_figures(loaded))
     figures.draw(toy_figure, [studies["one"]], "Loads", tmp_path / "figure.pdf")
     assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
@@ -228,8 +221,7 @@ SENTENCES = {
 
 
 def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
-    (tmp_path / "captioned.yaml").write_text(CAPTIONED)
-    loaded = scene.load(tmp_path / "captioned.yaml")
+    loaded = scene_in(tmp_path, CAPTIONED)
     name, text, alternative = caption(loaded, "figure_1")
     assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.kinds()['profiles'].caption}")
     assert alternative == "Figure 1: The profiles over two of their longest wavelengths"

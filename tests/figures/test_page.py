@@ -11,6 +11,7 @@ import xarray as xr
 from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
+from tests.scenes import scene_in
 from weier import scene
 from weier.data import dataset, provenance
 from weier.data.check import Check
@@ -73,18 +74,13 @@ def folder(tmp_path_factory):
     return folder
 
 
-def load(folder, text):
-    (folder / "test.yaml").write_text(text)
-    return scene.load(folder / "test.yaml")
-
-
 def write(folder, name="page.html", data=None):
     """A page of the scene, with these data or those that are there."""
     if data is not None:
         dataset.write(data, folder / "contact.nc", "Other data", "solved")
         (folder / "figure_1.png").write_bytes(PNG)
     contact, pictures = folder / "contact.nc", [folder / "figure_1.png"]
-    page.write(load(folder, SCENE), contact, pictures, seconds_of(KEYS, seconds=0.5), folder / name)
+    page.write(scene_in(folder, SCENE), contact, pictures, seconds_of(KEYS, seconds=0.5), folder / name)
     return (folder / name).read_text(encoding="utf-8")
 
 

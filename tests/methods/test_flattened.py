@@ -83,17 +83,6 @@ def test_longer_series_tend_to_the_limit(estimate):
 
 
 @either
-def test_all_arguments_broadcast(estimate):
-    p = np.geomspace(1e-6, 100, 5)[:, None, None, None]
-    D, gamma, m = np.array([1.1, 1.9])[:, None, None], np.array([1.5, 5, 50.0])[:, None], [1, 4, 30, np.inf]
-    for function in (estimate.compliance, estimate.resistance):
-        together = function(p, D, gamma, m)
-        assert together.shape == (5, 2, 3, 4)
-        apart = np.vectorize(function)(p, D, gamma, m)
-        np.testing.assert_array_equal(together, apart)
-
-
-@either
 @pytest.mark.parametrize(
     "shapes",
     [
@@ -113,23 +102,15 @@ def test_all_arguments_broadcast(estimate):
 )
 def test_loads_and_series_of_any_shape(estimate, shapes):
     rng = np.random.default_rng(5)
-    ends = [(0.1, 9), (1.1, 1.9), (2, 9), (1, 9)]
-    p, D, gamma, m = (rng.uniform(*end, shape) for end, shape in zip(ends, shapes, strict=True))
-    m = np.ceil(m)
-    p = np.broadcast_to(p, np.shape(p))  # not to be written to
-    h = estimate.compliance(p, D, gamma, m)
-    assert h.shape == np.broadcast_shapes(*shapes)
-    for place in np.ndindex(h.shape):
-        assert h[place] == estimate.compliance(*(each[place] for each in np.broadcast_arrays(p, D, gamma, m)))
-
-
-@either
-def test_the_order_of_loads_does_not_matter(estimate):
-    p, D = np.geomspace(1e-9, 1e9, 201), np.array([1.1, 1.5, 1.9])[:, None]
-    mixed = np.random.default_rng(6).permutation(p.size)
+    ends = [(-9, 9), (1.1, 1.9), (1.2, 50), (1, 9)]
+    exponent, D, gamma, m = (rng.uniform(*end, shape) for end, shape in zip(ends, shapes, strict=True))
+    p = np.broadcast_to(10**exponent, np.shape(exponent))  # not to be written to
+    m = np.where(m > 8, np.inf, np.ceil(m))
     for function in (estimate.compliance, estimate.resistance):
-        sorted_ = function(p, D, 3.0, [[2], [30], [np.inf]])
-        np.testing.assert_array_equal(function(p[mixed], D, 3.0, [[2], [30], [np.inf]]), sorted_[:, mixed])
+        together = function(p, D, gamma, m)
+        assert together.shape == np.broadcast_shapes(*shapes)
+        for place in np.ndindex(together.shape):
+            assert together[place] == function(*(each[place] for each in np.broadcast_arrays(p, D, gamma, m)))
 
 
 @either

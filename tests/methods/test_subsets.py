@@ -7,7 +7,7 @@ import pytest
 
 import weier
 from weier import Profile, random_phases, solve
-from weier.methods import bem, error_model, patches, registry
+from weier.methods import bem, error_model, registry
 from weier.methods.hybrid import newton
 
 COARSE = Profile(1.25, 5, 1)
@@ -35,7 +35,9 @@ CASES = [
     ("layer", LONG, {}, 0.0, 0.0),
     ("hybrid", LONG, {"terms": 2}, NEWTON, 1e3 * NEWTON),
     ("bem", SHORT, {"points": 2000}, ITERATED, 10 * ITERATED),  # an edge moves by the residual over the gap's rate
-    ("patches", SHORT, {}, ITERATED, 2 * patches.error_model.error(1e-10, "resistance")),
+    ("patches", SHORT, {}, 0.0, 0.0),
+    ("patches", Profile(1.5, 3, 3, math.pi), {"contact_edges": True}, 0.0, 0.0),
+    ("patches", Profile(1.75, "5/2", 3, 2.0), {}, 0.0, 0.0),
     ("planned", SHORT, {"tolerance": 1e-2}, ITERATED, RATE),
     ("planned", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}, ITERATED, CHORDS),
     ("planned", LONG, {"tolerance": 0.02}, ITERATED, ITERATED),
@@ -65,9 +67,11 @@ def test_the_numbers_of_a_load_do_not_depend_on_the_others(method, profile, sett
             for name in {quantity, f"{quantity}_error"} & set(together.data_vars):
                 one, other = alone[name].values, together[name].values[some]
                 assert np.all(np.abs(one - other) <= limit * np.maximum(np.abs(other), 1)), (name, one - other)
-        for name in ("planned_method", "planned_terms", "planned_points", "patch_count"):
-            if name in together:
-                np.testing.assert_array_equal(alone[name].values, together[name].values[some])
+        for name in {"planned_method", "planned_terms", "planned_points", "patch_count"} & set(together.data_vars):
+            np.testing.assert_array_equal(alone[name].values, together[name].values[some])
+        if "contact_edge" in together:
+            edges = [each.contact_edge.values for each in (alone, together.isel(mean_pressure=some))]
+            np.testing.assert_array_equal(*(each[np.isfinite(each)] for each in edges))
 
 
 def test_a_plan_for_one_load_is_that_for_many():

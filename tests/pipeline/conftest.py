@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.scenes import solve_scene
-from weier import scene
+from tests.scenes import scene_in, solve_scene
 from weier.pipeline import batch
 
 SCENE = """
@@ -18,9 +17,7 @@ studies:
 
 @pytest.fixture(scope="session")
 def loaded(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scene") / "test.yaml"
-    path.write_text(SCENE)
-    return scene.load(path)
+    return scene_in(tmp_path_factory.mktemp("scene"), SCENE)
 
 
 @pytest.fixture(scope="session")

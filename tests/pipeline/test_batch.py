@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from weier import scene
+from tests.scenes import scene_in
 from weier.methods import registry
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.solve import solve_checked
@@ -25,12 +25,11 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
 
     monkeypatch.setattr(batch, "solve_checked", counted)
     product = "{product: {D: [1.25, 1.5], gamma: 2, m: [1, 2], seed: [1, 2, 3]}"
-    path = tmp_path / "test.yaml"
-    path.write_text(
+    loaded = scene_in(
+        tmp_path,
         "{title: t, loads: [0.1, 1], methods: [layer, bem], batch: 100, studies: {one: "
-        f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}"
+        f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}",
     )
-    loaded = scene.load(path)
     data = batch.solve_batch(loaded, loaded.distinct)
     layers = [(D, m, points) for name, D, m, points in solved if name == "layer"]
     assert layers == [(D, m, points) for points in (None, 48) for D in (1.25, 1.5) for m in (1, 2)]
@@ -57,11 +56,8 @@ def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
 
     planned = replace(registry.find_method(PLANNED), solve=solve)
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], planned))
-    path = tmp_path / "planned.yaml"
-    path.write_text(
-        "{title: t, loads: [0.1, 1], tolerance: 0.01, studies: {one: {product: {D: 1.5, gamma: 3, m: [1, 2]}}}}"
-    )
-    loaded = scene.load(path)
+    study = {"product": {"D": 1.5, "gamma": 3, "m": [1, 2]}}
+    loaded = scene_in(tmp_path, {"title": "t", "loads": [0.1, 1], "tolerance": 0.01, "studies": {"one": study}})
     data = batch.solve_batch(loaded, loaded.studies["one"])
     assert data["planned_seconds"].values.tolist() == [2.5, 2.5]
     assert data["planned_error"].values == pytest.approx([1e-4, 2e-4])

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from weier import Profile, scene
+from tests.scenes import scene_in
+from weier import Profile
 from weier.methods import bem, patches
 from weier.pipeline import batch
 from weier.pipeline.gather import read_study
@@ -39,9 +40,8 @@ def test_bounds_stand_around_the_exact_methods_only(solutions):
 
 def test_bounds_hold_for_crests_between_two_nodes(tmp_path):
     """The infinite series with all its crests at that place touches at h = 0."""
-    path, phase = tmp_path / "test.yaml", -math.pi / 320
-    path.write_text(BETWEEN_NODES % (phase, 5 * phase))
-    loaded = scene.load(path)
+    phase = -math.pi / 320
+    loaded = scene_in(tmp_path, BETWEEN_NODES % (phase, 5 * phase))
     data = batch.solve_batch(loaded, loaded.studies["one"])
     bounded = data.squeeze()
     assert bounded["points"] == 320

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 
 import weier
+from tests.scenes import scene_in
 from weier import scene
 from weier.methods import registry
 from weier.methods.errors import OutOfReachError
@@ -73,9 +73,8 @@ def forecast_of(folder, cores=1, **changes):
     """The forecast of three cases, one of which has no plan, and what the descriptions of their batches expect."""
     product = {"D": [1.1, 1.25, 1.9], "gamma": 2, "m": float("inf")}
     content = {"title": "t", "loads": [0.1, 1.0], "tolerance": 0.1, "studies": {"one": {"product": product}}}
-    path = folder / "rough.yaml"
-    path.write_text(yaml.safe_dump({key: value for key, value in (content | changes).items() if value is not None}))
-    solutions = Solutions(scene.load(path), folder)
+    wanted = {key: value for key, value in (content | changes).items() if value is not None}
+    solutions = Solutions(scene_in(folder, wanted), folder)
     expected = [read_batch(path.with_suffix(".json")).seconds for path in solutions.files(cores=cores)]
     return forecast_scene(solutions.scene, solutions.to_solve.values(), cores), expected
 
@@ -88,13 +87,13 @@ def slow_plans(monkeypatch):
 
 def test_a_scene_with_plans_says_what_they_take_and_whom_they_refuse(tmp_path):
     (lines, refusal), expected = forecast_of(tmp_path)
-    found = weier.plan(scene.load(tmp_path / "rough.yaml"))
+    found = weier.plan(scene.load(tmp_path / "scene.yaml"))
     assert len(found.plans) == 2
     assert expected == [pytest.approx(found.seconds + 3 * CASE_SECONDS)]
     assert not refusal
     assert lines == [
-        f"rough: 3 cases to solve, in about {expected[0]:.2g} s on 1 core",
-        "rough: no plan for 1 of them:",
+        f"scene: 3 cases to solve, in about {expected[0]:.2g} s on 1 core",
+        "scene: no plan for 1 of them:",
         *(f"  {each}" for each in found.cases.values() if isinstance(each, OutOfReachError)),
     ]
 
@@ -102,7 +101,7 @@ def test_a_scene_with_plans_says_what_they_take_and_whom_they_refuse(tmp_path):
 def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, slow_plans):
     lines, refusal = forecast_of(tmp_path)[0]
     assert lines[0].endswith("in about 1200 s on 1 core")
-    assert lines[1] == "rough: no plan for 1 of them:"
+    assert lines[1] == "scene: no plan for 1 of them:"
     assert "it would take longer than 600 s: add max_seconds: 1400 to the scene" in refusal
     assert not forecast_of(tmp_path, max_seconds=1400)[0][1]
     lines, refusal = forecast_of(tmp_path, cores=3)[0]
@@ -116,11 +115,11 @@ def test_a_scene_without_plans_says_nothing_unless_it_has_a_limit(tmp_path, seco
     seconds(2 * MAX_SCENE_SECONDS)
     assert forecast_of(tmp_path, **without)[0] == ([], "")
     lines, refusal = forecast_of(tmp_path, **without, max_seconds=100)[0]
-    assert lines == ["rough: 1 case to solve, in about 1200 s on 1 core"]
+    assert lines == ["scene: 1 case to solve, in about 1200 s on 1 core"]
     assert "longer than 100 s: add max_seconds: 1400" in refusal
 
 
 def test_a_scene_that_is_solved_says_nothing(tmp_path):
     forecast_of(tmp_path)
-    with_limit = replace(scene.load(tmp_path / "rough.yaml"), max_seconds=1e-3)
+    with_limit = replace(scene.load(tmp_path / "scene.yaml"), max_seconds=1e-3)
     assert forecast_scene(with_limit, [], cores=1) == ([], "")

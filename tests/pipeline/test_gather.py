@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.scenes import solve_scene
-from weier import scene
+from tests.scenes import scene_in, solve_scene
 from weier.data import dataset
 from weier.data.dataset import Status
 from weier.pipeline import batch
@@ -51,14 +50,6 @@ def test_seconds_are_read_as_well(solutions, loaded):
     assert np.isfinite(seconds["seconds"].values).tolist() == [[True] * 3, [False, True, True], [False, True, False]]
 
 
-def test_what_is_not_there_is_refused(loaded, tmp_path):
-    nothing = Solutions(loaded, tmp_path)
-    for read in (lambda: gather(nothing, tmp_path / "a.nc"), lambda: read_study(nothing, "waves")):
-        with pytest.raises(ValueError, match=r"m = 1\b.* is not solved by all of westergaard, demelio"):
-            read()
-    assert not list(tmp_path.iterdir())
-
-
 def without_seconds(loaded):
     """All cases of a scene as one batch, but for what differs from run to run."""
     return batch.solve_batch(loaded, loaded.distinct).drop_vars("seconds").drop_attrs()
@@ -76,8 +67,7 @@ studies:
 
 
 def test_batches_of_other_methods_and_terms_come_together(tmp_path):
-    (tmp_path / "mixed.yaml").write_text(MIXED)
-    mixed = scene.load(tmp_path / "mixed.yaml")
+    mixed = scene_in(tmp_path, MIXED)
     solutions = Solutions(mixed, tmp_path / "batches")
     for study in mixed.studies:
         (path,) = solutions.files([study])
@@ -105,9 +95,7 @@ studies:
 @pytest.mark.parametrize("later", ["layer, bem, patches", "bem, patches, layer", "patches, bem"])
 def test_the_edges_of_contact_are_those_of_the_last_method_that_tells_them(tmp_path, later):
     """Whichever of them was solved first."""
-    (tmp_path / "edges.yaml").write_text(EDGES.format(methods="bem"))
-    solve_scene(scene.load(tmp_path / "edges.yaml"), tmp_path / "batches")
-    (tmp_path / "edges.yaml").write_text(EDGES.format(methods=later))
-    grown = scene.load(tmp_path / "edges.yaml")
+    solve_scene(scene_in(tmp_path, EDGES.format(methods="bem")), tmp_path / "batches")
+    grown = scene_in(tmp_path, EDGES.format(methods=later))
     data = read_study(solve_scene(grown, tmp_path / "batches"), "one")
     xr.testing.assert_equal(data.drop_attrs(), without_seconds(grown))

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import weier
-from tests.scenes import solve_scene
+from tests.scenes import scene_in, solve_scene
 from weier import scene
 from weier.data import dataset
 from weier.figures.page import explorer
@@ -28,9 +28,8 @@ studies:
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     folder = tmp_path_factory.mktemp("grids")
-    (folder / "grids.yaml").write_text(SCENE)
-    loaded = scene.load(folder / "grids.yaml")
-    claims.write(solve_scene(loaded, folder / "batches"), folder / "contact.nc", folder / "claims.md")
+    solutions = solve_scene(scene_in(folder, SCENE), folder / "batches")
+    claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     return folder / "contact.nc"
 
 
@@ -107,5 +106,5 @@ def test_the_page_offers_cases_by_their_labels(path):
 
 def test_labels_come_from_the_scene_alone(path):
     """So a file of ten thousand cases gets them in no time, and no batch is solved again for a new name."""
-    labels = case_labels(scene.load(path.parent / "grids.yaml"))
+    labels = case_labels(scene.load(path.parent / "scene.yaml"))
     assert list(labels.coords) == ["study", "bem_points", "bem_edges"]

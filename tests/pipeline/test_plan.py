@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import weier
+from tests.scenes import scene_in
 from weier import plan, scene
 from weier.data import dataset
 from weier.methods import patches
@@ -21,9 +22,7 @@ studies:
 
 
 def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
-    path = tmp_path / "test.yaml"
-    path.write_text(SCENE)
-    loaded = scene.load(path)
+    loaded = scene_in(tmp_path, SCENE)
     found = weier.plan(loaded)
     assert len(re.findall(r"^  2 +0.01 +0.1 +bem +2 +points 80, edges subgrid ", str(found), re.M)) == 2
     assert found._repr_html_().count('<td style="text-align: left">bem</td>') == 2
@@ -48,9 +47,9 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
 
 
 def test_a_scene_plan_tells_its_cases_apart_and_lists_those_without_a_plan(tmp_path):
-    path, product = tmp_path / "test.yaml", "{D: [1.25, 1.9], gamma: 2, m: .inf, seed: [3, 4]}"
-    path.write_text(SCENE.replace("{D: [1.25, 1.5], gamma: 5, m: 2, phases: 1.0}", product))
-    lines = str(weier.plan(scene.load(path), tolerance=0.1)).splitlines()
+    product = "{D: [1.25, 1.9], gamma: 2, m: .inf, seed: [3, 4]}"
+    loaded = scene_in(tmp_path, SCENE.replace("{D: [1.25, 1.5], gamma: 5, m: 2, phases: 1.0}", product))
+    lines = str(weier.plan(loaded, tolerance=0.1)).splitlines()
     heads = [line for line in lines if line and not line.startswith(" ")]
     assert heads[0].startswith("D = 1.25, gamma = 2, m = inf, seed 3: compliance within 0.1")
     assert heads[1].startswith("D = 1.25, gamma = 2, m = inf, seed 4: ")
@@ -63,7 +62,5 @@ def test_a_scene_plan_tells_its_cases_apart_and_lists_those_without_a_plan(tmp_p
     ("old", "new"), [("tolerance: 1.0e-3\n", ""), ("1.0e-3", "0"), ("tolerance: 1.0e-3", "quantity: compliance")]
 )
 def test_a_scene_needs_methods_or_a_tolerance(tmp_path, old, new):
-    path = tmp_path / "test.yaml"
-    path.write_text(SCENE.replace(old, new))
     with pytest.raises(scene.SceneError):
-        scene.load(path)
+        scene_in(tmp_path, SCENE.replace(old, new))

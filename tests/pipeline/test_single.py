@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from weier import scene
+from tests.scenes import scene_in
 from weier.methods.errors import ConvergenceError
 from weier.pipeline import single
 
@@ -14,9 +14,8 @@ LOADS = np.array([0.1, 1.0])
 
 def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
     found = single.solve_one(SERIES, LOADS, ["layer"], {"layer": {"accuracy": 1e-6}})
-    path = tmp_path / "again.yaml"
-    path.write_text(found.attrs["scene"])
-    assert [case.key for case in scene.load(path).studies["one"]] == found["key"].values.tolist()
+    again = scene_in(tmp_path, found.attrs["scene"])
+    assert [case.key for case in again.studies["one"]] == found["key"].values.tolist()
     assert yaml.safe_load(found.attrs["scene"])["settings"] == {"layer": {"accuracy": 1e-6}}
 
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import weier
-from weier import scene
+from tests.scenes import scene_in
 from weier.data import provenance
 from weier.methods.registry import find_method, infinite_names, names
 from weier.methods.settings import defaults
@@ -76,7 +76,8 @@ def test_random_phases_have_their_seed_and_their_values():
 
 def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
     found = weier.solve([SMOOTH, ROUGH], LOADS, ["demelio", "bem"], bem={"residual_tolerance": 1e-9})
-    (tmp_path / "same.yaml").write_text(
+    loaded = scene_in(
+        tmp_path,
         """
 title: the same
 loads: [0.01, 0.1, 1.0]
@@ -85,9 +86,8 @@ settings: {bem: {residual_tolerance: 1.0e-9}}
 studies:
   both:
     cases: [{D: 1.25, gamma: 5, m: 2, phases: [[0.0, 1.0]]}, {D: 1.5, gamma: 5/2, m: 3, seed: 7}]
-"""
+""",
     )
-    loaded = scene.load(tmp_path / "same.yaml")
     written = solve_batch(loaded, loaded.studies["both"])
     xr.testing.assert_identical(
         found.drop_vars(["key", "seconds", "case"]).drop_attrs(), written.drop_vars(["key", "seconds"]).drop_attrs()

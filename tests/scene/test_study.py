@@ -4,8 +4,8 @@ import itertools
 import json
 
 import pytest
-import yaml
 
+from tests.scenes import scene_in
 from weier import scene
 from weier.scene import study
 from weier.scene.study import CaseProduct, Study, case_numbers
@@ -25,9 +25,7 @@ FIELDS = {"title": "test", "loads": [0.1, 1.0], "methods": ["layer"]}
 
 
 def load(folder, **changes):
-    path = folder / "scene.yaml"
-    path.write_text(yaml.safe_dump(FIELDS | changes))
-    return scene.load(path)
+    return scene_in(folder, FIELDS | changes)
 
 
 @pytest.fixture

@@ -96,6 +96,7 @@ def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path 
 
 
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}  # of a series
+SERIES = (*NEEDED.values(), "phases", "seed")
 FILE = click.Path(path_type=Path)
 SCENE = click.argument("scene_file", type=FILE)
 FILES = click.argument("files", nargs=-1, type=FILE)
@@ -189,18 +190,10 @@ def _with_options(command: Command, *options: Option) -> Command:
     return command
 
 
-def profile_or_trace(
-    trace_file: Path | None,
-    shortest: float | None,
-    length: float | None,
-    ends: str | None,
-    x_unit: str | None,
-    height_unit: str | None,
-    **series: Any,
-) -> dict[str, Any]:
+def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
     """The parameters of a profile or of a trace, as a scene has them, from the options that name one of the two."""
-    of_trace = {"shortest": shortest, "length": length, "ends": ends, "x_unit": x_unit, "height_unit": height_unit}
-    given: dict[str, Any] = {name: value for name, value in of_trace.items() if value is not None}
+    series = {name: options.pop(name) for name in SERIES}
+    given = {name: value for name, value in options.items() if value is not None}
     if trace_file is None and given:
         raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
     if trace_file is not None:

@@ -16,7 +16,9 @@ from weier.methods.registry import find_method
 from weier.methods.solve import solve_curve
 from weier.theory.profile import Profile
 
-LOADS = np.geomspace(1e-3, 10, 12)  # few contacts and few gaps: the patches have a problem of their own for each
+# Few contacts and few gaps, since the patches have a problem of their own for each; so near each other that boundary
+# elements go on from one to the next.
+LOADS = np.geomspace(1e-3, 10, 16)
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)
 INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # whose first terms say all but all of it: small grids
 
@@ -26,11 +28,11 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
     if jit.disabled():
         return
     for method in [find_method(name) for name in methods] or registry.METHODS:
+        method.run_kernels()
         for settings in (*method.algorithms, *method.options):
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
                     solve_curve(profile, loads, method, settings)
-        method.run_rare_kernels()
     if not methods:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])

@@ -140,8 +140,9 @@ class Method:
         Those that choose between algorithms: each is compiled in advance, and tried at the extremes.
     options : sequence of settings
         Others that have kernels of their own: they are compiled in advance, too.
-    run_rare_kernels : callable
-        Runs the kernels that only large problems reach, so that these can be compiled in advance.
+    run_kernels : callable
+        Runs kernels before any curve, to compile them in advance: those that need no other method's, so that methods
+        are compiled side by side, and those that only large problems reach.
     variants : callable
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
     candidates : callable
@@ -170,7 +171,7 @@ class Method:
     noise: Noise = CLOSED_FORM
     algorithms: tuple[Settings, ...] = ({},)
     options: tuple[Settings, ...] = ()
-    run_rare_kernels: Callable[[], None] = _no_kernels
+    run_kernels: Callable[[], None] = _no_kernels
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = _default_variant
     candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
     runs_others: bool = False

@@ -26,7 +26,7 @@ from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 
-MIN_SECONDS = 10.0  # of a batch: to start one takes one or two
+MIN_SECONDS = 30.0  # of a batch, as methods expect at most: a third of it is usual, and to start one takes one or two
 MAX_SECONDS = 120.0  # of a batch, which is lost when it is killed
 START_SECONDS = 1.0  # what a batch must be worth where there are fewer than one for each core
 BATCHES_PER_CORE = 2  # so that the last ones to end leave no core idle for long
@@ -176,7 +176,7 @@ def read_batch(path: str | Path) -> Batch:
 
 
 def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> list[Sequence[Missing]]:
-    """Neighbours together, in batches of about the same seconds: two for each core, unless these are too short.
+    """Neighbours together, in batches of about the same seconds: two for each core, or one if these are too short.
 
     No batch takes longer than `MAX_SECONDS`, as far as that is known, unless a case alone does, and none has more
     cases than the scene allows.
@@ -185,7 +185,8 @@ def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> li
         return []
     seconds = np.array([each.seconds for each in members])
     total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
-    few, many = min(cores, math.ceil(total / START_SECONDS)), min(BATCHES_PER_CORE * cores, int(total / MIN_SECONDS))
+    few = min(cores, math.ceil(total / START_SECONDS))
+    many = cores * min(BATCHES_PER_CORE, int(total / cores / MIN_SECONDS))
     number = np.floor(max(few, many, math.ceil(total / MAX_SECONDS)) * middle / total)
     ends = [*(np.flatnonzero(np.diff(number)) + 1).tolist(), len(members)]
     parts = []

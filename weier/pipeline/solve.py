@@ -17,8 +17,6 @@ from weier.methods.settings import checked_settings, described
 from weier.methods.solve import solve_curve
 from weier.theory.arguments import checked_flag, shown
 from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
-from weier.theory.trace import Trace
 from weier.theory.waves import Waves, checked_surface
 
 
@@ -103,7 +101,7 @@ def _list(name: str, given: Any) -> list[Any]:
 
 
 def _solve_all(
-    profiles: list[Profile | Trace], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
+    profiles: list[Waves], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
 ) -> xr.Dataset:
     from weier.pipeline.batch import solve_batch  # scenes and threads, which one curve does not need
     from weier.scene.case import Case

@@ -19,6 +19,7 @@ from weier.theory.limits import check_resolvable
 from weier.theory.phases import RandomPhases, random_phases
 from weier.theory.profile import Profile
 from weier.theory.trace import Trace
+from weier.theory.waves import Waves
 
 # The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
 MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
@@ -34,22 +35,12 @@ class Case:
     parameters: Mapping[str, Any]
     methods: tuple[str, ...]
     settings: Mapping[str, Mapping[str, Any]]
-    surface: Trace | None = None
+    surface: Waves | None = None
 
     @classmethod
-    def of(
-        cls, profile: Profile | Trace, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]
-    ) -> Case:
-        """The case of a profile, or of a trace, which it keeps: its heights may stand in no file."""
-        if isinstance(profile, Trace):
-            return cls({"trace": {"file": profile.source, "digest": profile.digest}}, methods, settings, profile)
-        gamma = profile.gamma
-        parameters: dict[str, Any] = {"D": profile.D, "m": profile.m, "gamma": str(gamma)}
-        if isinstance(profile.phases, RandomPhases):
-            parameters["seed"] = profile.phases.seed
-        else:
-            parameters["phases"] = profile.phases
-        return cls(parameters, methods, settings)
+    def of(cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
+        """The case of a surface, which it keeps: measured heights may stand in no file."""
+        return cls(surface.parameters, methods, settings, surface)
 
     @property
     def definition(self) -> str:
@@ -88,7 +79,7 @@ class Case:
             return self.surface
         p = self.parameters
         if "trace" in p:
-            return _unchanged_trace(json.dumps(p["trace"]))
+            return _kept_trace(**p["trace"])
         phases = p.get("phases", 0.0)
         if "seed" in p:
             phases = random_phases(p["seed"])
@@ -129,28 +120,12 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return parameters | {"digest": _read_trace(**parameters).digest}
 
 
-def check_file(values: Mapping[str, Any], folder: Path) -> None:
-    """Refuse a trace whose file is not there."""
-    path = folder / values["file"]
-    if not path.is_file():
-        raise ValueError(f"{path} cannot be read: there is no such file")
-
-
-@lru_cache(maxsize=KEPT_TRACES)
-def _unchanged_trace(text: str) -> Trace:
-    """The trace of these parameters, if its file is still what it was when the scene was read."""
-    parameters = json.loads(text)
-    digest = parameters.pop("digest")
-    trace = _read_trace(**parameters)
-    if trace.digest != digest:
-        raise ValueError(f"{parameters['file']} has changed since its scene was read: run snakemake again")
+def _read_trace(file: str, digest: str | None = None, **options: Any) -> Trace:
+    """The trace of a file, which still holds what it did when its digest was taken."""
+    trace = Trace.read(file, **options)
+    if digest not in (None, trace.digest):
+        raise ValueError(f"{file} has changed since its scene was read: run snakemake again")
     return trace
 
 
-def _read_trace(file: str, **options: Any) -> Trace:
-    try:
-        return Trace.read(file, **options)
-    except FileNotFoundError as error:
-        raise ValueError(str(error)) from None
-    except OSError as error:
-        raise ValueError(f"{file} cannot be read: {error.strerror}") from None
+_kept_trace = lru_cache(maxsize=KEPT_TRACES)(_read_trace)

@@ -19,7 +19,6 @@ from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study, case_numbers
-from weier.theory.profile import Profile
 
 Item = TypeVar("Item")
 MAX_BATCH_CASES = 1000  # that are solved and written together: a process then takes 0.3 GB
@@ -116,7 +115,7 @@ class Scene:
     @cached_property
     def layout(self) -> Layout:
         """What the arrays of all cases must hold."""
-        products, kinds = self._all.products, ("gamma", "m", "trace")
+        products, kinds = self._all.products, ("gamma", "m")
         return self.layout_of([case for product in products for case in product.of_all_kinds(*kinds)])
 
     def layout_of(self, cases: Collection[Case]) -> Layout:
@@ -124,8 +123,7 @@ class Scene:
         methods = dict.fromkeys(method for case in cases for method in case.methods)
         finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
         edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
-        traces = [profile.labels for profile in finite if not isinstance(profile, Profile)]
-        optional = frozenset(returned_by(tuple(methods))).union(*traces)
+        optional = frozenset(returned_by(tuple(methods))).union(*(profile.labels for profile in finite))
         return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges, optional)
 
     def study(self, name: str) -> Study:

@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, PLANNED, find_method
 from weier.methods.settings import checked_settings
-from weier.scene.case import check_file, trace_parameters
+from weier.scene.case import trace_parameters
 from weier.scene.cases import MAX_BATCH_CASES, Scene
 from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
@@ -158,19 +158,19 @@ def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> 
     study = _mapping(raw["studies"], name)
     _check_settings((*keys, "settings"), study.get("settings"), mistakes)
     axes = [_axes((*keys, *place), product, folder, mistakes) for place, product in products(study)]
-    methods = tuple(study.get("methods", raw.get("methods", ())))
+    methods = study.get("methods", raw.get("methods", ()))
     if "trace" in study and not mistakes.within("methods"):
         mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
         return None
     settings = study.get("settings", raw.get("settings", {}))
     if plan and "trace" not in study:  # there are no plans for traces
-        methods, settings = tuple(dict.fromkeys((*methods, PLANNED))), {PLANNED: plan} | settings
+        methods, settings = dict.fromkeys((*methods, PLANNED)), {PLANNED: plan} | settings
     if not methods:  # which the form has told of profiles
         return None
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
-    made = [CaseProduct(values, methods, own) for values in axes]
+    made = [CaseProduct(values, tuple(methods), own) for values in axes]
     for (place, _), product in zip(products(study), made, strict=True):
         mistakes.attempt((*keys, *place), product.check, None)
     mistakes.attempt(keys, partial(_check_methods, made), None)
@@ -204,8 +204,10 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
 
 def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
     """The values of each parameter, each sound by itself."""
-    if "trace" in product:
-        return {"trace": _traces(keys, distinct_values("trace", product["trace"]), folder, mistakes)}
+    if trace := product.get("trace"):  # whose file is found whatever else is wrong, and read where nothing is
+        mistakes.attempt(keys, lambda: checked_file(folder / trace["file"]), None)
+        wrong = mistakes.within(*keys[:2])  # in its study
+        return {"trace": [] if wrong else [mistakes.attempt(keys, partial(trace_parameters, trace, folder), {})]}
     axes: dict[str, list[Any]] = {
         name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
         for name, values in product.items()
@@ -214,19 +216,6 @@ def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[st
         for value in values:
             mistakes.attempt((*keys, name), partial(check_value, name, value), None)
     return axes
-
-
-def _traces(keys: Keys, traces: Sequence[Raw], folder: Path, mistakes: Mistakes) -> list[Any]:
-    """The traces of a study, each file found whatever else is wrong, and read where nothing is."""
-    places = [(*keys, "trace", "file", *([position] if len(traces) > 1 else [])) for position in range(len(traces))]
-    for place, trace in zip(places, traces, strict=True):
-        mistakes.attempt(place, partial(check_file, trace, folder), None)
-    if mistakes.within(*keys, "trace"):
-        return []
-    return [
-        mistakes.attempt(place if len(traces) > 1 else (*keys, "trace"), partial(trace_parameters, trace, folder), {})
-        for place, trace in zip(places, traces, strict=True)
-    ]
 
 
 def _interface(raw: Raw) -> Interface | None:

@@ -48,12 +48,12 @@ class Mistakes:
         return any(place[: len(keys)] == keys for place in self._found)
 
     def attempt(self, keys: Keys, read: Callable[[], Value], instead: Other) -> Value | Other:
-        """What `read` finds there, or another value where there is a mistake, which it may tell by a ValueError."""
+        """What `read` finds there, or another value where there is a mistake: a ValueError or OSError tells it."""
         if self.within(*keys):
             return instead
         try:
             return read()
-        except ValueError as error:
+        except (OSError, ValueError) as error:
             self._found[keys] = str(error)
             return instead
 

@@ -21,21 +21,22 @@ def products(study: Mapping[str, Any]) -> list[tuple[tuple[str | int, ...], Prod
     """The products of a study that are mappings, each with the keys that lead to it."""
     cases = study.get("cases")
     listed = [(("cases", number), each) for number, each in enumerate(cases if isinstance(cases, list) else [])]
-    every = [(("product",), study.get("product")), *listed, ((), _traces(study.get("trace")))]
+    every = [(("product",), study.get("product")), *listed, *_traces(study.get("trace"))]
     return [(keys, product) for keys, product in every if isinstance(product, dict)]
 
 
-def _traces(trace: Any) -> Product | None:
-    """A trace for each file; None where there is none."""
+def _traces(trace: Any) -> list[tuple[tuple[str | int, ...], Product]]:
+    """A product of one trace for each file."""
     if not isinstance(trace, dict) or "file" not in trace:
-        return None
-    files = trace["file"] if isinstance(trace["file"], list) else [trace["file"]]
-    return {"trace": [{**trace, "file": file} for file in files]}
+        return []
+    if not isinstance(files := trace["file"], list):
+        return [(("trace", "file"), {"trace": trace})]
+    return [(("trace", "file", number), {"trace": trace | {"file": file}}) for number, file in enumerate(files)]
 
 
 def distinct_values(name: str, values: Any) -> list[Any]:
     """The values of one parameter, each once; a list within a list of phases are those of one profile."""
-    given = values if name in ("phases", "trace") and isinstance(values, list) else axis(values)
+    given = values if name == "phases" and isinstance(values, list) else axis(values)
     return list({json.dumps(value): value for value in given}.values())
 
 
@@ -67,10 +68,10 @@ def axis(values: Any) -> list[Any]:
 
 
 def _count(name: str, values: Any) -> int:
-    return len(values) if name in ("phases", "trace") and isinstance(values, list) else _length(values)
+    return len(values) if name == "phases" and isinstance(values, list) else _length(values)
 
 
 def _length(values: Any) -> int:
     if isinstance(values, list):
         return sum(map(_length, values))
-    return int(values["count"]) if isinstance(values, dict) else 1
+    return int(values.get("count", 1)) if isinstance(values, dict) else 1  # a range, or a file of heights

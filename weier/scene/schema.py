@@ -104,7 +104,7 @@ def _words(error: ValidationError) -> str:
             return f"this must be {error.schema['description']}, got {shown(value)}"
         case "oneOf":
             choices = [each["required"][0] for each in wanted]
-            given = " and ".join(choice for choice in choices if choice in (value or ()))
+            given = " and ".join(choice for choice in choices if isinstance(value, dict) and choice in value)
             return f"one of {', '.join(choices)} must be given, and not {given or 'none'}"
         case "not":
             return str(wanted["description"])

@@ -72,7 +72,7 @@ class CaseProduct:
         The values of D and of seeds are sound by themselves (`check_value`); gamma and phases are with m. So this
         does not make every case.
         """
-        for names in (("D",), ("gamma", "m"), ("phases", "m"), ("trace",)):
+        for names in (("D",), ("gamma", "m"), ("phases", "m")):
             for case in self.of_all_kinds(*names):
                 case.check()
 

@@ -90,7 +90,7 @@ RANGES = {
 
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
 SAME_SCALE = 1e-6  # relative: what a person copies of a number
-OF_TRACE = "trace_length", "trace_height"  # coordinates of curves, in m: lambda_0 and g_0
+OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}  # coordinates of curves, in m
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
 
 
@@ -213,7 +213,7 @@ class Interface:
 
     def _check_scale(self, data: Any) -> None:
         """Refuse curves of traces in units of another length or height than their own."""
-        for name, of_trace in zip(("lambda_0", "g_0"), OF_TRACE, strict=True):
+        for name, of_trace in OF_TRACE.items():
             known = np.asarray(data.coords.get(of_trace, math.nan), float)
             strange = known[np.abs(known / getattr(self, name) - 1) > SAME_SCALE]
             if strange.size:
@@ -268,5 +268,5 @@ def _scaled(normalised: ArrayLike, unit: float) -> Array:
 
 def at_scale_of(curves: Any, bodies: Interface) -> Interface:
     """Two bodies at the length and height of the trace that the curves of one case are of, if it is one."""
-    length, height = (float(np.squeeze(curves.coords.get(name, math.nan))) for name in OF_TRACE)
-    return bodies if math.isnan(length) else replace(bodies, lambda_0=length, g_0=height)
+    own = {name: float(np.squeeze(curves.coords.get(of_trace, math.nan))) for name, of_trace in OF_TRACE.items()}
+    return replace(bodies, **own) if math.isfinite(own["g_0"]) else bodies

@@ -165,6 +165,12 @@ class Profile(Waves):
             return math.inf
 
     @property
+    def parameters(self) -> dict[str, Any]:
+        """What a scene says of this series: see `Profile`."""
+        phases = {"seed": self.phases.seed} if isinstance(self.phases, RandomPhases) else {"phases": self.phases}
+        return {"D": self.D, "m": self.m, "gamma": str(self.gamma), **phases}
+
+    @property
     def labels(self) -> dict[str, Any]:
         """What tells this series from others, by the names of coordinates: the seed is NaN where there is none."""
         drawn = isinstance(self.phases, RandomPhases)

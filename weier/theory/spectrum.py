@@ -19,11 +19,10 @@ from weier.kernels.arrays import Array, Indices
 from weier.theory.arguments import checked_number, shown
 from weier.theory.profile import Profile, checked_ratio
 from weier.theory.series import amplitude
-from weier.theory.trace import Trace
+from weier.theory.trace import NEAR, Trace
 
 WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say little about a surface
 MIN_RATIO = 4.0  # of the longest wavelength to the shortest one: the slope of less than two octaves is not known
-NEAR = 1 + 1e-9  # what quotients of decimal numbers are off
 STEEPEST = 40.0  # of the exponents that are looked for; 1 to 3 are those of a series
 
 
@@ -112,7 +111,8 @@ def fit(
     first, m = _band(trace, longest, shortest, ratio)
     last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
     k = np.arange(math.ceil(period / first / NEAR), math.floor(period / last * NEAR) + 1)
-    power = _power(trace, k)
+    variance = (trace.g_0 * trace.amplitude) ** 2 / 2  # m^2
+    power = np.asarray(np.bincount(trace.waves_per_period, variance, k[-1] + 1)[k], float)  # 0 for waves not there
     beta, beta_error = _exponent(k, power)
     D, D_error = (5 - beta) / 2, beta_error / 2
     if not 1 < D < 2:
@@ -144,28 +144,14 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
     return first, math.floor(math.log(first / last * NEAR) / math.log(ratio))
 
 
-def _power(trace: Trace, k: Indices) -> Array:
-    """Variance of the waves of these numbers a period, in m^2; 0 for those that the trace does not have."""
-    waves = np.array(trace.waves_per_period)
-    within = (waves >= k[0]) & (waves <= k[-1])
-    power = np.zeros(k.size)
-    power[waves[within] - k[0]] = (trace.g_0 * trace.amplitude[within]) ** 2 / 2
-    return power
-
-
 def _exponent(k: Indices, power: Array) -> tuple[float, float]:
     """The exponent beta of a spectrum k^-beta, and its standard error."""
     weight = np.log((k + 0.5) / (k - 0.5))
     x = np.log(k)
     x = x - weight @ x / weight.sum()
-    weighted = weight * power / power.max()
-
-    def shares(beta: float) -> Array:
-        exponent = np.log(np.maximum(weighted, 1e-300)) + beta * x
-        values = np.exp(exponent - exponent.max())
-        return values / values.sum()
-
-    beta = scipy.optimize.brentq(lambda beta: float(shares(beta) @ x), -STEEPEST, STEEPEST)
-    share = shares(beta)
+    log_power = np.log(np.maximum(weight * power / power.max(), 1e-300))
+    softmax = scipy.special.softmax  # the shares w_k P_k k^beta of their sum, which may lie beyond the floats
+    beta = scipy.optimize.brentq(lambda beta: float(softmax(log_power + beta * x) @ x), -STEEPEST, STEEPEST)
+    share = softmax(log_power + beta * x)
     scatter = x * (share - weight / weight.sum())
     return beta, math.sqrt(scatter @ scatter) / float(share @ x**2)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +26,11 @@ MAX_WAVES = 100_000  # of the shortest in a period: 3.2 million nodes
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
 ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
-# A jump is more than a tenth of all heights, five times as large as the three differences on either side, and has one
-# that is twice as large as all outside jumps: roughness has none, with D near 2 and with flat tops, either.
-JUMP_SHARE, JUMP_RATIO, JUMP_NEIGHBOURS, JUMP_OUTLIER = 0.1, 5.0, 3, 2.0
-DECIMAL_COMMAS = r"\d,\d+(\s*;|\s+)[-+]?\d+,\d"  # in numbers that something else parts: a lone 1,5 may be two numbers
-MENDED = {"step": "cut the trace there", "spike": "cut the trace there, or interpolate the heights between"}
+# A jump within one to three steps is more than a tenth of all heights, five times as large as the three differences
+# on either side, and has one that is twice as large as all outside jumps: roughness has none, with D near 2 and with
+# flat tops, either.
+JUMP_STEPS, JUMP_SHARE, JUMP_RATIO, JUMP_NEIGHBOURS, JUMP_OUTLIER = (1, 2, 3), 0.1, 5.0, 3, 2.0
+NEAR = 1 + 1e-9  # what quotients of decimal numbers are off
 UNEVEN = 0.01  # of a step: the digits that files give of positions
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}  # micro sign and Greek mu
 
@@ -113,10 +112,6 @@ class Trace(Waves):
                 f"which leaves {finest}: take a larger one, or a part of the trace"
             )
 
-    def __repr__(self) -> str:
-        """The trace in a few words."""
-        return f"<{self.describe()}>"
-
     @classmethod
     def read(
         cls,
@@ -164,11 +159,6 @@ class Trace(Waves):
         return np.abs(self._coefficient) / self.g_0
 
     @property
-    def full_contact_pressure(self) -> Array:
-        """Mean pressures that flatten each wave alone, shape (m,), in p_0*."""
-        return self.amplitude * self._waves / self.period
-
-    @property
     def phase(self) -> Array:
         """Phases, shape (m,), in radians; x = 0 is the first height."""
         return np.angle(self._coefficient)
@@ -192,6 +182,11 @@ class Trace(Waves):
     def listed_terms(self) -> int:
         """None: the file of heights tells the waves."""
         return 0
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What a scene knows this trace by: its name, and the digest of its heights."""
+        return {"trace": {"file": self.source, "digest": self.digest}}
 
     @property
     def labels(self) -> dict[str, Any]:
@@ -223,8 +218,7 @@ def _checked_heights(heights: ArrayLike) -> Array:
 
 def _checked_shortest(shortest: float, step: float, length: float) -> float:
     condition = f"lie between two steps and the length of the trace, {2 * step:g} and {length:g} m"
-    near = 1 - 1e-9  # what a quotient of decimal numbers is off
-    return checked_number("shortest", shortest, condition, lambda x: 2 * step * near <= x <= length)
+    return checked_number("shortest", shortest, condition, lambda x: 2 * step <= x * NEAR and x <= length)
 
 
 def _check_jumps(z: Array, step: float) -> None:
@@ -232,19 +226,18 @@ def _check_jumps(z: Array, step: float) -> None:
     change, n = np.abs(np.diff(z)), JUMP_NEIGHBOURS
     largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # of the n changes before each height
     others, jumps = change.copy(), []
-    for kind, width in (("step", 1), ("step", 2), ("spike", 2), ("spike", 3)):
-        window = sliding_window_view(z, width + 1)
-        rise = window[:, -1] - window[:, 0]
-        size = np.abs(rise) if kind == "step" else np.ptp(window, axis=1) - np.abs(rise)
+    for width in JUMP_STEPS:
+        size = np.ptp(sliding_window_view(z, width + 1), axis=1)
         around = np.maximum(largest[: size.size], largest[width + n :])
         for at in np.flatnonzero((size > JUMP_SHARE * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
             others[at : at + width] = 0
-            jumps.append((width, at, kind, size[at], change[at : at + width].max()))
-    limit = JUMP_OUTLIER * others.max()
-    if found := sorted(jump for jump in jumps if jump[-1] > limit):
-        width, at, kind, size, _ = found[0]  # the narrowest
-        where = f"between heights {at + 1} and {at + width + 1}, behind x = {at * step:.6g} m"
-        raise ValueError(f"heights must not jump, got a {kind} of {size:.3g} m {where}: {MENDED[kind]}")
+            jumps.append((at, width, size[at]))
+    for at, width, size in jumps:  # the narrowest first
+        if change[at : at + width].max() > JUMP_OUTLIER * others.max():
+            kind = "step" if abs(z[at + width] - z[at]) > size / 2 else "spike"
+            where = f"between heights {at + 1} and {at + width + 1}, behind x = {at * step:.6g} m"
+            mended = "cut the trace there, or interpolate the heights between"
+            raise ValueError(f"heights must not jump, got a {kind} of {size:.3g} m {where}: {mended}")
 
 
 def _levelled(z: Array, ends: str) -> Array:
@@ -270,61 +263,43 @@ def _continued(z: Array, ends: str) -> Array:
 def _waves(z: Array, most: float) -> tuple[Indices, NDArray[np.complex128]]:
     """The waves of a period of which no more than so many fit into it: their numbers and complex amplitudes."""
     # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
-    waves = np.arange(1, min(math.floor(most * (1 + 1e-9)), (z.size - 1) // 2) + 1)
+    waves = np.arange(1, min(math.floor(most * NEAR), (z.size - 1) // 2) + 1)
     return waves, 2 * np.fft.rfft(z)[waves] / z.size
 
 
 def _table(path: Path) -> Array:
     """The numbers of a file, shape (rows, 1) or (rows, 2); one of far too many is not read to its end."""
     rows: list[list[float]] = []
-    try:
-        with path.open(encoding="utf-8-sig") as lines:
-            for number, line in enumerate(map(str.strip, lines), 1):
-                if line and not line.startswith("#") and (number > 1 or _numbers(line)):
-                    rows.append(_row(f"{path}, line {number},", line, rows))
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} must be a file of text with one or two columns") from None
+    with path.open(encoding="utf-8-sig", errors="replace") as lines:
+        for number, line in enumerate(map(str.strip, lines), 1):
+            found = _numbers(line)
+            if not line or line.startswith("#") or (number == 1 and not found):
+                continue
+            if len(found) not in ((len(rows[0]),) if rows else (1, 2)) or not all(map(math.isfinite, found)):
+                raise ValueError(
+                    f"{path}, line {number}, must have one or two finite numbers, with decimal points and as many as "
+                    f"the lines before, or begin with #, got {shown(line)}"
+                )
+            rows.append(found)
+            if len(rows) > MAX_HEIGHTS:
+                break  # no trace has so many
     if not rows:
         raise ValueError(f"{path} must have one or two columns of numbers, got none")
     return np.array(rows)
 
 
-def _row(place: str, line: str, before: Sequence[Sequence[float]]) -> list[float]:
-    """The numbers of a line, as many as those before it have."""
-    found = _numbers(line) or []
-    if re.search(DECIMAL_COMMAS, line):
-        problem = f"must have decimal points, not commas, got {shown(line)}"
-    elif len(before) == MAX_HEIGHTS:
-        problem = f"is one of more than {MAX_HEIGHTS} heights: take a part, or fewer steps"
-    elif not 1 <= len(found) <= 2 or line[-1] in ",;":
-        more = "" if before else ": begin all lines of the heading but the first with #"
-        problem = f"must have one or two numbers, got {shown(line)}{more}"
-    elif before and len(found) != len(before[0]):
-        problem = f"must have as many numbers as the lines before, got {shown(line)}"
-    elif not all(map(math.isfinite, found)):
-        problem = f"must have finite numbers, got {shown(line)}"
-    else:
-        return found
-    raise ValueError(f"{place} {problem}")
-
-
-def _numbers(line: str) -> list[float] | None:
-    """The numbers of a line, between commas, semicolons or blanks; None if these part anything else."""
+def _numbers(line: str) -> list[float]:
+    """The numbers of a line, NaN where one is missing; none of a line that has anything else."""
     try:
-        return [float(field) for field in re.split(r"[,;\s]+", line.rstrip(",; "))]
+        return [float(field or "nan") for field in re.split(r"\s*[,;\s]\s*", line)]
     except ValueError:
-        return None
+        return []
 
 
 def _length(x: Array) -> float:
     """The length of the trace: the positions times their step, if this is even."""
     step = (x[-1] - x[0]) / max(x.size - 1, 1)
     even = x[0] + step * np.arange(x.size)
-    at = int(np.argmax(np.abs(x - even))) if step > 0 else x.size - 1
-    if not (step > 0 and abs(x[at] - even[at]) <= UNEVEN * step):  # NaN of what overflows, too
-        behind = f"for {even[at]:g}" if step > 0 else f"behind {x[0]:g}"
-        raise ValueError(
-            f"positions must rise in equal steps, got {x[at]:g} in row {at + 1} {behind}: "
-            "interpolate the heights first, or write decimals with points"
-        )
+    rule = "rise in equal steps (else interpolate the heights first, and write decimals with points)"
+    checked_numbers("positions", x, rule, lambda x: (step > 0) & (np.abs(x - even) <= UNEVEN * step))
     return float(step * x.size)

@@ -35,11 +35,6 @@ class Waves(ABC):
 
     @property
     @abstractmethod
-    def full_contact_pressure(self) -> Array:
-        """Mean pressures p_n* that flatten each wave alone, shape (m,), in p_0*."""
-
-    @property
-    @abstractmethod
     def phase(self) -> Array:
         """Phases phi_n, shape (m,), in radians."""
 
@@ -60,12 +55,26 @@ class Waves(ABC):
 
     @property
     @abstractmethod
+    def parameters(self) -> dict[str, Any]:
+        """What a scene says of this surface, as plain values."""
+
+    @property
+    @abstractmethod
     def labels(self) -> dict[str, Any]:
         """What tells this surface from others, by the names of coordinates."""
 
     @abstractmethod
     def describe(self) -> str:
         """The surface in a few words."""
+
+    def __repr__(self) -> str:
+        """The surface in a few words."""
+        return f"<{self.describe()}>"
+
+    @property
+    def full_contact_pressure(self) -> Array:
+        """Mean pressures p_n* that flatten each wave alone, shape (m,), in p_0*."""
+        return self.amplitude * self._waves_per_length
 
     @property
     def finest(self) -> float:

@@ -32,12 +32,6 @@ def order(worst: list[float]) -> float:
     return float(-np.polyfit(np.log(POINTS_PER_WAVE), np.log(worst), 1)[0])
 
 
-@pytest.mark.parametrize("reference", REFERENCES, ids=str)
-def test_compliance_meets_the_reference(reference):
-    assert errors(reference, 64).max() <= 7e-4
-    assert errors(reference, 256).max() <= 6e-5
-
-
 def test_compliance_converges_almost_as_the_square_of_the_grid():
     worst = [[errors(reference, per_wave).max() for per_wave in POINTS_PER_WAVE] for reference in REFERENCES]
     orders = [order(row) for row in worst]
@@ -205,23 +199,6 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
 def test_bad_settings_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
         curve(THREE_WAVES, np.array([0.1]), **settings)
-
-
-@pytest.mark.parametrize("solver", ["fft", "direct"])
-@pytest.mark.parametrize(
-    ("loads", "message"),
-    [
-        ([0.3, 0.1], "must increase, got 0.3 before 0.1"),
-        ([9.0, 0.1], "must increase, got 9.0 before 0.1"),  # the one is known without a solver
-        ([], "must be a list of loads"),
-        ([[0.1, 0.3]], "must be a list of loads"),
-        ([np.nan, 0.3], "must be finite"),
-        ([0.0, 0.3], "must be positive"),
-    ],
-)
-def test_bad_loads_are_refused(solver, loads, message):
-    with pytest.raises(ValueError, match=message):
-        curve(THREE_WAVES, loads, points=60, solver=solver)
 
 
 @pytest.mark.parametrize("load", [0.0, -1.0, np.nan, np.inf, [0.1, 0.3]])

@@ -73,6 +73,34 @@ HARD = {
         same_contacts=True,
         largest=(2e-8, 2e-3),
     ),
+    # What they give each other tilts all four, which moves each of them towards its neighbours: R was off by 1.4e-6.
+    "contacts that are tilted by changes of force": Hard(
+        Profile(1.4262669467787261, "355", 2, [-2.3664307505293617e-05, 3.1415674447163493]),
+        [0.00017031559903171075],
+        per_wave(32, 48, 64, 100, 128),
+        same_contacts=True,
+        largest=(1e-10, 6e-7),
+    ),
+    # The third moment of the force between two or three nodes displaces a crest far away: its birth was not seen.
+    "a birth far from a contact of two nodes": Hard(
+        Profile(1.4340866183124912, "6/5", 2, [0.8214516877916096, 5.151408521677486]),
+        0.0023447281320012137 * np.array([1 - 1e-7, 1, 1 + 1e-7, 1 + 1e-5]),
+        per_wave(24, 32, 33, 64),
+        largest=(1e-9, 20.0),
+    ),
+    "a birth far from a contact of one node": Hard(
+        Profile(1.5426172756569363, "9/4", 2, [3.1406396437071478, 0]),
+        7.91534380564825e-06 * np.array([1 - 1e-9, 1, 1 + 1e-9, 1 + 1e-6]),
+        per_wave(32, 64, 65, 128),
+        largest=(1e-9, 20.0),
+    ),
+    # So near a birth that contact patches solve these loads: at their default tolerance R would be off by 6.6e-6.
+    "births within 1e-10 by contact patches": Hard(
+        Profile(1.6945464638714185, "7/3", 2, [0.0, 5.102442861864171e-07]),
+        [0.011404390628402795, 0.011404390719078969],
+        per_wave(16),
+        same_contacts=True,
+    ),
     # A step of the edge takes a tenth of the load that others take, and each a third less than the one before.
     "an edge along a shoulder": Hard(SHOULDER, np.linspace(0.27, 0.29, 15), per_wave(16, 32, 40, 44)),
     # Waves cancel in the last terms of the polynomial of one contact.

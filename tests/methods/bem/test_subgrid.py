@@ -8,7 +8,8 @@ from scipy.special import zeta
 from tests.reference import REFERENCES
 from weier import ConvergenceError, Profile, random_phases, solve
 from weier.methods import bem, patches, westergaard
-from weier.methods.bem import curve, local_fit, lone_edges
+from weier.methods.bem import curve, local_fit
+from weier.methods.bem.edges import CURVATURE
 from weier.methods.bem.narrow_contacts import contact_edges, gap_edges, plane_height
 from weier.methods.bem.solver import full_contact_load
 from weier.methods.bem.subgrid_solver import GridSolver
@@ -22,12 +23,11 @@ def relative(found, resistance):
     return np.abs(found - resistance) / np.where(resistance > 1e-3, resistance, 1)
 
 
-def measured(per_wave):
+def measured(per_wave, **settings):
     """Errors of h and R over all reference rows, which have several contacts, the largest share of the stated."""
     h, R, several, share = [], [], [], []
     for reference in REFERENCES:
-        points = per_wave * reference.profile.waves_per_period[-1]
-        found = curve(reference.profile, reference.mean_pressure, points=points)
+        found = curve(reference.profile, reference.mean_pressure, points_per_wave=per_wave, **settings)
         h += list(np.abs(found.compliance - reference.compliance))
         R += list(relative(found.resistance, reference.resistance))
         several += list(reference.mean_pressure >= SEVERAL)
@@ -64,15 +64,9 @@ def test_the_orders_are_three_and_two():
     """
     grids, medians, largest = (16, 32, 64, 128, 256), [], []
     for per_wave in grids:
-        h, R = [], []
-        for reference in REFERENCES:
-            rows = reference.above(SEVERAL)
-            points = per_wave * rows.profile.waves_per_period[-1]
-            found = curve(rows.profile, rows.mean_pressure, points=points, tolerance=1e-12)
-            h += list(np.abs(found.compliance - rows.compliance))
-            R += list(relative(found.resistance, rows.resistance))
-        medians.append((np.median(h), np.median(R)))
-        largest.append((np.max(h), np.max(R)))
+        h, R, several, _ = measured(per_wave, tolerance=1e-12)
+        medians.append((np.median(h[several]), np.median(R[several])))
+        largest.append((np.max(h[several]), np.max(R[several])))
     orders, worst = (-np.polyfit(np.log(grids), np.log(errors), 1)[0] for errors in (medians, largest))
     print(f"orders {orders[0]:.2f} and {orders[1]:.2f}; of the largest errors {worst[0]:.2f} and {worst[1]:.2f}")
     assert orders[0] >= 2.7
@@ -97,7 +91,7 @@ def test_the_constant_of_the_compliance_follows_from_the_symbol():
     """It is 1/12 + eta/2, where long waves have the eigenvalue (1 + eta theta^2)/|k|."""
     theta = 2 * np.pi * 20 / 4096
     eta = (eigenvalues(4096)[20] * 20 - 1) / theta**2
-    assert pytest.approx(1 / 12 + eta / 2, rel=1e-2) == lone_edges.CURVATURE
+    assert pytest.approx(1 / 12 + eta / 2, rel=1e-2) == CURVATURE
 
 
 def test_one_wave_is_westergaards():
@@ -308,15 +302,10 @@ def test_these_edges_are_the_default_of_the_fast_solver():
 
 def test_the_default_does_more_than_twice_the_points_with_edges_on_nodes():
     """README: 6e-4 g_0 and 29 % at the loads where these are told."""
-    errors = {"subgrid": [], "nodes": []}
-    for reference in REFERENCES:
-        rows = reference.above(SEVERAL)
-        for edges, found in errors.items():
-            solved = curve(rows.profile, rows.mean_pressure, edges=edges)
-            h, R = np.abs(solved.compliance - rows.compliance), relative(solved.resistance, rows.resistance)
-            found.append([h.max(), R.max()])
-    between, on_nodes = (np.max(found, axis=0) for found in errors.values())
-    assert np.all(100 * between < on_nodes)
+    h, R, several, _ = measured(None, edges="subgrid")
+    of_h, of_R, _, _ = measured(None, edges="nodes")
+    assert 100 * h[several].max() < of_h[several].max()
+    assert 100 * R[several].max() < of_R[several].max()
 
 
 def test_every_curve_states_the_error_of_its_compliance():

@@ -12,7 +12,7 @@ from scipy.fft import dct, idct
 from scipy.optimize import minimize
 
 from weier.methods import archard, layer, westergaard
-from weier.methods.layer.solver import ACCURACY, Curve
+from weier.methods.layer.solver import ACCURACY
 from weier.theory.series import leading_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]
@@ -77,28 +77,25 @@ def test_order_of_convergence(D, gamma, m):
         answer = layer.curve(xi, D, gamma, m, points=points, accuracy=1e-7)
         of_h.append(np.abs(answer.compliance - best.compliance).max() / total)
         of_slope.append(np.abs(answer.resistance / best.resistance - 1)[light].max())
-    default = layer.curve(xi, D, gamma, m)
-    default_h = np.abs(default.compliance - best.compliance).max() / total
-    default_slope = np.abs(default.resistance / best.resistance - 1)[light].max()
     order_h, order_slope = (-np.polyfit(np.log(nodes), np.log(e), 1)[0] for e in (of_h, of_slope))
-    print(f"D = {D}, gamma = {gamma}, m = {m}: order of h {order_h:.1f}, of dh/dp {order_slope:.1f}; default errors")
-    print(f"  h {default_h:.0e} of the total amplitude, dh/dp {default_slope:.0e} of itself")
+    print(f"D = {D}, gamma = {gamma}, m = {m}: order of h {order_h:.1f}, of dh/dp {order_slope:.1f}")
     assert order_h > 2
     assert 1 < order_slope < 2.7
-    assert default_h < 3e-6
-    assert default_slope < 6e-4
 
 
-@pytest.mark.parametrize(("D", "gamma", "m"), [(1.1, 2, 2), (1.1, 3, 3), (1.2, 2, 2), (1.3, 2, 4), (1.3, 3, 4)])
+# The worst of 135 series; in the last two a table met the midpoints beside a kink by chance, 30 times as far off.
+WORST = [(1.1, 2, 2), (1.1, 3, 3), (1.2, 2, 2), (1.3, 2, 4), (1.3, 3, 4)]
+
+
+@pytest.mark.parametrize(("D", "gamma", "m"), CASES + WORST)
 def test_largest_errors_of_the_defaults(D, gamma, m):
-    # The worst of 135 series; in the last two a table met the midpoints beside a kink by chance, 30 times as far off.
     xi = np.geomspace(1e-5, 0.9 * full_contact(D, gamma, m), 40)
     best, default = layer.curve(xi, D, gamma, m, points=96, accuracy=1e-7), layer.curve(xi, D, gamma, m)
     of_h = np.abs(default.compliance - best.compliance).max() / leading_amplitude(m, D, gamma)
     of_slope = np.abs(default.resistance / best.resistance - 1)[xi < 1].max()
     print(f"D = {D}, gamma = {gamma}, m = {m}: h {of_h:.1e} of the total amplitude, dh/dp {of_slope:.1e} of itself")
-    assert of_h < 5e-6
-    assert of_slope < 1.5e-3
+    assert of_h < (5e-6 if (D, gamma, m) in WORST else 3e-6)
+    assert of_slope < (1.5e-3 if (D, gamma, m) in WORST else 6e-4)
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), CASES)
@@ -170,16 +167,9 @@ SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma in (2, 10) for m in
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), SERIES)
-def test_no_load_depends_on_the_others_and_each_is_accurate(D, gamma, m):
+def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
     heaviest = min(1e3, 0.99 * full_contact(D, gamma, m)) if math.isfinite(m) else 1e3
     loads = np.geomspace(1e-12, heaviest, 25)
-    together = layer.curve(loads, D, gamma, m)
-    random = np.random.default_rng(round(100 * D) + gamma)
-    for count in (1, 1, 4):
-        some = np.sort(random.choice(loads.size, count, replace=False))
-        alone = layer.curve(loads[some], D, gamma, m)
-        for name in Curve._fields:
-            np.testing.assert_array_equal(getattr(alone, name), getattr(together, name)[some])
     for accuracy in (1e-3, ACCURACY):
         found = layer.curve(loads, D, gamma, m, accuracy=accuracy).compliance
         best = layer.curve(loads, D, gamma, m, accuracy=accuracy / 100, tolerance=1e-12, points=40).compliance

@@ -8,7 +8,7 @@ from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import newton
 from weier.methods.patches.fields import ContactState, complementary_residuals
-from weier.methods.patches.inequalities import _cell_of, doubtful_cells, minima_outside
+from weier.methods.patches.inequalities import _cells_of, doubtful_cells, minima_outside
 from weier.methods.patches.newton import (
     assemble,
     change_nodes,
@@ -180,7 +180,7 @@ def test_a_gap_is_positive_wherever_a_tangent_says_so():
     beyond, _ = solve_on_segments(surface, on_few_nodes(before.iterate, surface.heights), born * 1.01, 1e-10)
     heights = surface.heights
     x = np.append((np.arange(4000) + 0.5) * THREE_WAVES.period / 4000, place)
-    cell = np.array([_cell_of(heights, position) for position in x])
+    cell = _cells_of(heights, x)
     above = THREE_WAVES.height(x) - heights.maximum - heights.cell_offset[cell]
     assert above.max() < 1e-12  # no point of a cell is higher than its maximum, but for rounding
     doubtful = doubtful_cells(beyond, heights)

@@ -1,4 +1,4 @@
-"""Where each load starts from, and that it depends on no other."""
+"""Where each load starts from."""
 
 from itertools import pairwise
 
@@ -31,34 +31,12 @@ def test_loads_of_any_size(loads):
         patches.curve(THREE_WAVES, [1e-308, *loads])
 
 
-@pytest.mark.parametrize("profile", [THREE_WAVES, Profile(1.5, 3, 3, np.pi), Profile(1.75, "5/2", 3, 2.0)])
-def test_a_load_depends_on_no_other(profile):
-    """Bit for bit, in any order and beside any others."""
-    loads = np.geomspace(1e-9, 4, 12)
-    together = patches.curve(profile, loads)
-    for i in (7, 2, 11):
-        alone = patches.curve(profile, loads[i])
-        for name in (
-            "compliance",
-            "indentation",
-            "resistance",
-            "contact_fraction",
-            "patch_count",
-            "residual",
-            "work",
-        ):
-            assert getattr(alone, name)[0] == getattr(together, name)[i], name
-        edges = together.contact_edge[i]
-        np.testing.assert_array_equal(alone.contact_edge[0], edges[np.isfinite(edges)])
-
-
 def test_lone_contacts_share_the_load_as_the_solution_does():
-    """Contacts of half-width a that Hertz's theory places: a/distance of their forces and (k a)^2 are left out."""
+    """Contacts of half-width a that Hertz's theory places: (k a)^2 is left out."""
     surface = surface_of(TWIN_CRESTS)
     for load in (1e-12, 1e-6):
         guess = lone_contacts(surface.heights, load)
         state = patches.solve_load(TWIN_CRESTS, load).state
-        assert guess.approach == pytest.approx(state.approach, rel=1e-3)
         np.testing.assert_allclose(guess.segments.half_width, state.segments.half_width, rtol=1e-2)
     assert lone_contacts(surface.heights, 0.5) is None
 

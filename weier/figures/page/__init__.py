@@ -155,13 +155,11 @@ def _claims(data: xr.Dataset) -> Section:
 
 def _traces(data: xr.Dataset) -> list[Section]:
     """The section that describes the traces, where there are any: it has the units of their curves."""
-    if "trace" not in data.variables:
-        return []
     columns = [name for name, entry in VARIABLES.items() if name in data.variables and name.startswith("trace")]
     header = [f"{VARIABLES[name].long_name}{', m' * (VARIABLES[name].unit == 'm')}" for name in columns]
     rows = zip(*([coordinate_text(value) for value in data[name].values.tolist()] for name in columns), strict=True)
     known = [row for row in dict.fromkeys(rows) if any(row)]
-    return [Section("traces", "Measured heights", table=Table(header, known))]
+    return [Section("traces", "Measured heights", table=Table(header, known))] if known else []
 
 
 def _errors(data: xr.Dataset) -> Table:

@@ -58,10 +58,17 @@ def list_contacts(
             count = 1
         else:
             count = _divide(listed, count, opened[gap], solution, period)
-    order = np.argsort(listed.left[:count] - period * np.floor(listed.left[:count] / period), kind="mergesort")
-    left = listed.left[order]
-    turns = period * np.floor(left / period)
-    return ContactList(left - turns, listed.right[order] - turns, listed.force[order], listed.share[order])
+    ordered = ContactList(np.empty(count), np.empty(count), np.empty(count), np.empty(count))
+    for at in range(count):  # nearly all are in order already
+        turns = period * np.floor(listed.left[at] / period)
+        to = at
+        while to > 0 and ordered.left[to - 1] > listed.left[at] - turns:
+            for values in ordered:
+                values[to] = values[to - 1]
+            to -= 1
+        ordered.left[to], ordered.right[to] = listed.left[at] - turns, listed.right[at] - turns
+        ordered.force[to], ordered.share[to] = listed.force[at], listed.share[at]
+    return ordered
 
 
 @kernel

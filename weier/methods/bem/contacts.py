@@ -8,6 +8,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
+from weier.methods.bem.edges import Steps, correct_edge
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import copy_values
 from weier.methods.bem.interaction import add_grid_moments
@@ -23,7 +24,6 @@ from weier.methods.bem.local_fit import (
     scale_of,
     side_margin,
 )
-from weier.methods.bem.lone_edges import Steps, correct_edge
 from weier.methods.bem.narrow_contacts import contact_edges, highest
 from weier.methods.bem.narrow_gaps import Gaps
 
@@ -47,7 +47,7 @@ class GridContacts(NamedTuple):
     height, rate : polynomials of the surface as this contact sees it and of A q of the others, (contacts, TERMS)
     height_rest, rate_rest : two terms beyond these, as polynomials, shape (contacts, 2, TERMS + 2)
     grid_mixed, grid_cross : energies of its force, and of its share, with A q of the others
-    force_moments, share_moments : first and second moments of force and share about `position`, (contacts, 2)
+    force_moments, share_moments : first to third moments of force and share about `position`, (contacts, 3)
     """
 
     kind: Indices
@@ -78,16 +78,47 @@ class GridContacts(NamedTuple):
 
 
 @kernel
-def make_contacts(contacts: int) -> GridContacts:
+def _numbers(count: int) -> Array:
+    """Zeros; calling this is compiled faster than np.zeros is."""
+    return np.zeros(count)
+
+
+@kernel
+def _polynomials(count: int) -> Array:
+    """Zeros, of a polynomial each."""
+    return np.zeros((count, TERMS))
+
+
+@kernel
+def make_contacts(count: int) -> GridContacts:
     """Room for so many."""
-    number, integer, polynomial = np.zeros((17, contacts)), np.zeros((2, contacts), np.int64), (contacts, TERMS)
-    moments, rest = (contacts, 2), (contacts, 2, TERMS + 2)
     return GridContacts(
-        integer[0], number[0], number[1], number[2], number[3], number[4], number[5], number[6], number[7], number[8],
-        number[9], integer[1], number[10], number[11], number[12], number[13], number[14], np.zeros(polynomial),
-        np.zeros(polynomial), np.zeros(rest), np.zeros(rest), number[15], number[16], np.zeros(moments),
-        np.zeros(moments),
-    )  # fmt: skip
+        kind=np.zeros(count, np.int64),
+        position=_numbers(count),
+        force=_numbers(count),
+        share=_numbers(count),
+        self_compliance=_numbers(count),
+        edge_compliance=_numbers(count),
+        edge_resistance=_numbers(count),
+        edge_drop=_numbers(count),
+        edge_yield=_numbers(count),
+        left=_numbers(count),
+        right=_numbers(count),
+        closed_after=np.zeros(count, np.int64),
+        origin=_numbers(count),
+        scale=_numbers(count),
+        limit=_numbers(count),
+        centre=_numbers(count),
+        half_width=_numbers(count),
+        height=_polynomials(count),
+        rate=_polynomials(count),
+        height_rest=np.zeros((count, 2, TERMS + 2)),
+        rate_rest=np.zeros((count, 2, TERMS + 2)),
+        grid_mixed=_numbers(count),
+        grid_cross=_numbers(count),
+        force_moments=np.zeros((count, 3)),
+        share_moments=np.zeros((count, 3)),
+    )
 
 
 @kernel

@@ -1,14 +1,23 @@
-"""The edges of contact, and residuals continued across them into the gaps, as the preconditioner needs them."""
+"""The edges of contact: residuals continued across them, for the preconditioner, and where each is within its step.
+
+A step of an edge from one node to the next lowers the resistance by D, and takes the load a + b (docs/subgrid.md).
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
+from weier.methods.bem.grid_solution import GridSolution
 
 # Beyond an edge the residual is continued into the gap, falling linearly to 0 over REACH contact widths (less if the
 # gap is narrower). Cut off at the edge, it would be a jump, which A^-1 takes for a logarithmically large force: the
 # condition number of the preconditioned matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
 REACH = 2
+CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
 
 
 @kernel
@@ -59,3 +68,46 @@ def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
         for step in range(1, reach):
             total += values[node + side * step] * (reach - step)
         values[node] += total / reach
+
+
+class Steps(NamedTuple):
+    """The steps of all edges, each of shape (edges,); 0 where one is not known.
+
+    drop, load : D of the resistance, and a + b
+    place : how far the edge is in its step, from -1/2 to 1/2
+    """
+
+    drop: Array
+    load: Array
+    place: Array
+
+
+@kernel
+def find_steps(solution: GridSolution) -> Steps:
+    """The steps of all edges; zeros where one is not known."""
+    edges = solution.edge.size - 2
+    points = solution.pressure.size
+    steps = Steps(np.zeros(edges), np.zeros(edges), np.zeros(edges))
+    for at in range(edges):
+        start = solution.edge[at + 1] % points
+        outwards = -1 if solution.contact[start] else 1
+        inside = start if solution.contact[start] else (start - 1) % points
+        outside = (inside + outwards) % points
+        closing = solution.rate - solution.displacement[outside]
+        if not (solution.per_load[inside] > 0 and closing > 0):
+            continue
+        drop = solution.per_load[inside] * closing / points
+        since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
+        until = max(solution.plane - solution.deformed[outside], 0.0) / closing
+        if not since + until > 0:
+            continue
+        steps.drop[at], steps.load[at] = drop, since + until
+        steps.place[at] = since / (since + until) - 0.5
+    return steps
+
+
+@kernel
+def correct_edge(steps: Steps, at: int) -> tuple[float, float]:
+    """What a lone edge adds to compliance and resistance, by its place in the step."""
+    drop, x = steps.drop[at], steps.place[at]
+    return drop * steps.load[at] * ((0.25 - x * x) / 2 - CURVATURE), -x * drop

@@ -16,12 +16,14 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem import factors
 from weier.methods.bem.contacts import WIDE, GridContacts
+from weier.methods.bem.edges import Steps
 from weier.methods.bem.grid_solution import Continuum, GridSolution
-from weier.methods.bem.local_fit import shift, slopes, value
-from weier.methods.bem.lone_edges import Steps
+from weier.methods.bem.local_fit import DEGREE, shift, slopes, value
 from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
 from weier.methods.bem.narrow_gaps import Gaps
 from weier.methods.bem.redistribution import Redistribution
+
+MAX_BEND = DEGREE**2 * (DEGREE**2 - 1) / 3  # second derivative of T_8 at most: of heights, what rounding adds to it
 
 
 class Errors(NamedTuple):
@@ -162,7 +164,7 @@ def _errors_of_the_polynomial(
         slope = abs(forces.tilt[at]) * contacts.scale[at]
         for j in range(2):
             slope += abs(slopes(contacts.height_rest[at, j], centre)[0])
-        resistance += share**2 * (abs(twist) * slope / bend**2 - factors.CURVATURE_ROUNDING * height / bend)
+        resistance += share**2 * (abs(twist) * slope / bend**2 - factors.ROUNDING * MAX_BEND * height / bend)
     return compliance / period, resistance / period
 
 
@@ -181,9 +183,10 @@ def _effects_of_others(
 ) -> tuple[float, float]:
     """How far others may displace a crest by moments that are not corrected, and how much they relieve its force.
 
-    These moments are the second of wide contacts, by K''/2 of each, and the next two of those with polynomials: as if
-    the corrected ones m_1 and m_2 were of dipoles at their edges, they are 3 a^2 m_1 and 2 a^2 m_2. A force f that
-    another contact loses displaces both by f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
+    These moments are the second of wide contacts, by K''/2 of each, and those after the third of contacts with
+    polynomials. They displace no more, it is taken, than third and fourth moments of dipoles at the edges that have
+    the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A force f that another contact loses displaces both by
+    f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
     displacement = relief = 0.0
     for other in range(contacts.kind.size):

@@ -31,4 +31,3 @@ MOMENT = 0.6
 # Rounding.
 ROUNDING = 1e-14  # of the heights: 45 units in the last place; no step below it says anything
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
-CURVATURE_ROUNDING = 1e-11  # of the heights, over the curvature of a contact's polynomial

@@ -1,8 +1,8 @@
 """How contacts displace each other: by forces, and by where these stand beside their nodes.
 
-What a contact carries in the continuum and not on the grid is represented by the pressure of the three nodes about
-its middle that has the same force and first two moments. One product with the influence matrix of the grid then
-displaces all contacts at once, images included; what the three nodes do to their own contact, on a line without
+What a contact carries in the continuum and not on the grid is represented by the pressure of the four nodes about its
+middle that has the same force and first three moments. One product with the influence matrix of the grid then
+displaces all contacts at once, images included; what the four nodes do to their own contact, on a line without
 images, is taken off, since every contact knows that by itself.
 """
 
@@ -19,6 +19,7 @@ from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum
 
 MAX_DENSE = 64  # contacts that act on each other by a matrix; more do so by products on the grid
+MOMENTS = 4  # of a contact, from its force on, and nodes for them
 HATS = 1 / 6  # second moment of the triangle of a nodal pressure, in squares of the nodes' spacing
 
 
@@ -26,9 +27,10 @@ class Interaction(NamedTuple):
     """What is needed to let contacts displace each other.
 
     mutual : displacement of one contact per force on another, 0 on the diagonal; empty where there are many contacts
-    node, beside : the node next to the middle of each, and how far the middle is beside it, in nodes
+    node, beside : the first of the nodes about the middle of each, and how far the middle is beside the second one,
+        in nodes
     eigenvalue : of the influence matrix of the grid
-    own : displacement of the nodes 0, 1 and 2 beside a unit force, on a line without images
+    own : displacement of nodes at increasing distances from a unit force, on a line without images
     spacing : of the nodes, in lambda_0
     pressure, displacement, spectrum : of all nodes, shape (N,) and (N//2 + 1,): those of the last product
     """
@@ -51,8 +53,8 @@ def make_interaction(position: Array, continuum: Continuum) -> Interaction:
     node, beside = np.empty(contacts, np.int64), np.empty(contacts)
     for i in range(contacts):
         in_nodes = position[i] * points / continuum.period
-        node[i] = int(np.round(in_nodes))
-        beside[i] = in_nodes - node[i]
+        before = int(np.floor(in_nodes))
+        node[i], beside[i] = before - 1, in_nodes - before
     return Interaction(
         _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, beside,
         continuum.grid.influence, continuum.influence, continuum.period / points, np.zeros(points), np.zeros(points),
@@ -77,40 +79,53 @@ def _mutual(position: Array, contacts: int, period: float) -> Array:
 
 @kernel
 def displace(moments: Array, interaction: Interaction) -> Array:
-    """Displacement of each contact, its slope and half its curvature, shape (contacts, 3).
+    """Displacement of each contact and its next derivatives over their factorials, shape (contacts, MOMENTS).
 
-    `moments` are zeroth, first and second ones about the middles of the contacts, of the same shape.
+    `moments` are zeroth to third ones about the middles of the contacts, of the same shape.
     """
-    points, spacing = interaction.pressure.size, interaction.spacing
+    points, spacing, own = interaction.pressure.size, interaction.spacing, interaction.own
+    forces, effects = np.zeros(moments.shape), np.zeros(moments.shape)
     interaction.pressure[:] = 0.0
     for i in range(moments.shape[0]):
-        before, here, after = _nodal_forces(moments[i], interaction.beside[i], spacing)
-        node = interaction.node[i]
-        interaction.pressure[(node - 1) % points] += before / spacing
-        interaction.pressure[node % points] += here / spacing
-        interaction.pressure[(node + 1) % points] += after / spacing
+        weights = _weights_of_nodes(interaction.beside[i], spacing, HATS)
+        for a in range(MOMENTS):
+            for k in range(MOMENTS):
+                forces[i, a] += weights[a, k] * moments[i, k]
+            interaction.pressure[(interaction.node[i] + a) % points] += forces[i, a] / spacing
     circulant_product(interaction.eigenvalue, interaction.pressure, interaction.spectrum, interaction.displacement)
-    effects = np.empty(moments.shape)
-    own = interaction.own
     for i in range(moments.shape[0]):
-        node, o = interaction.node[i], interaction.beside[i]
-        before, here, after = _nodal_forces(moments[i], o, spacing)
-        left = interaction.displacement[(node - 1) % points] - own[0] * before - own[1] * here - own[2] * after
-        middle = interaction.displacement[node % points] - own[1] * (before + after) - own[0] * here
-        right = interaction.displacement[(node + 1) % points] - own[2] * before - own[1] * here - own[0] * after
-        slope, bend = (right - left) / 2, (right + left) / 2 - middle
-        effects[i, 0] = middle + o * slope + (o * o - HATS) * bend
-        effects[i, 1] = (slope + 2 * o * bend) / spacing
-        effects[i, 2] = bend / spacing**2
+        weights = _weights_of_nodes(interaction.beside[i], spacing, 0.0)
+        for a in range(MOMENTS):
+            displacement = interaction.displacement[(interaction.node[i] + a) % points]
+            for b in range(MOMENTS):
+                displacement -= own[abs(a - b)] * forces[i, b]
+            for k in range(MOMENTS):
+                effects[i, k] += weights[a, k] * displacement
     return effects
 
 
 @kernel
-def _nodal_forces(moment: Array, beside: float, spacing: float) -> tuple[float, float, float]:
-    """Forces on three nodes with these moments about a point so far beside the middle one."""
-    first = moment[1] / spacing + moment[0] * beside
-    second = moment[2] / spacing**2 + 2 * beside * moment[1] / spacing + moment[0] * (beside * beside - HATS)
-    return (second - first) / 2, moment[0] - second, (second + first) / 2
+def _weights_of_nodes(beside: float, spacing: float, spread: float) -> Array:
+    """Weights of four nodes in a row for moments about a point so far beside the second one, shape (nodes, moments).
+
+    They are forces with these moments, where that on each node is spread by a second moment of its own, in squares of
+    the spacing. Without it they interpolate values at the nodes, and their derivatives over factorials, by a cubic.
+    """
+    weights, o = np.empty((MOMENTS, MOMENTS)), beside
+    powers = (
+        (1.0, o, o * o - spread, o**3 - 3 * spread * o),
+        (0.0, 1.0, 2 * o, 3 * (o * o - spread)),
+        (0.0, 0.0, 1.0, 3 * o),
+        (0.0, 0.0, 0.0, 1.0),
+    )
+    for k in range(MOMENTS):
+        zeroth, first, second, third = powers[k]
+        weights[0, k] = (3 * second - third - 2 * first) / 6
+        weights[1, k] = (third - first) / 2 - second + zeroth
+        weights[2, k] = (second - third) / 2 + first
+        weights[3, k] = (third - first) / 6
+        weights[:, k] /= spacing**k
+    return weights
 
 
 @kernel
@@ -123,7 +138,7 @@ def press(force: Array, interaction: Interaction) -> Array:
             for j in range(n):
                 displacement[i] += interaction.mutual[i, j] * force[j]
         return displacement
-    moments = np.zeros((n, 3))
+    moments = np.zeros((n, MOMENTS))
     for i in range(n):
         moments[i, 0] = force[i]
     effects = displace(moments, interaction)
@@ -134,6 +149,7 @@ def press(force: Array, interaction: Interaction) -> Array:
 
 @kernel
 def add_grid_moments(force: float, x: float, spacing: float, moments: Array) -> None:
-    """Add first and second moments of a nodal force, at x from where they are taken."""
+    """Add first to third moments of a nodal force, at x from where they are taken."""
     moments[0] += force * x
     moments[1] += force * (x**2 + HATS * spacing**2)
+    moments[2] += force * (x**3 + 3 * HATS * spacing**2 * x)

@@ -126,9 +126,11 @@ def expansion(polynomial: Array, centre: float, half_width: float) -> Array:
 @kernel
 def second_kind(coefficients: Array) -> Array:
     """Coefficients of U_0, U_1, ... from those of T_0, T_1, ...: 2 T_k = U_k - U_(k-2)."""
-    converted = coefficients / 2
-    converted[0] = coefficients[0]
-    converted[:-2] -= coefficients[2:] / 2
+    converted = coefficients.copy()
+    for k in range(coefficients.size):
+        converted[k] = coefficients[k] / (2 if k > 0 else 1)
+        if k + 2 < coefficients.size:
+            converted[k] -= coefficients[k + 2] / 2
     return converted
 
 
@@ -199,7 +201,10 @@ def average_under_triangle(polynomial: Array, scale: float) -> Array:
     """The moving average of a polynomial under a triangle of the nodes' spacing."""
     second = derivative(derivative(polynomial))
     fourth = derivative(derivative(second))
-    return polynomial + second / (12 * scale**2) + fourth / (360 * scale**4)
+    average = polynomial.copy()
+    for k in range(polynomial.size):
+        average[k] += second[k] / (12 * scale**2) + fourth[k] / (360 * scale**4)
+    return average
 
 
 @kernel

@@ -140,15 +140,16 @@ def _pressure_without_residual(solution: GridSolution, grid: Grid) -> Array:
 def narrow_runs(edge: Indices, contact: Flags, most: int) -> Flags:
     """Contacts and gaps to be given polynomials: from the narrowest on, those that share no edge with others."""
     runs = edge.size - 2
-    nodes = np.empty(runs, np.int64)
-    for run in range(runs):
-        nodes[run] = 2 * (edge[run + 2] - edge[run + 1]) + (0 if contact[edge[run + 1] % contact.size] else 1)
     chosen = np.zeros(runs, np.bool_)
     taken = np.zeros(runs, np.bool_)
-    for run in np.argsort(nodes, kind="mergesort"):
-        after = (run + 1) % runs
-        if nodes[run] // 2 <= most and not (taken[run] or taken[after]):
-            chosen[run] = taken[run] = taken[after] = True
+    for nodes in range(1, most + 1):
+        for of_contacts in (True, False):
+            for run in range(runs):
+                after = (run + 1) % runs
+                if edge[run + 2] - edge[run + 1] != nodes or taken[run] or taken[after]:
+                    continue
+                if contact[edge[run + 1] % contact.size] == of_contacts:
+                    chosen[run] = taken[run] = taken[after] = True
     return chosen
 
 
@@ -189,9 +190,12 @@ def correct_gap(
             stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
             values[0, i] -= stiffness * gap[j]
             values[1, i] -= stiffness * opening[j]
-    nodal_pressure, nodal_rate, profile = fit_window(continuum.windows, window, values)
-    pressure = average_under_triangle(nodal_pressure, scale) + ALIAS / spacing * _fourth(profile, scale)
-    rate = average_under_triangle(nodal_rate, scale)
+    fitted = fit_window(continuum.windows, window, values)
+    nodal_pressure, profile = fitted[0], fitted[2]
+    pressure, rate = average_under_triangle(nodal_pressure, scale), average_under_triangle(fitted[1], scale)
+    fourth = derivative(derivative(derivative(derivative(profile))))
+    for k in range(TERMS):
+        pressure[k] += ALIAS / spacing * fourth[k] / scale**4
     centre, half_width, found = _edges_of_gap(pressure, nodes, scale)
     if not found:
         return _edges_not_found()
@@ -257,12 +261,6 @@ def _edges_of_gap(pressure: Array, nodes: int, scale: float) -> tuple[float, flo
         if bend > 0:
             centre, half_width, found = gap_edges(pressure, least, np.sqrt(4 * depth / bend))
     return (centre, half_width, found and abs(centre) + half_width <= ((nodes - 1) / 2 + MAX_BEYOND) / scale)
-
-
-@kernel
-def _fourth(polynomial: Array, scale: float) -> Array:
-    """Fourth differences of a polynomial."""
-    return derivative(derivative(derivative(derivative(polynomial)))) / scale**4
 
 
 @kernel

@@ -11,7 +11,7 @@ from weier.kernels.jit import kernel
 from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
 from weier.methods.bem.factors import ROUNDING
 from weier.methods.bem.grid_solution import Continuum
-from weier.methods.bem.interaction import Interaction, displace, make_interaction, press
+from weier.methods.bem.interaction import MOMENTS, Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
 from weier.methods.bem.narrow_contacts import contact_energies, plane_height, punch_compliance
 
@@ -32,7 +32,7 @@ class Redistribution(NamedTuple):
     touching : whether a contact of the grid still touches, or a crest does
     change, share_change : how much more force each has, and of how much more share
     centre, half_width : of contacts with polynomials and of crests, in s
-    moments : of the force that each has more, or elsewhere than on the grid, shape (contacts, 3)
+    moments : of the force that each has more, or elsewhere than on the grid, shape (contacts, MOMENTS)
     tilt : slope of the displacement by these
     second, rate_second : sizes of what second moments change of compliance and resistance
     penetration, closing : by how much each that is narrow, or a crest, stands above the plane that it does not touch,
@@ -57,7 +57,7 @@ class Redistribution(NamedTuple):
     displacement: Array
 
 
-class _State(NamedTuple):
+class State(NamedTuple):
     """Where the iteration stands, each of shape (contacts,).
 
     touching, change, centre, half_width : as in `Redistribution`
@@ -74,11 +74,11 @@ class _State(NamedTuple):
 
 
 @kernel
-def redistribute(contacts: GridContacts, plane: float, rate: float, continuum: Continuum) -> Redistribution:
-    """Find the forces of contacts that are to stand on one plane."""
+def find_forces(contacts: GridContacts, plane: float, continuum: Continuum) -> tuple[bool, State, Interaction]:
+    """Find the forces of contacts that are to stand on one plane: whether they were found, and what they displace."""
     period, interaction = continuum.period, make_interaction(contacts.position, continuum)
     n = contacts.kind.size
-    state = _State(
+    state = State(
         contacts.kind != CREST, np.zeros(n), contacts.centre.copy(), contacts.half_width.copy(), np.zeros(n),
         np.ones(n),
     )  # fmt: skip
@@ -92,11 +92,11 @@ def redistribute(contacts: GridContacts, plane: float, rate: float, continuum: C
             found &= contacts.force[i] + state.change[i] > 0
             reach = abs(state.centre[i]) + state.half_width[i]
             found &= contacts.kind[i] == WIDE or reach <= contacts.limit[i]
-    return _sum_up(found, contacts, plane, rate, period, interaction, state)
+    return found, state, interaction
 
 
 @kernel
-def _heights(contacts: GridContacts, plane: float, period: float, state: _State) -> bool:
+def _heights(contacts: GridContacts, plane: float, period: float, state: State) -> bool:
     """Height of the plane for each force, and its fall with the force; False if not found.
 
     On a wide contact the height falls by nothing but what other forces and its own compliance say: `excess` leaves
@@ -120,7 +120,7 @@ def _heights(contacts: GridContacts, plane: float, period: float, state: _State)
 
 @kernel
 def _equalise_heights(
-    contacts: GridContacts, plane: float, period: float, lift: Array, interaction: Interaction, state: _State
+    contacts: GridContacts, plane: float, period: float, lift: Array, interaction: Interaction, state: State
 ) -> bool:
     """Newton's method for the change of each force that brings all touching contacts to one height.
 
@@ -149,7 +149,7 @@ def _equalise_heights(
 
 
 @kernel
-def _asked_heights(contacts: GridContacts, lift: Array, interaction: Interaction, state: _State) -> Array:
+def _asked_heights(contacts: GridContacts, lift: Array, interaction: Interaction, state: State) -> Array:
     """Height of the plane that each contact asks for, by all that displaces it."""
     heights = press(state.change, interaction)
     for i in range(heights.size):
@@ -214,7 +214,7 @@ def _has_let_go(contacts: GridContacts, at: int, change: float, total: float) ->
 
 @kernel
 def _touch_and_let_go(
-    contacts: GridContacts, period: float, lift: Array, interaction: Interaction, state: _State
+    contacts: GridContacts, period: float, lift: Array, interaction: Interaction, state: State
 ) -> bool:
     """Release contacts without force, and let crests touch that stand above the plane; whether anything changed."""
     asked, total = _asked_heights(contacts, lift, interaction, state), contacts.force.sum()
@@ -244,29 +244,31 @@ def _touch_and_let_go(
 
 @kernel
 def _moments(
-    polynomial: Array, total: Array, sign: float, on_grid: Array, contacts: GridContacts, state: _State
+    polynomial: Array, total: Array, sign: float, on_grid: Array, contacts: GridContacts, state: State
 ) -> Array:
-    """First and second moments of the pressure that the continuum has more than the grid, shape (contacts, 3).
+    """First to third moments of the pressure that the continuum has more than the grid, shape (contacts, MOMENTS).
 
     On each contact the pressure carries `total` and, with a sign of 1, displaces the surface by the polynomial but
     for a constant; with one of -1 it takes it off: of shares, that of what the rates of others have bent.
     """
-    moments = np.zeros((total.size, 3))
+    moments = np.zeros((total.size, MOMENTS))
     for i in range(total.size):
         if state.touching[i] and contacts.kind[i] == NARROW:
             coefficient = expansion(polynomial[i], state.centre[i], state.half_width[i])
-            odd, even = sign * coefficient[1], sign * coefficient[2]
             middle = contacts.scale[i] * (state.centre[i] - contacts.centre[i])
             reach = contacts.scale[i] * state.half_width[i]
-            moments[i, 1] = total[i] * middle + reach * odd / 4 - on_grid[i, 0]
-            second = total[i] * middle**2 + middle * reach * odd / 2 + reach**2 * (total[i] / 2 + even / 4)
-            moments[i, 2] = second - on_grid[i, 1]
+            first = reach * sign * coefficient[1] / 4  # about its own centre
+            second = reach**2 * (total[i] / 2 + sign * coefficient[2] / 4)
+            third = reach**3 * sign * 3 / 16 * (coefficient[1] + coefficient[3])
+            moments[i, 1] = total[i] * middle + first - on_grid[i, 0]
+            moments[i, 2] = total[i] * middle**2 + 2 * middle * first + second - on_grid[i, 1]
+            moments[i, 3] = total[i] * middle**3 + 3 * middle * (middle * first + second) + third - on_grid[i, 2]
     return moments
 
 
 @kernel
-def _moments_of_force(contacts: GridContacts, state: _State) -> Array:
-    """First and second moments of the pressure that the continuum has more than the grid, shape (contacts, 3)."""
+def _moments_of_force(contacts: GridContacts, state: State) -> Array:
+    """First to third moments of all that the pressure of the continuum has more than that of the grid."""
     return _moments(contacts.height, contacts.force + state.change, 1.0, contacts.force_moments, contacts, state)
 
 
@@ -286,9 +288,9 @@ class _Weights(NamedTuple):
 
 
 @kernel
-def _sum_up(
+def sum_up(
     found: bool, contacts: GridContacts, plane: float, rate: float, period: float, interaction: Interaction,
-    state: _State,
+    state: State,
 ) -> Redistribution:  # fmt: skip
     """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact."""
     n = state.change.size
@@ -307,10 +309,9 @@ def _sum_up(
     penetration, tilt = np.zeros(n), np.zeros(n)
     for i in range(n):
         share, own, tilted = contacts.share[i], contacts.self_compliance[i], by_shares[i, 0]
-        mixed = of_force[i, 1] * by_shares[i, 1] + of_force[i, 2] * by_shares[i, 2]
-        energy = of_share[i, 1] * by_shares[i, 1] + of_share[i, 2] * by_shares[i, 2]
-        compliance += mixed / period
-        resistance += energy / period
+        for k in range(1, MOMENTS):
+            compliance += of_force[i, k] * by_shares[i, k] / period
+            resistance += of_share[i, k] * by_shares[i, k] / period
         tilt[i] = moved[i, 1]
         force_spread = _spread(of_force[i], contacts.force[i] + change[i])
         share_spread = _spread(of_share[i], share + share_change[i])
@@ -322,6 +323,10 @@ def _sum_up(
             tilts = (state.half_width[i] * contacts.scale[i]) ** 2 * abs(moved_shares[i, 1]) / (4 * period)
             second[i] += tilts * abs(tilt[i])
             rate_second[i] += tilts * abs(moved_shares[i, 1])
+            rate_slope = slopes(contacts.rate[i], state.centre[i])[0] / contacts.scale[i] + moved_shares[i, 1]
+            bend = slopes(contacts.height[i], state.centre[i])[1] / contacts.scale[i] ** 2
+            if bend < 0:  # it moves by slope over curvature, to where the rate of others is another
+                resistance += 2 * (share + share_change[i]) * rate_slope * tilt[i] / bend / period
         elif touching[i]:  # its edges move on with the force, by a step at most
             yielded = contacts.edge_yield[i] * change[i]
             yielded = min(max(yielded, -contacts.edge_drop[i]), contacts.edge_drop[i])
@@ -362,7 +367,7 @@ def _spread(moments: Array, total: float) -> float:
 
 
 @kernel
-def _weigh(contacts: GridContacts, rate: float, period: float, state: _State) -> tuple[_Weights, float]:
+def _weigh(contacts: GridContacts, rate: float, period: float, state: State) -> tuple[_Weights, float]:
     """Weights of all that touch, and what their shapes change of the compliance, times the period."""
     n = state.change.size
     weights = _Weights(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
@@ -391,7 +396,7 @@ def _weigh(contacts: GridContacts, rate: float, period: float, state: _State) ->
 def _changes_of_shares(
     contacts: GridContacts,
     period: float,
-    state: _State,
+    state: State,
     weights: _Weights,
     by_shares: Array,
     interaction: Interaction,

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
-from weier.methods.bem.subgrid import LoadSolution
-from weier.methods.bem.subgrid_solver import check_residual, solve_curve
+from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
 from weier.theory.arguments import checked_number, shown
 from weier.theory.halfplane import eigenvalues, influence_coefficients

@@ -1,21 +1,24 @@
-"""Loads on the grid, each with what the continuum adds to it; what fails its verification is solved more finely."""
+"""Loads on the grid, each with what the continuum adds to it (docs/subgrid.md); what fails is solved more finely."""
 
 from __future__ import annotations
 
 from contextlib import suppress
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array
+from weier.kernels.jit import kernel
 from weier.methods.bem import fft
-from weier.methods.bem.contact_list import ContactList
-from weier.methods.bem.edges import find_edges
-from weier.methods.bem.grid_solution import GridSolution, make_continuum
+from weier.methods.bem.contact_list import ContactList, list_contacts
+from weier.methods.bem.contacts import find_contacts, find_crests
+from weier.methods.bem.edges import find_edges, find_steps
+from weier.methods.bem.errors import estimate_errors
+from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
 from weier.methods.bem.grids import full_contact, grid_of, nested_grids
-from weier.methods.bem.narrow_gaps import find_gaps
-from weier.methods.bem.subgrid import LoadSolution, correct_contacts
+from weier.methods.bem.narrow_gaps import Gaps, find_gaps
+from weier.methods.bem.redistribution import find_forces, sum_up
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
 from weier.theory.waves import MAX_POINTS, Waves
@@ -23,6 +26,7 @@ from weier.theory.waves import MAX_POINTS, Waves
 if TYPE_CHECKING:
     from weier.methods import patches
 
+MAX_ROUNDS = 5  # of judging crests again
 MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
 RATE_TOLERANCE = 1e-8  # of the rate, how flat A q is in contact: corrections are linear in what is left of it
@@ -30,6 +34,70 @@ MAX_DOUBLINGS = 2  # of the points under a load that is not verified
 QUADRATURE_NODES = 64  # of each contact of patches
 SHARE_STEP = 1e-6  # of the load, for a difference of the forces of patches, which are known to 1e-12
 PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
+PATCHES_TOLERANCE = 1e-12  # of patches: at a looser one a resistance within 1e-10 of a birth is off by more
+
+
+class LoadSolution(NamedTuple):
+    """One load, with edges of contact between the nodes.
+
+    verified : whether forces were found that are positive, and no crest stands above the plane but those that touch
+    plane : mean gap d, in g_0
+    resistance : dh/dp, in g_0/p_0*
+    compliance_error, resistance_error : estimates, in the same units
+    contacts : in the continuum
+    uncertain : whether a contact or a gap may be one too many or too few
+    residual, work : of the solution on the grid
+    """
+
+    verified: bool
+    plane: float
+    resistance: float
+    compliance_error: float
+    resistance_error: float
+    contacts: ContactList
+    uncertain: bool
+    residual: float
+    work: float
+
+
+@kernel
+def correct_contacts(
+    gaps: Gaps, solution: GridSolution, continuum: Continuum, residual: float, work: float
+) -> LoadSolution:
+    """Correct a converged solution, whose gaps are `gaps`, by what the continuum adds to it.
+
+    Crests that may touch are told by the plane on the grid at first. The corrected plane and pressure judge all
+    crests again, until no more of them may touch.
+    """
+    points = solution.pressure.size
+    steps = find_steps(solution)
+    crest = np.zeros(points, np.bool_)
+    crests = find_crests(solution.plane, solution, np.zeros(points), crest)
+    for _ in range(MAX_ROUNDS):
+        contacts, polynomial = find_contacts(crest, crests, gaps, steps, solution, continuum)
+        found, state, interaction = find_forces(contacts, solution.plane, continuum)
+        forces = sum_up(found, contacts, solution.plane, solution.rate, continuum.period, interaction, state)
+        plane, resistance = solution.plane - forces.compliance, solution.rate + forces.resistance
+        if contacts.kind.size == 0:  # all nodes touch
+            plane, resistance = plane - gaps.adds[0, 0], resistance + gaps.adds[0, 1]
+        new = find_crests(plane, solution, forces.displacement, crest)
+        if new == 0 or not forces.found:
+            break
+        crests += new
+    errors = estimate_errors(solution, steps, polynomial, gaps, contacts, forces, continuum)
+    finite = np.isfinite(plane + resistance + errors.compliance + errors.resistance)
+    # A mean gap and a resistance are not below 0, where both are smaller than their errors.
+    return LoadSolution(
+        new == 0 and gaps.found and forces.found and errors.judged and finite,
+        max(plane, 0.0),
+        max(resistance, 0.0),
+        errors.compliance,
+        errors.resistance,
+        list_contacts(contacts, forces, gaps.opened, solution, continuum.period),
+        gaps.uncertain or errors.uncertain,
+        residual,
+        work,
+    )
 
 
 class GridSolver:
@@ -114,7 +182,7 @@ def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
 
     try:
         with telling(None):
-            solution = patches.solve_load(profile, load)
+            solution = patches.solve_load(profile, load, PATCHES_TOLERANCE)
             left, right = solution.edges.T
             contacts = ContactList(left, right, forces_of(solution), _shares(profile, solution))
     except (ConvergenceError, ValueError) as error:  # so many waves in so many contacts may not fit into memory
@@ -146,7 +214,7 @@ def _shares(profile: Waves, solution: patches.Solution) -> Array:
     forces = forces_of(solution)
     for step in (SHARE_STEP, -SHARE_STEP):
         with suppress(ConvergenceError):
-            other = patches.solve_load(profile, solution.mean_pressure * (1 + step))
+            other = patches.solve_load(profile, solution.mean_pressure * (1 + step), PATCHES_TOLERANCE)
             if other.centre.size == solution.centre.size:
                 return (forces_of(other) - forces) / (other.mean_pressure - solution.mean_pressure)
     return np.full(solution.centre.size, np.nan)

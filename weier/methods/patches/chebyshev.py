@@ -18,22 +18,23 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 
 
-@kernel
 def nodes(count: int) -> Array:
     """Gauss-Chebyshev nodes of the second kind in ascending order: -cos(q pi/(count+1)), q = 1..count."""
-    node = np.empty(count)
-    for q in range(count):
-        node[q] = -np.cos((q + 1) * (np.pi / (count + 1)))
-    return node
+    return np.asarray(-np.cos(np.arange(1, count + 1) * (np.pi / (count + 1))))
 
 
-@kernel
 def weights(count: int) -> Array:
     """Weights of the quadrature for int sqrt(1-s^2) phi(s) ds at `nodes`."""
-    weight = np.empty(count)
-    for q in range(count):
-        weight[q] = np.pi / (count + 1) * np.sin((q + 1) * (np.pi / (count + 1))) ** 2
-    return weight
+    return np.asarray(np.pi / (count + 1) * np.sin(np.arange(1, count + 1) * (np.pi / (count + 1))) ** 2)
+
+
+def log_weights(count: int) -> Array:
+    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`, from L_k - L_(k+2) at t = 0."""
+    q, k = np.arange(1, count + 1), np.arange(0, count, 2)
+    T = np.where(k % 4 == 0, 1.0, -1.0)  # T_k(0); that of k + 2 has the other sign
+    own = np.append(-np.log(2.0), -T[1:] / k[1:])
+    sine = np.sin(np.pi / (count + 1) * (q[:, None] * (k + 1) % (2 * count + 2)))  # of an angle without rounding
+    return np.asarray(np.pi / (count + 1) * np.sin(q * (np.pi / (count + 1))) * (sine @ (own - T / (k + 2))))
 
 
 @kernel
@@ -106,20 +107,6 @@ def cauchy_integral(a: Array, t: float) -> float:
 
 
 @kernel
-def cauchy_slope(a: Array, t: float) -> float:
-    """The derivative of `cauchy_integral` in t, pi sum a_k (k+1) U_k(t); it has no finite value at t = 1 and -1."""
-    if abs(t) > 1:
-        total, rho = 0.0, _outer_radius(t)
-        for k in range(a.size - 1, -1, -1):
-            total = (total + (k + 1) * a[k]) / rho
-        return -np.pi * total / (rho - t)
-    b_after, b = 0.0, 0.0
-    for k in range(a.size - 1, -1, -1):
-        b, b_after = (k + 1) * a[k] + 2 * t * b - b_after, b
-    return np.pi * b
-
-
-@kernel
 def log_integral(a: Array, t: float) -> float:
     """int sqrt(1-s^2) phi(s) ln|t-s| ds at any real t: a sum of T_n/n with the factors (a_(n-2) - a_n)/2."""
     outside = abs(t) > 1
@@ -131,20 +118,6 @@ def log_integral(a: Array, t: float) -> float:
         b, b_after = factor / (2 * n) + double * b - back * b_after, b
     total = w * b if outside else t * b - b_after
     return np.pi * (total - 0.5 * a[0] * (np.log(2.0) + (np.log(abs(w)) if outside else 0.0)))
-
-
-@kernel
-def log_weights(count: int) -> Array:
-    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`, from L_k - L_(k+2) at t = 0."""
-    sine, weight = sines(count), np.empty(count)
-    for q in range(count):
-        total, angle, step, sign = 0.0, q + 1, advance(q + 1, q + 1, sine.size), 1.0
-        for k in range(0, count, 2):  # T_k(0) = 1, 0, -1, 0
-            own = -np.log(2.0) if k == 0 else -sign / k
-            total += sine[angle] * (own - sign / (k + 2))
-            angle, sign = advance(angle, step, sine.size), -sign
-        weight[q] = np.pi * sine[q + 1] * total / (count + 1)
-    return weight
 
 
 @kernel

@@ -8,8 +8,6 @@ heavier: then a load in between is looked at.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,23 +16,21 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
-from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.fields import (
     MIN_SUM_SEGMENTS,
     ContactState,
-    complementary_residual,
-    complementary_residual_slope,
     complementary_residuals,
-    density,
-    gap_from_slope,
+    gap_slopes,
+    residuals_one_by_one,
+    values_on_segments,
 )
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import contacts_of
 from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
 from weier.methods.patches.start import Starts
-from weier.methods.patches.surface import CosineSeries, Surface, nearest_crest, nearest_crests, surface_of
+from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests, surface_of
 from weier.theory.waves import Waves
 
 MAX_DECADES = 1.0  # between two loads at first
@@ -66,8 +62,8 @@ class Events(NamedTuple):
     patch_count: Indices
 
 
-class _Contacts(NamedTuple):
-    """Contacts in order round the period: from origin + left to origin + right, in lambda_0, shape (contacts,)."""
+class _Intervals(NamedTuple):
+    """Contacts or gaps in order round the period: from origin + left to origin + right, in lambda_0."""
 
     origin: Array
     left: Array
@@ -131,8 +127,8 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
 
 def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Event]]:
     """The merges at the load of full contact: all gaps that are left just below it close."""
-    contacts, load = _contacts_of(state, surface.heights.period), surface.full_contact_load
-    return [(load, gap) for gap in _gaps_between(contacts, range(contacts.left.size + 1), surface.heights.period)]
+    gaps = _intervals(state, not state.dual, surface.heights.period)
+    return [(surface.full_contact_load, _Event(False, *gap)) for gap in zip(*gaps, strict=True)]
 
 
 def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface: Surface) -> Events:
@@ -187,7 +183,7 @@ class _Search(NamedTuple):
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
         """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether that is all."""
         period = self.surface.heights.period
-        before, after = _contacts_of(low, period), _contacts_of(high, period)
+        before, after = _intervals(low, low.dual, period), _intervals(high, high.dual, period)
         finest = 2 * np.pi / self.surface.heights.wavenumber[-1]
         changes, expected, is_certain = [], [], True
         for origin, left, right in zip(*after, strict=True):
@@ -258,18 +254,10 @@ class _Search(NamedTuple):
         return solve_on_segments(self.surface, few, load, self.starts.tolerance)[0]
 
 
-def _contacts_of(state: ContactState, period: float) -> _Contacts:
-    """The contacts of a state, whether its segments are contacts or gaps."""
-    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
-    return _Contacts(origin, centre - half_width, centre + half_width)
-
-
-def _gaps_between(contacts: _Contacts, which: range, period: float) -> Iterator[_Event]:
-    """The gaps from each of these contacts to the next, as closed; one number more stands for the first again."""
-    n = contacts.left.size
-    for i, j in pairwise(which):
-        here, after = contacts.origin[i] + contacts.right[i], contacts.origin[j % n] + contacts.left[j % n]
-        yield _Event(False, contacts.origin[i], contacts.right[i], contacts.right[i] + (after - here) % period)
+def _intervals(state: ContactState, between: bool, period: float) -> _Intervals:
+    """The segments of a state, or what lies between them."""
+    origin, centre, half_width = contacts_of(state.segments, between, period)
+    return _Intervals(origin, centre - half_width, centre + half_width)
 
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
@@ -309,10 +297,10 @@ def _gap_rounding(state: ContactState, series: CosineSeries) -> float:
 def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:
     """Distance from the origin and value of the minimum of the gap, or of the pressure, which may be negative."""
     y = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1]
-    lowest = int(np.argmin([_gap_or_pressure(state, series, event.birth, event.origin, each) for each in y]))
+    lowest = int(np.argmin(_gaps_or_pressures(state, series, event.birth, event.origin, y)))
     step = y[1] - y[0]
     minimum = scipy.optimize.minimize_scalar(
-        lambda position: _gap_or_pressure(state, series, event.birth, event.origin, position),
+        lambda position: _gaps_or_pressures(state, series, event.birth, event.origin, np.full(1, position))[0],
         bounds=(y[lowest] - step, y[lowest] + step),
         method="bounded",
         options={"xatol": POSITION_ACCURACY * step},
@@ -320,33 +308,23 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     return float(minimum.x), float(minimum.fun)
 
 
-@kernel
-def _from_crest(series: CosineSeries, origin: float, y: float) -> tuple[int, float]:
-    """The crest nearest to origin + y, and the distance from it, with all digits of y if the origin is that crest."""
-    crest, _ = nearest_crest(series, origin + y)
-    apart = origin - series.crest_position[crest]
-    return crest, apart - series.period * np.rint((apart + y) / series.period) + y
+def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool, origin: float, y: Array) -> Array:
+    """Gaps, at points origin + y off the contacts, or pressures, at points on them; any may be negative."""
+    at = np.full(y.size, origin)
+    if of_gaps != state.dual:
+        return residuals_one_by_one(state, series, *_from_crests(series, at, y))
+    return values_on_segments(state, series.period, at, y, state.dual)[1]
 
 
-@kernel
-def _gap_or_pressure(state: ContactState, series: CosineSeries, of_gap: bool, origin: float, y: float) -> float:
-    """The gap, for a point off the contacts, or the pressure, for one on them; either may be negative."""
-    crest, distance = _from_crest(series, origin, y)
-    if of_gap != state.dual:
-        return complementary_residual(state, series, crest, distance)
-    if of_gap:
-        return gap_from_slope(state, series.period, origin, y)
-    return density(state, series.period, origin, y)
-
-
-@kernel
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
     """The slope of the gap at points origin + y off the contacts."""
-    slope = np.empty(y.size)
-    for i in range(y.size):
-        crest, distance = _from_crest(series, origin[i], y[i])
-        if state.dual:
-            slope[i] = density(state, series.period, origin[i], y[i])
-        else:
-            slope[i] = complementary_residual_slope(state, series, crest, distance)
-    return slope
+    if state.dual:
+        return values_on_segments(state, series.period, origin, y, False)[1]
+    return gap_slopes(state, series, *_from_crests(series, origin, y))
+
+
+def _from_crests(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:
+    """The crests nearest to origin + y, and the distances from them: all digits of y, if the origin is the crest."""
+    crest, _ = nearest_crests(series, origin + y)
+    apart = origin - series.crest_position[crest]
+    return crest, apart - series.period * np.rint((apart + y) / series.period) + y

@@ -23,16 +23,14 @@ from weier.methods.patches.fields import (
     MIN_SUM_SEGMENTS,
     POTENTIAL,
     ContactState,
-    complementary_residual,
     complementary_residuals,
-    density_integral,
+    density_integrals,
     residuals_by_sums,
     residuals_one_by_one,
-    segment_at,
 )
 from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import Segments, distances_to_next
-from weier.methods.patches.surface import CosineSeries, nearest_crest, nearest_crests
+from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
 MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by rounding
@@ -117,7 +115,6 @@ class NegativeIntervals(NamedTuple):
         )
 
 
-@kernel
 def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
     """Whether the gap between contacts may be negative in any cell, from one valley to the next.
 
@@ -126,22 +123,34 @@ def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
     their difference is positive, the gap is. A cell with its crest in contact stays doubtful, and so does every cell
     between gaps (dual).
     """
-    n, period = series.crest_position.size, series.period
-    doubtful = np.ones(n, np.bool_)
+    x, period = series.crest_position, series.period
+    doubtful = np.ones(x.size, bool)
     if state.dual:
         return doubtful
-    for i in range(n):
-        x = series.crest_position[i]
-        if segment_at(state.segments, period, x, 0.0)[0] < 0:
-            displacement = -2 * density_integral(state, period, x, 0.0, POTENTIAL)
-            slope = -2 * np.pi / period * density_integral(state, period, x, 0.0, CAUCHY)
-            left, right = series.valley_position[i - 1] - (period if i == 0 else 0.0), series.valley_position[i]
-            tangent = displacement + min(slope * (left - x), slope * (right - x))
-            doubtful[i] = not tangent - state.approach - series.cell_offset[i] > 0
+    right, gap = _gaps_beside(state.segments, period)
+    free = np.flatnonzero(_interval_of(x, right, gap, period)[1])
+    displacement = -2 * density_integrals(state, period, x[free], np.zeros(free.size), POTENTIAL)
+    slope = -2 * np.pi / period * density_integrals(state, period, x[free], np.zeros(free.size), CAUCHY)
+    valley = series.valley_position
+    left, after = np.append(valley[-1] - period, valley[:-1]) - x, valley - x
+    tangent = displacement + np.minimum(slope * left[free], slope * after[free])
+    doubtful[free] = ~(tangent - state.approach - series.cell_offset[free] > 0)
     return doubtful
 
 
-@kernel
+def _gaps_beside(segments: Segments, period: float) -> tuple[Array, Array]:
+    """The right end of each segment, and the distance from there to the next."""
+    right = segments.origin + (segments.centre + segments.half_width)
+    return right, distances_to_next(segments, period)
+
+
+def _interval_of(x: Array, left: Array, length: Array, period: float) -> tuple[Indices, Flags, Array]:
+    """Of positions, the interval from `left` that holds each, and whether one does; and the image that it holds."""
+    x = x - period * np.floor((x - left[0]) / period)
+    of = np.searchsorted(left, x, side="right") - 1
+    return of, x < left[of] + length[of], x
+
+
 def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
     """Points in intervals between segments, and the interval of each; ascending in each.
 
@@ -151,20 +160,16 @@ def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Arr
     per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
     length = np.maximum(length, 0.0)  # segments may overlap
     count = MIN_PROBES + np.ceil(per_length * length).astype(np.int64)
-    point, interval, end = np.empty(count.sum()), np.repeat(np.arange(length.size), count), 0
-    for j in range(length.size):
-        for i in range(count[j]):
-            point[end + i] = left[j] + length[j] * 0.5 * (1 - np.cos((i + 0.5) * (np.pi / count[j])))
-        end += count[j]
+    end, interval = np.cumsum(count), np.repeat(np.arange(length.size), count)
+    number = np.arange(end[-1]) - np.repeat(end - count, count)
+    share = 0.5 * (1 - np.cos((number + 0.5) * np.repeat(np.pi / count, count)))
     turning = np.concatenate((series.crest_position, series.valley_position))
-    turning -= series.period * np.floor((turning - left[0]) / series.period)
-    of = np.searchsorted(left, turning, side="right") - 1
-    within = turning < left[of] + length[of]
-    point, interval = np.concatenate((point, turning[within])), np.concatenate((interval, of[within]))
-    order = np.argsort(point, kind="mergesort")
-    order = order[np.argsort(interval[order], kind="mergesort")]
+    of, within, turning = _interval_of(turning, left, length, series.period)
+    point = np.concatenate((left[interval] + length[interval] * share, turning[within]))
+    interval = np.concatenate((interval, of[within]))
+    order = np.lexsort((point, interval))
     point, interval = point[order], interval[order]
-    apart = np.ones(point.size, np.bool_)
+    apart = np.ones(point.size, bool)
     apart[1:] = (np.diff(point) > MIN_PROBE_DISTANCE / per_length) | (np.diff(interval) > 0)
     return point[apart], interval[apart]
 
@@ -283,10 +288,11 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     The potentials come from closed forms, or from fast sums for many segments, at other points than the nodes, so
     that neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some.
     """
-    if state.segments.centre.size < MIN_SUM_SEGMENTS:
-        return np.asarray(_residual_of_few(state, series))
-    first, crest, y = _sample_points(state.segments, True)
-    segments, count = state.segments, np.diff(np.append(first, y.size))
+    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
+    first, crest, y = _sample_points(segments, by_sums)
+    if not by_sums:
+        return np.asarray(np.maximum.reduceat(np.abs(residuals_one_by_one(state, series, crest, y)), first))
+    count = np.diff(np.append(first, y.size))
     middle, offset = np.repeat(segments.origin + segments.centre, count), y - np.repeat(segments.centre, count)
     residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
     # The seed is fixed, so that each run checks the same points.
@@ -295,16 +301,6 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     return np.asarray(np.maximum.reduceat(residual, first))
 
 
-@kernel
-def _residual_of_few(state: ContactState, series: CosineSeries) -> Array:
-    first, crest, y = _sample_points(state.segments, False)
-    residual, largest = residuals_one_by_one(state, series, crest, y), np.zeros(first.size)
-    for j in range(first.size):
-        largest[j] = np.abs(residual[first[j] :] if j + 1 == first.size else residual[first[j] : first[j + 1]]).max()
-    return largest
-
-
-@kernel
 def _sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
     """Zeros of a Chebyshev polynomial on each segment, as crests and distances from them; and the first of each.
 
@@ -313,12 +309,10 @@ def _sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, A
     nodes = np.diff(segments.first_node)
     count = 2 * (nodes + 1) if apart else np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)).astype(np.int64)
     first = np.cumsum(count) - count
-    crest, y = np.repeat(segments.crest, count), np.empty(count.sum())
-    for j in range(count.size):
-        for q in range(count[j]):
-            t = np.cos((q + 0.5) * (np.pi / count[j]))
-            y[first[j] + q] = segments.centre[j] - segments.half_width[j] * t
-    return first, crest, y
+    number = np.arange(count.sum()) - np.repeat(first, count)
+    t = -np.cos((number + 0.5) * np.repeat(np.pi / count, count))
+    y = np.repeat(segments.centre, count) + np.repeat(segments.half_width, count) * t
+    return first, np.repeat(segments.crest, count), y
 
 
 def certify(
@@ -389,32 +383,25 @@ def minima_outside(state: ContactState, series: CosineSeries) -> Minima:
     return _negative_minima(*_sample_gaps(state, series), residual, 0.0)
 
 
-@kernel
 def _sample_gaps(state: ContactState, series: CosineSeries) -> tuple[Array, Indices, Array]:
     """Points outside the segments, the index of the segment on their left, and the complementary residual there.
 
     That is left out, as inf, where it is positive for certain.
     """
-    segments = state.segments
-    right = segments.origin + (segments.centre + segments.half_width)
-    x, interval = _probe_points(right, distances_to_next(segments, series.period), series)
-    doubtful, needed, value = doubtful_cells(state, series), np.zeros(x.size + 2, np.bool_), np.full(x.size, np.inf)
-    for i in range(x.size):
-        if doubtful[_cell_of(series, x[i])]:
-            needed[i : i + 3] = True  # it and its neighbours, which are counted from 1 here
-    for i in range(x.size):
-        if needed[i + 1]:
-            crest, y = nearest_crest(series, x[i])
-            value[i] = complementary_residual(state, series, crest, y)
+    x, interval = _probe_points(*_gaps_beside(state.segments, series.period), series)
+    doubtful, value = doubtful_cells(state, series)[_cells_of(series, x)], np.full(x.size, np.inf)
+    needed = doubtful.copy()  # and so are the neighbours
+    needed[1:] |= doubtful[:-1]
+    needed[:-1] |= doubtful[1:]
+    value[needed] = complementary_residuals(state, series, *nearest_crests(series, x[needed]))
     return x, interval, value
 
 
-@kernel
-def _cell_of(series: CosineSeries, x: float) -> int:
-    """Index of the crest between whose valleys a position lies."""
+def _cells_of(series: CosineSeries, x: Array) -> Indices:
+    """Index of the crest between whose valleys each position lies."""
     last = series.valley_position[-1]
-    x -= series.period * (np.floor((x - last) / series.period) + 1)
-    return min(int(np.searchsorted(series.valley_position, x)), series.valley_position.size - 1)
+    x = x - series.period * (np.floor((x - last) / series.period) + 1)
+    return np.minimum(np.searchsorted(series.valley_position, x), series.valley_position.size - 1)
 
 
 def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Minima:

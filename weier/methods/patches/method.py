@@ -9,11 +9,12 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.patches import error_model, many_contacts
+from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import residuals_by_sums
 from weier.methods.patches.given_edges import MAX_DENSE, invert_punches
-from weier.methods.patches.solver import TOLERANCE, Curve, curve, solve_loads
-from weier.methods.patches.surface import nearest_crests, surface_of
+from weier.methods.patches.segments import Iterate, make_segments
+from weier.methods.patches.solver import TOLERANCE, Curve, curve
+from weier.methods.patches.surface import Surface, nearest_crests, surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
@@ -21,7 +22,7 @@ from weier.theory.waves import Waves
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
 
-THREE_WAVES = Profile(D=1.25, gamma=2, m=3, phases=(0.0, 1.0, 2.0))
+ONE_WAVE, LIGHT, NODES = Profile(D=1.25, gamma=2, m=1), 1e-3, 8
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
@@ -44,14 +45,26 @@ def _solve_loads(profile: Waves, loads: Array, residual_tolerance: float = TOLER
     return curve(profile, loads, residual_tolerance)
 
 
-def _solve_without_matrix() -> None:
-    """A few contacts by what serves thousands, and the forces that only these have."""
-    surface = surface_of(THREE_WAVES)
-    for load in (0.3, 0.9 * surface.full_contact_load):  # contacts, and gaps
-        state = solve_loads(THREE_WAVES, load)[0].state
-        assert state is not None
-        series = surface.series(state.dual)
-        many_contacts.solve_many_contacts(surface, state.iterate, load, TOLERANCE)
+def _single(surface: Surface, dual: bool) -> tuple[Iterate, float]:
+    """The contact on the crest of one wave by Hertz's theory, or the gap in its trough (dual), and its load."""
+    series = surface.series(dual)
+    curvature, load = abs(series.amplitude[0]) * series.wavenumber[0] ** 2, LIGHT * series.maximum
+    half_width, zero = np.array([2 * np.sqrt(load / curvature)]), np.zeros(1)
+    segments = make_segments(np.array([0]), series.crest_position, zero, half_width, np.array([NODES]), series.period)
+    guess = Iterate(dual, segments, np.full(NODES, np.sqrt(load * curvature) / np.pi), 0.0)
+    return guess, series.maximum - load if dual else load
+
+
+def _run_kernels() -> None:
+    """A contact and a gap by what serves a few and by what serves thousands, and the forces that only these have.
+
+    None of them starts from boundary elements, which may still be compiled.
+    """
+    surface = surface_of(ONE_WAVE)
+    for dual in (False, True):
+        series, (guess, load) = surface.series(dual), _single(surface, dual)
+        newton.solve_few_contacts(surface, guess, load, TOLERANCE)
+        state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
         crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
     centre = np.arange(2.0 * MAX_DENSE)
@@ -107,7 +120,7 @@ METHOD = Method(
     numerical=True,
     style=Style("#000000", (), "d"),
     noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
-    run_rare_kernels=_solve_without_matrix,
+    run_kernels=_run_kernels,
     variants=_variants,
     seconds=_seconds,
     solution_error=_solution_error,

@@ -51,7 +51,7 @@ from weier.methods.patches.segments import (
     Segments,
     are_resolved,
     coefficient_tails,
-    distances_to_next,
+    distances_between,
     estimate_node_count,
     increase_node_count,
     make_segments,
@@ -61,8 +61,7 @@ from weier.methods.patches.surface import CosineSeries, Surface, evaluate_series
 
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of Newton's method, and of corrections
-MAX_ROUNDING_STEP = 1e-5  # smaller steps that no longer shrink are rounding, as in a contact that has just been born
-MIN_ROUNDING_RATIO = 0.3  # of a step over the one before: free of rounding, Newton's steps shrink far more
+MAX_ROUNDING_STEP = 1e-5  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
 MAX_RATIO = 0.5  # of a correction over the one before: with more, the slow modes need more nodes
 SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
 MAX_RESISTANCE_ERROR = 1e-8  # of it, where rounding ends them
@@ -104,7 +103,7 @@ class Factors(NamedTuple):
     """Of the matrix on few nodes, which correct those on many.
 
     first_node : of the few, as in `Segments`
-    lower_upper, pivot : LAPACK's, with its columns as rows
+    lower_upper, pivot : LAPACK's
     """
 
     first_node: Indices
@@ -312,36 +311,16 @@ def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float
 def _factorise(now: Iterate, system: System) -> Factors:
     """The factors of a matrix; if it is singular, what is solved with them is not finite."""
     lower_upper, pivot, _ = scipy.linalg.lapack.dgetrf(system.matrix.T, overwrite_a=True)
-    return Factors(now.segments.first_node, lower_upper.T, pivot)
+    return Factors(now.segments.first_node, lower_upper, pivot)
 
 
-@kernel
-def _back_substitute(factors: Factors, right_side: Array) -> Array:
-    x, n = right_side.copy(), right_side.size
-    for j in range(n):
-        x[j], x[factors.pivot[j]] = x[factors.pivot[j]], x[j]
-    for j in range(n):
-        column, here = factors.lower_upper[j], x[j]
-        for k in range(j + 1, n):
-            x[k] -= here * column[k]
-    for j in range(n - 1, -1, -1):
-        column = factors.lower_upper[j]
-        x[j] /= column[j]
-        here = x[j]
-        for k in range(j):
-            x[k] -= here * column[k]
-    return x
-
-
-@kernel
 def _correction(residual: Array, factors: Factors, many: Indices, period: float, dual: bool) -> Array:
     """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves."""
-    fewer, fast = _restrict(residual, factors.first_node, many, period, dual)
-    slow, N = _back_substitute(factors, fewer), many[-1]
-    change = np.empty(residual.size)
-    change[:N] = _prolong(slow, factors.first_node, many, fast)
-    change[N:] = slow[factors.first_node[-1] :]
-    return change
+    few = factors.first_node
+    fewer, fast = _restrict(residual, few, many, period, dual)
+    slow, _ = scipy.linalg.lapack.dgetrs(factors.lower_upper, factors.pivot, fewer, overwrite_b=True)
+    phi = _evaluate_modes(expand(slow, few), few, many, fast)
+    return np.concatenate([phi, slow[few[-1] :]])
 
 
 @kernel
@@ -379,33 +358,41 @@ def _restrict(row: Array, few: Indices, many: Indices, period: float, dual: bool
 
 
 @kernel
-def _prolong(phi: Array, few: Indices, many: Indices, fast: Array) -> Array:
-    """phi on many nodes from that on few and coefficients of faster modes."""
-    finer = np.zeros(many[-1])
+def expand(phi: Array, first_node: Indices) -> Array:
+    """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
+    a = np.empty(first_node[-1])
+    for j in range(first_node.size - 1):
+        a[first_node[j] : first_node[j + 1]] = expansion_coefficients(phi[first_node[j] : first_node[j + 1]])
+    return a
+
+
+@kernel
+def _evaluate_modes(slow: Array, few: Indices, many: Indices, fast: Array) -> Array:
+    """phi on many nodes from the coefficients of slow modes, as many as there are few nodes, and of fast ones."""
+    phi = np.zeros(many[-1])
     for i in range(few.size - 1):
         count, less = many[i + 1] - many[i], few[i + 1] - few[i]
         a = fast[many[i] : many[i + 1]].copy()
-        a[: min(less, count)] += expansion_coefficients(phi[few[i] : few[i + 1]])[: min(less, count)]
+        for k in range(min(less, count)):
+            a[k] += slow[few[i] + k]
         sine = sines(count)
         for q in range(count):  # at the angle q + 1, from the right
             total, angle = 0.0, 0
             for k in range(count):  # U_k(cos x) sin x = sin((k+1) x)
                 angle = advance(angle, q + 1, sine.size)
                 total += a[k] * sine[angle]
-            finer[many[i + 1] - 1 - q] = total / sine[q + 1]
-    return finer
+            phi[many[i + 1] - 1 - q] = total / sine[q + 1]
+    return phi
 
 
-@kernel
 def change_nodes(now: Iterate, node_count: Indices, period: float) -> Iterate:
     """The density on so many nodes of each segment."""
     old = now.segments
     new = make_segments(old.crest, old.origin, old.centre, old.half_width, node_count, period)
-    phi = _prolong(now.phi, old.first_node, new.first_node, np.zeros(new.node.size))
-    return Iterate(now.dual, new, phi, now.approach)
+    slow, none = expand(now.phi, old.first_node), np.zeros(new.node.size)
+    return Iterate(now.dual, new, _evaluate_modes(slow, old.first_node, new.first_node, none), now.approach)
 
 
-@kernel
 def on_few_nodes(now: Iterate, series: CosineSeries) -> Iterate:
     """The density on as few nodes as a guess has."""
     old = now.segments
@@ -413,22 +400,19 @@ def on_few_nodes(now: Iterate, series: CosineSeries) -> Iterate:
     return change_nodes(now, count, series.period)
 
 
-@kernel
 def own_density(now: Iterate, series: CosineSeries, load: float) -> Iterate:
     """The density that each segment takes under those of the others."""
     none, many = np.zeros(now.segments.first_node.size, np.int64), now.segments.first_node
-    fast = _restrict(assemble(now, series, load).residual, none, many, series.period, True)[1]
-    return Iterate(now.dual, now.segments, now.phi - _prolong(fast, none, many, fast), now.approach)
+    _, fast = _restrict(assemble(now, series, load).residual, none, many, series.period, True)
+    return now._replace(phi=now.phi - _evaluate_modes(fast, none, many, fast))
 
 
-@kernel
 def _take_step(now: Iterate, system: System, factors: Factors, period: float) -> tuple[Iterate, float]:
     """The unknowns after a step, and its size: inf or NaN if it cannot be taken, and nothing has changed."""
     segments, N, n = now.segments, now.phi.size, now.segments.centre.size
     step = -_correction(system.residual, factors, segments.first_node, period, now.dual)
-    size = _relative_step(segments, now.phi, step)
-    if size < np.inf:
-        size = max(size, _largest_loss(segments, step, period))
+    place = segments.origin, segments.centre, segments.half_width
+    size = _step_size(*place, segments.first_node, now.phi, step, period)
     if not size < np.inf:
         return now, size
     centre = segments.centre + step[N : N + n] * segments.half_width
@@ -437,29 +421,26 @@ def _take_step(now: Iterate, system: System, factors: Factors, period: float) ->
 
 
 @kernel
-def _relative_step(segments: Segments, phi: Array, step: Array) -> float:
-    """The largest relative change of any segment's density, centre or width; NaN if the step is not finite."""
-    if not np.all(np.isfinite(step)):
-        return np.nan
-    largest = np.abs(step[phi.size : -1]).max()
-    for j in range(segments.centre.size):
-        here = slice(segments.first_node[j], segments.first_node[j + 1])
-        largest = max(largest, np.abs(step[here]).max() / np.abs(phi[here]).max())
-    return largest
+def _step_size(
+    origin: Array, centre: Array, r: Array, first_node: Indices, phi: Array, step: Array, period: float
+) -> float:
+    """The largest relative change of any segment's density, centre or width, or of a distance between segments.
 
-
-@kernel
-def _largest_loss(segments: Segments, step: Array, period: float) -> float:
-    """The largest change of a distance between segments, over itself; inf if one of them or a width is lost."""
-    n, r, distance = segments.centre.size, segments.half_width, distances_to_next(segments, period)
-    growth, shift = step[-1 - n : -1], step[-1 - 2 * n : -1 - n]
-    largest = 0.0
+    NaN if the step is not finite, and inf if a width or a distance is lost.
+    """
+    n, N, largest, distance = r.size, phi.size, 0.0, distances_between(origin, centre, r, period)
+    for i in range(step.size):
+        if not np.isfinite(step[i]):
+            return np.nan
     for j in range(n):
-        k = (j + 1) % n
-        loss = (r[j] * (growth[j] + shift[j]) + r[k] * (growth[k] - shift[k])) / distance[j]
-        if loss >= 1 or growth[j] <= -1:
+        k, of_phi, of_step = (j + 1) % n, 0.0, 0.0
+        for q in range(first_node[j], first_node[j + 1]):
+            of_phi, of_step = max(of_phi, abs(phi[q])), max(of_step, abs(step[q]))
+        shift, growth = step[N + j], step[N + n + j]
+        loss = (r[j] * (growth + shift) + r[k] * (step[N + n + k] - step[N + k])) / distance[j]
+        if loss >= 1 or growth <= -1:
             return np.inf
-        largest = max(largest, abs(loss))
+        largest = max(largest, of_step / of_phi, abs(shift), abs(growth), abs(loss))
     return largest
 
 
@@ -470,21 +451,20 @@ def newton_iteration(
 
     ConvergenceError is raised if the steps do not shrink.
     """
-    size = np.inf
-    _check_size(now.segments.first_node, load)
+    _check_size(now.segments.node.size, now.segments.centre.size, load)
     for steps in range(1, MAX_STEPS + 1):
         system = assemble(now, series, load)
-        factors, previous = _factorise(now, system), size
+        factors = _factorise(now, system)
         now, size = _take_step(now, system, factors, series.period)
+        if size < tolerance:
+            return now, factors, steps
         if not size < np.inf:
             break
-        if size < tolerance or MIN_ROUNDING_RATIO * previous < size < MAX_ROUNDING_STEP:
-            return now, factors, steps
     raise ConvergenceError(f"Newton's method fails under the mean pressure {load:.6g} p_0*", float(size))
 
 
-def _check_size(first_node: Indices, load: float) -> None:
-    unknowns = first_node[-1] + 2 * first_node.size - 1
+def _check_size(nodes: int, segments: int, load: float) -> None:
+    unknowns = nodes + 2 * segments + 1
     if unknowns > MAX_UNKNOWNS:
         raise ConvergenceError(
             f"{unknowns} unknowns under {load:.6g} p_0* are more than a dense matrix holds, {MAX_UNKNOWNS}"
@@ -503,80 +483,53 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
     count = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
     count = np.maximum(count, np.diff(few.first_node))
     for _ in range(MAX_NODE_ROUNDS):
-        _check_size(np.append(0, np.cumsum(count)), load)
-        state, more, size, resistance_error = _solve_on_many_nodes(coarse, factors, count, series, load, tolerance)
-        if not size < np.inf:
-            break
+        _check_size(int(count.sum()), count.size, load)
+        now, more = _refine(change_nodes(coarse, count, series.period), factors, series, load, tolerance)
         steps += more
-        if resistance_error < np.inf:
-            if resistance_error > MAX_RESISTANCE_ERROR:
-                raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*")
-            return state, steps
-        count = increase_node_count(state.segments, state.coefficient, load, tolerance)
-    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*")
+        coefficient = expand(now.phi, now.segments.first_node)
+        resolved = are_resolved(now.segments, coefficient, tolerance)
+        if np.all(resolved):
+            sensitivity, more = _sensitivity(now, factors, series, load)
+            unknowns = now.approach, now.segments, now.phi, coefficient, sensitivity
+            return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps + more
+        count = increase_node_count(count, resolved, load)
+    raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
 
-@kernel
-def _solve_on_many_nodes(
-    coarse: Iterate, factors: Factors, node_count: Indices, series: CosineSeries, load: float, tolerance: float
-) -> tuple[ContactState, int, float, float]:
-    """The state on so many nodes, the corrections, the size of the last, and the error of the resistance.
-
-    Both are inf, if corrections do not shrink; and the latter is, if the nodes do not resolve the density.
-    """
-    now, steps, size = _refine(coarse, factors, node_count, series, load, tolerance)
-    coefficient, sensitivity, resistance_error = expand(now), np.full(1, np.nan), np.inf
-    if size < np.inf and np.all(are_resolved(now.segments, coefficient, tolerance)):
-        sensitivity, more, resistance_error = _sensitivity(now, factors, series, load)
-        steps += more
-    unknowns = (now.approach, now.segments, now.phi, coefficient, sensitivity)
-    return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps, size, resistance_error
-
-
-@kernel
 def _refine(
-    coarse: Iterate, factors: Factors, node_count: Indices, series: CosineSeries, load: float, tolerance: float
-) -> tuple[Iterate, int, float]:
-    """The solution on so many nodes, the corrections, and the size of the last; inf if they do not shrink."""
-    now, previous = change_nodes(coarse, node_count, series.period), np.inf
+    now: Iterate, factors: Factors, series: CosineSeries, load: float, tolerance: float
+) -> tuple[Iterate, int]:
+    """The solution on the nodes of a guess and the corrections to it; ConvergenceError if these do not shrink."""
+    previous = np.inf
     for steps in range(1, MAX_STEPS + 1):
         now, size = _take_step(now, assemble(now, series, load), factors, series.period)
         ratio, previous = size / previous, size
         is_stuck = ratio > MAX_RATIO
         if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
-            return now, steps, size
+            return now, steps
         if is_stuck or not size < 1:
             break
-    return now, steps, np.inf
+    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", float(size))
 
 
-@kernel
-def expand(now: Iterate) -> Array:
-    """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
-    a = np.empty(now.phi.size)
-    for j in range(now.segments.centre.size):
-        here = slice(now.segments.first_node[j], now.segments.first_node[j + 1])
-        a[here] = expansion_coefficients(now.phi[here])
-    return a
-
-
-@kernel
-def _sensitivity(now: Iterate, factors: Factors, series: CosineSeries, load: float) -> tuple[Array, int, float]:
-    """The derivatives of the unknowns in the mean pressure, the corrections, and the resistance's relative error."""
+def _sensitivity(now: Iterate, factors: Factors, series: CosineSeries, load: float) -> tuple[Array, int]:
+    """The derivatives of the unknowns in the mean pressure, and the corrections to these."""
     system = assemble(now, series, load)
-    found, previous, resistance_change = np.zeros(system.residual.size), np.inf, 1.0
+    found, previous, error = np.zeros(system.residual.size), np.inf, np.inf
     for step in range(1, MAX_STEPS + 1):
         left = -system.by_load - found @ system.matrix
         change = _correction(left, factors, now.segments.first_node, series.period, now.dual)
-        found = found + change
-        size = _relative_step(now.segments, now.phi, load * change)
-        resistance_change = abs(change[-1] / found[-1])
-        ratio, previous = size / previous, size
-        if step > 2 and resistance_change * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
-            return found, step, resistance_change * ratio
-        if ratio > MAX_RATIO:
+        found += change
+        size = float(np.abs(change).max())
+        ratio, previous = size / max(previous, 1e-300), size
+        error = float(abs(change[-1] / found[-1]))
+        if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
+            return found, step
+        if not ratio <= MAX_RATIO:
             break
-    return found, step, resistance_change
+    if error <= MAX_RESISTANCE_ERROR:
+        return found, step
+    raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*", error)
 
 
 def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:

@@ -29,6 +29,8 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 # A singularity as far from an interval as the interval is wide lies on the Bernstein ellipse of 3 + sqrt(8) = 5.83,
 # and 5.83^-15 = 3e-12 bounds the relative error of the smooth part of ln, of which little is that rough.
 ORDER = 15
+POINT = np.cos((np.arange(ORDER) + 0.5) * (np.pi / ORDER))  # the zeros of T_ORDER
+BASIS = 2 / ORDER * np.cos(np.arange(ORDER)[:, None] * np.arccos(POINT))  # T_k there, one k a row
 LEAF_POINTS = 40  # at most: more cost memory in near pairs, fewer in far ones
 MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
 
@@ -121,33 +123,14 @@ def take_logarithms(x: Array) -> None:
 
 
 @kernel
-def chebyshev_points() -> Array:
-    """The zeros of T_ORDER."""
-    point = np.empty(ORDER)
-    for q in range(ORDER):
-        point[q] = np.cos((q + 0.5) * np.pi / ORDER)
-    return point
-
-
-@kernel
-def _interpolation_basis() -> Blocks:
-    """2/ORDER T_k at the Chebyshev points, one k a row."""
-    basis = np.empty((ORDER, ORDER))
-    for k in range(ORDER):
-        for q in range(ORDER):
-            basis[k, q] = 2 / ORDER * np.cos(k * (q + 0.5) * np.pi / ORDER)
-    return basis
-
-
-@kernel
-def _interpolate(basis: Blocks, t: float, weight: Array) -> None:
+def _interpolate(t: float, weight: Array) -> None:
     """The weights of the values at the Chebyshev points in the polynomial at t."""
     t = min(max(t, -1.0), 1.0)
     weight[:] = 1 / ORDER
     T_before, T = 1.0, t
     for k in range(1, ORDER):
         for q in range(ORDER):
-            weight[q] += T * basis[k, q]
+            weight[q] += T * BASIS[k, q]
         T_before, T = T, 2 * t * T - T_before
 
 
@@ -190,18 +173,17 @@ def make_tree(origin: Array, offset: Array) -> Tree:
 
 @kernel
 def _fill_interpolations(tree: Tree) -> None:
-    point, basis = chebyshev_points(), _interpolation_basis()
     for node in range(tree.low.size):
         middle, half = interval(tree, node)
         if node > 0:
             parent_middle, parent_half = interval(tree, (node - 1) >> 1)
             for q in range(ORDER):
-                t = ((middle - parent_middle) + half * point[q]) / parent_half
-                _interpolate(basis, t, tree.to_parent[node, q])
+                t = ((middle - parent_middle) + half * POINT[q]) / parent_half
+                _interpolate(t, tree.to_parent[node, q])
         if node >= _first_leaf(tree):
             start, end = points_of_leaf(tree, node)
             for a in range(start, end):
-                _interpolate(basis, (tree.position[a] - middle) / half, tree.at_points[a])
+                _interpolate((tree.position[a] - middle) / half, tree.at_points[a])
 
 
 @kernel
@@ -253,14 +235,14 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 
 @kernel
 def _fill_far_block(
-    one: Tree, a: int, other: Tree, b: int, point: Array, period: float, dual: bool, block: NDArray[np.float64]
+    one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: NDArray[np.float64]
 ) -> None:
     """The kernel between the Chebyshev points of two nodes."""
     middle, half = interval(one, a)
     other_middle, other_half = interval(other, b)
     for i in range(ORDER):
         for j in range(ORDER):
-            block[i, j] = (middle - other_middle) + (half * point[i] - other_half * point[j])
+            block[i, j] = (middle - other_middle) + (half * POINT[i] - other_half * POINT[j])
     apply_kernel(block.reshape(block.size), period, dual)
 
 
@@ -285,9 +267,9 @@ def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) ->
     """The matrix for points at origin + offset, ascending and within one period."""
     tree = make_tree(origin, offset)
     far, near = pair_nodes(tree, tree, period, True)
-    far_block, point = np.empty((far.shape[0], ORDER, ORDER)), chebyshev_points()
+    far_block = np.empty((far.shape[0], ORDER, ORDER))
     for pair in range(far.shape[0]):
-        _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], point, period, dual, far_block[pair])
+        _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], period, dual, far_block[pair])
     near_start = np.zeros(near.shape[0] + 1, np.int64)
     for pair in range(near.shape[0]):
         start, end = points_of_leaf(tree, near[pair, 0])
@@ -376,9 +358,9 @@ def potential(source: Tree, f: Array, origin: Array, offset: Array, period: floa
     target = make_tree(origin, offset)
     far, near = pair_nodes(target, source, period, False)
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(offset.size)
-    block, point = np.empty((ORDER, ORDER)), chebyshev_points()
+    block = np.empty((ORDER, ORDER))
     for pair in range(far.shape[0]):
-        _fill_far_block(target, far[pair, 0], source, far[pair, 1], point, period, dual, block)
+        _fill_far_block(target, far[pair, 0], source, far[pair, 1], period, dual, block)
         for i in range(ORDER):
             for j in range(ORDER):
                 field[far[pair, 0], i] += block[i, j] * moment[far[pair, 1], j]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -79,22 +80,20 @@ class Iterate(NamedTuple):
     approach: float
 
 
-@kernel
+@lru_cache(maxsize=256)
+def _gauss_rule(count: int) -> tuple[Array, Array, Array]:
+    """Nodes, weights and weights for ln|t| of so many nodes."""
+    return nodes(count), weights(count), log_weights(count)
+
+
 def make_segments(
     crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices, period: float
 ) -> Segments:
     """Segments, already in order, with so many nodes each."""
-    first_node = np.zeros(centre.size + 1, np.int64)
-    first_node[1:] = np.cumsum(node_count)
-    node, weight, log_weight = np.empty(first_node[-1]), np.empty(first_node[-1]), np.empty(first_node[-1])
-    for j in range(centre.size):
-        here = slice(first_node[j], first_node[j + 1])
-        if j > 0 and node_count[j] == node_count[j - 1]:
-            before = slice(first_node[j - 1], first_node[j])
-            node[here], weight[here], log_weight[here] = node[before], weight[before], log_weight[before]
-        else:
-            node[here], weight[here] = nodes(node_count[j]), weights(node_count[j])
-            log_weight[here] = log_weights(node_count[j])
+    first_node = np.append(0, np.cumsum(node_count))
+    node, weight, log_weight = (
+        np.concatenate(each) for each in zip(*map(_gauss_rule, node_count.tolist()), strict=True)
+    )
     far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
     new = Segments(
         crest, origin, centre, half_width, first_node, node, weight, log_weight, far_field, centre, centre, node, node
@@ -102,22 +101,16 @@ def make_segments(
     return move_segments(new, centre, half_width, period)
 
 
-@kernel
 def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
     """Segments of the same contacts and nodes, with other centres and half-widths."""
-    sine, cosine = np.empty(segments.node.size), np.empty(segments.node.size)
     centre_angle = np.pi / period * (segments.origin + centre)
-    for j in range(centre.size):
-        for q in range(segments.first_node[j], segments.first_node[j + 1]):
-            angle = np.pi / period * half_width[j] * segments.node[q]
-            sine[q], cosine[q] = np.sin(angle), np.cos(angle)
-    return Segments(
-        segments.crest, segments.origin, centre, half_width, segments.first_node, segments.node, segments.weight,
-        segments.log_weight, segments.far_field, np.sin(centre_angle), np.cos(centre_angle), sine, cosine,
+    angle = np.pi / period * np.repeat(half_width, np.diff(segments.first_node)) * segments.node
+    return segments._replace(
+        centre=centre, half_width=half_width, centre_sine=np.sin(centre_angle), centre_cosine=np.cos(centre_angle),
+        sine=np.sin(angle), cosine=np.cos(angle),
     )  # fmt: skip
 
 
-@kernel
 def distances_to_next(segments: Segments, period: float) -> Array:
     """Distance from the right end of each segment to the left end of the next, round the period, in lambda_0."""
     return distances_between(segments.origin, segments.centre, segments.half_width, period)
@@ -142,7 +135,6 @@ def distances_between(origin: Array, centre: Array, half_width: Array, period: f
     return distance
 
 
-@kernel
 def estimate_node_count(
     origin: Array, centre: Array, half_width: Array, series: CosineSeries, tolerance: float
 ) -> Indices:
@@ -150,38 +142,44 @@ def estimate_node_count(
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge.
     """
-    digits = -np.log10(tolerance)
-    least, per_radian = np.interp(digits, DIGITS, NODES_AT_LEAST), np.interp(digits, DIGITS, NODES_PER_RADIAN)
-    per_neighbour, per_twin = (
-        np.interp(digits, DIGITS, NODES_PER_NEIGHBOUR),
-        np.interp(digits, DIGITS, NODES_PER_TWIN),
-    )
-    distance, count = distances_between(origin, centre, half_width, series.period), np.empty(centre.size, np.int64)
+    finest = float(series.wavenumber[-1])
+    return np.asarray(_count_nodes(origin, centre, half_width, series.period, finest, _needs(tolerance)))
+
+
+@kernel
+def _count_nodes(
+    origin: Array, centre: Array, half_width: Array, period: float, finest: float, needs: tuple[float, ...]
+) -> Indices:
+    least, per_radian, per_neighbour, per_twin = needs
+    distance, count = distances_between(origin, centre, half_width, period), np.empty(centre.size, np.int64)
     for j in range(centre.size):
         r = half_width[j]
         nearest = min(max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE), MAX_DISTANCE)
         ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
-        needed = least + per_radian * series.wavenumber[-1] * r + (per_neighbour + per_twin / ln_rho) / ln_rho
+        needed = least + per_radian * finest * r + (per_neighbour + per_twin / ln_rho) / ln_rho
         count[j] = np.int64(min(np.ceil(needed), MAX_NODES))
     return count
 
 
-@kernel
+@lru_cache(maxsize=64)
+def _needs(tolerance: float) -> tuple[float, ...]:
+    """The parameters of the number of nodes for this tolerance."""
+    tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR, NODES_PER_TWIN
+    return tuple(float(np.interp(-np.log10(tolerance), DIGITS, each)) for each in tables)
+
+
 def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
-    """Size of two Chebyshev coefficients before the last ones skipped over that of the largest, shape (segments,)."""
-    tail = np.empty(segments.centre.size)
-    for j in range(tail.size):
-        a = np.abs(coefficient[segments.first_node[j] : segments.first_node[j + 1] - skipped])
-        tail[j] = max(a[-1], a[-2]) / max(a.max(), 1e-300)
-    return tail
+    """Size of two Chebyshev coefficients before the last ones, which are 0, over that of the largest."""
+    size, last = np.abs(coefficient), segments.first_node[1:] - 1 - skipped
+    largest = np.maximum.reduceat(size, segments.first_node[:-1])
+    return np.asarray(np.maximum(size[last], size[last - 1]) / np.maximum(largest, 1e-300))
 
 
-@kernel
 def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
     """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
     tail, widest = coefficient_tails(segments, coefficient, 0), segments.half_width.max()
     rounding = np.minimum(TAIL_ROUNDING * (widest / segments.half_width) ** 2, MAX_TAIL_ROUNDING)
-    return tail <= np.maximum(tolerance, rounding)
+    return np.asarray(tail <= np.maximum(tolerance, rounding))
 
 
 def more_nodes(node_count: NDArray[np.int64]) -> Indices:
@@ -189,14 +187,11 @@ def more_nodes(node_count: NDArray[np.int64]) -> Indices:
     return np.minimum(np.ceil(MORE_NODES * node_count) + AT_LEAST_MORE, MAX_NODES).astype(np.int64)
 
 
-def increase_node_count(segments: Segments, coefficient: Array, load: float, tolerance: float) -> Indices:
-    """Node counts with which all coefficients decay to the tolerance, if they do not do so yet."""
-    too_large = ~are_resolved(segments, coefficient, tolerance)
-    count, tail = np.diff(segments.first_node), coefficient_tails(segments, coefficient, 0)
-    if np.any(count[too_large] >= MAX_NODES):
+def increase_node_count(count: Indices, resolved: Flags, load: float) -> Indices:
+    """More nodes for the segments whose density they do not resolve yet."""
+    if np.any(count[~resolved] >= MAX_NODES):
         raise ConvergenceError(
             f"under the mean pressure {load:.6g} p_0*, two contacts or two gaps are so close to each other that "
-            f"{MAX_NODES} nodes on one of them do not resolve the density",
-            float(tail.max()),
+            f"{MAX_NODES} nodes on one of them do not resolve the density"
         )
-    return np.where(too_large, more_nodes(count), count)
+    return np.where(resolved, count, more_nodes(count))
