@@ -7,7 +7,6 @@ from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
 from weier.methods.patches import fields
-from weier.methods.patches.fields import segment_at
 from weier.methods.patches.surface import evaluate_series
 
 LONG_PERIOD = Profile(1.5, "5/2", 4, (0.0, 1.0, 2.0, 3.0))
@@ -56,23 +55,6 @@ def test_fast_sums_are_the_closed_forms(profile, share, dual, monkeypatch):
     assert 20 < np.count_nonzero(gap > 0) < x.size - 20
 
 
-@pytest.mark.parametrize("share", [0.3, 0.9])
-def test_points_all_on_contacts_or_all_in_gaps(share, monkeypatch):
-    """Nothing is left for the sums over all contacts or gaps (dual)."""
-    monkeypatch.setattr(fields, "MIN_SUM_SEGMENTS", 5)
-    solution = patches.solve_load(LONG_PERIOD, share * LONG_PERIOD.full_contact_load)
-    assert solution.state.dual == (share == 0.9)
-    assert solution.state.segments.centre.size >= fields.MIN_SUM_SEGMENTS
-    inside = np.repeat(solution.centre, 20)
-    right = solution.centre + solution.half_width
-    gap = (np.roll(right - 2 * solution.half_width, -1) - right) % LONG_PERIOD.period
-    outside = np.repeat(right + 0.5 * gap, 20)
-    assert inside.size >= fields.MIN_SUM_POINTS
-    for x, x_of_gap in ((inside, False), (outside, True), (np.empty(0), True)):
-        np.testing.assert_array_equal(solution.gap(x) > 0, x_of_gap)
-        np.testing.assert_array_equal(solution.pressure(x) > 0, not x_of_gap)
-
-
 def test_few_points_need_no_tree_of_all_nodes(monkeypatch):
     solution = patches.solve_load(LONG_PERIOD, 0.3 * LONG_PERIOD.full_contact_load)
     assert solution.state.segments.centre.size >= fields.MIN_SUM_SEGMENTS
@@ -85,17 +67,3 @@ def test_few_points_need_no_tree_of_all_nodes(monkeypatch):
     np.testing.assert_allclose(few, expected[:5], atol=1e-12 * solution.mean_pressure * LONG_PERIOD.period)
     solution.gap(x)
     assert calls == [np.count_nonzero(expected)]
-
-
-def test_the_segment_at_a_point():
-    solution = patches.solve_load(LONG_PERIOD, 0.5)
-    segments, period = solution.state.segments, LONG_PERIOD.period
-    assert not solution.state.dual
-    centre = segments.origin + segments.centre
-    for turn in (-period, 0.0, period):
-        for j in range(centre.size):
-            for t in (-0.999, 0.0, 0.999):
-                found, coordinate = segment_at(segments, period, centre[j] + turn, t * segments.half_width[j])
-                assert found == j
-                assert coordinate == pytest.approx(t, abs=1e-9)  # a position of 8 is rounded to 1e-15
-            assert segment_at(segments, period, centre[j] + turn, 1.001 * segments.half_width[j])[0] == -1

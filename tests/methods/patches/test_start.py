@@ -1,7 +1,5 @@
 """Where each load starts from."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
@@ -31,22 +29,15 @@ def test_loads_of_any_size(loads):
         patches.curve(THREE_WAVES, [1e-308, *loads])
 
 
-def test_lone_contacts_share_the_load_as_the_solution_does():
-    """Contacts of half-width a that Hertz's theory places: (k a)^2 is left out."""
-    surface = surface_of(TWIN_CRESTS)
-    for load in (1e-12, 1e-6):
-        guess = lone_contacts(surface.heights, load)
-        state = patches.solve_load(TWIN_CRESTS, load).state
-        np.testing.assert_allclose(guess.segments.half_width, state.segments.half_width, rtol=1e-2)
-    assert lone_contacts(surface.heights, 0.5) is None
-
-
-def test_lone_gaps_before_full_contact():
-    surface = surface_of(THREE_WAVES)
-    load = surface.full_contact_load * (1 - 1e-6)
-    guess, state = lone_gaps(surface.tensions, load), patches.solve_load(THREE_WAVES, load).state
-    np.testing.assert_allclose(guess.segments.half_width, state.segments.half_width, rtol=1e-2)
-    assert lone_gaps(surface.tensions, 0.5) is None
+@pytest.mark.parametrize(("profile", "load"), [(TWIN_CRESTS, 1e-12), (TWIN_CRESTS, 1e-6), (THREE_WAVES, None)])
+def test_lone_contacts_and_gaps_are_those_of_the_solution(profile, load):
+    """Half-widths that Hertz's theory gives, and the like of it just before full contact: (k a)^2 is left out."""
+    surface = surface_of(profile)
+    lone, series = (lone_contacts, surface.heights) if load else (lone_gaps, surface.tensions)
+    load = load or surface.full_contact_load * (1 - 1e-6)
+    state = patches.solve_load(profile, load).state
+    np.testing.assert_allclose(lone(series, load).segments.half_width, state.segments.half_width, rtol=1e-2)
+    assert lone(series, 0.5) is None
 
 
 def test_newton_takes_few_steps():
@@ -57,10 +48,3 @@ def test_newton_takes_few_steps():
 def test_a_far_load_of_a_symmetric_profile_takes_few_steps():
     """Contacts that are born in pairs must not overlap, for then they would take thousands of nodes."""
     assert patches.curve(Profile(1.5, 3, 4), np.geomspace(1e-3, 10, 8)).work.max() < 30
-
-
-def test_contacts_only_grow():
-    for lighter, heavier in pairwise(patches.curve(THREE_WAVES, np.geomspace(1e-3, 2, 14)).contact_edge):
-        before, after = (edges[np.isfinite(edges)].reshape(-1, 2) for edges in (lighter, heavier))
-        for left, right in before:
-            assert np.any((left - after[:, 0]) % 1 + (right - left) <= after[:, 1] - after[:, 0])

@@ -4,25 +4,7 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods.patches.surface import evaluate_series, nearest_crest, surface_of
-
-
-def test_heights_near_a_crest_keep_their_digits():
-    profile = Profile(1.5, 5, 3, (0.0, 1.0, 2.0))
-    heights = surface_of(profile).heights
-    highest = int(np.argmax(heights.crest_offset))
-    curvature = -evaluate_series(heights, highest, 0.0)[2]
-    for y in (1e-9, 1e-6):
-        value, slope, _ = evaluate_series(heights, highest, y)
-        # The cubic term, at most y k of the quadratic one.
-        assert value == pytest.approx(-0.5 * curvature * y**2, rel=300 * y)
-        assert slope == pytest.approx(-curvature * y, rel=300 * y)
-    y = 0.173
-    value, slope, second = evaluate_series(heights, highest, y)
-    x = heights.crest_position[highest] + y
-    assert value + heights.maximum == pytest.approx(float(profile.height(x)))
-    assert slope == pytest.approx(float(profile.slope(x)))
-    assert second == pytest.approx(float(profile.curvature(x)))
+from weier.methods.patches.surface import nearest_crest, surface_of
 
 
 @pytest.mark.parametrize("phases", [(0.0, 0.0, 0.0), (1e-17, 0.0, 0.0), (-1e-17, 0.0, 0.0), (0.0, 1.0, 2.0)])
