@@ -36,32 +36,6 @@ def test_roots_solve_the_cubic(epsilon):
         assert float(abs(mp.mpf(float(computed)) / exact - 1)) < 1e-15
 
 
-def test_roots_merge_on_the_smooth_punch():
-    for x in tangent_roots(0.0):
-        assert x == pytest.approx(1, abs=1e-15)
-    # Around x = 1, (B.8) is 3 (x - 1)^2 = 2 (1 - lambda) = 2 epsilon: the next order is epsilon.
-    first, second = tangent_roots(1e-10)
-    assert (1 - first, second - 1) == pytest.approx(2 * [np.sqrt(2e-10 / 3)], abs=2e-10)
-
-
-@settings(max_examples=100, deadline=None, derandomize=True)
-@given(st.floats(0, 1, exclude_max=True), st.floats(-5, 5))
-def test_tangents_pass_through_the_flatter_bound_and_stay_below_the_steeper(epsilon, exponent):
-    # Appendix B drawn: lines through the point of F_2 at force F that touch F_1 at zeta_0 = zeta/x^2.
-    C_1, C_2 = force_coefficients(epsilon, 1.0, 1.0)
-    zeta = 10.0**exponent
-    for x, bound in zip(tangent_roots(epsilon), reversed(stiffness_bounds(epsilon)), strict=True):
-        touch = zeta / x**2
-        slope = 1.5 * C_1 * np.sqrt(touch)
-        # B.7; its terms are of the size of the larger force
-        size = C_1 * max(zeta, touch) ** 1.5
-        assert C_1 * touch**1.5 + slope * (zeta - touch) == pytest.approx(C_2 * zeta**1.5, abs=1e-14 * size)
-        smooth = 1.5 * (C_2 * zeta**1.5 * (8 / 3) ** 2) ** (1 / 3)  # (B.14) at F = F_2(zeta), M = R = 1
-        assert bound == pytest.approx(slope / smooth, rel=1e-13)
-        along = np.geomspace(1e-4, 1e4, 200) * touch
-        assert np.all(C_1 * touch**1.5 + slope * (along - touch) <= C_1 * along**1.5 * (1 + 1e-12))
-
-
 def test_no_steeper_or_flatter_line_is_allowed():
     # By brute force: from every point between F_1 and F_2 at force F = 1, the lines below F_1.
     epsilon, zeta = 0.3, np.geomspace(1e-4, 1e3, 200_001)
@@ -77,17 +51,11 @@ def test_no_steeper_or_flatter_line_is_allowed():
     assert stiffness_bounds(epsilon) == pytest.approx((lower, upper), rel=1e-7)
 
 
-def test_bounds_contain_the_smooth_punch_and_close_on_it():
+def test_bounds_contain_the_smooth_punch_and_widen_with_roughness():
     lower, upper = stiffness_bounds(ROUGHNESS)
-    assert np.all(lower[2:] < 1)
-    assert np.all(upper[2:] > 1)
-    assert np.all(np.diff(lower) <= 0)
-    assert np.all(np.diff(upper) >= 0)
-    assert stiffness_bounds(0.0) == pytest.approx((1, 1), abs=1e-15)
-    epsilon = 1e-8
-    assert np.subtract(stiffness_bounds(epsilon), 1) == pytest.approx(
-        np.sqrt(2 * epsilon / 3) * np.array([-1, 1]), abs=2 * epsilon
-    )
+    assert (lower[0], upper[0]) == pytest.approx((1, 1), abs=1e-15)
+    assert np.all((lower[2:] < 1) & (upper[2:] > 1))
+    assert np.all((np.diff(lower) <= 0) & (np.diff(upper) >= 0))
 
 
 def test_bounds_of_the_roughest_punch():

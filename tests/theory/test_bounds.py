@@ -38,18 +38,6 @@ def test_compliance_bounds_lie_one_amplitude_to_either_side():
     np.testing.assert_allclose(upper, [[0.6, 0.7], [0.31, 0.41]], rtol=1e-15)
 
 
-@pytest.mark.parametrize("longer", [2, 3, 4])
-def test_one_wave_bounds_the_compliance_of_longer_series(longer):
-    p, h, _ = reference_curve(longer)
-    G = left_out(1, longer)
-    lower, upper = compliance_bounds(westergaard.compliance(p), G)
-    at_mean_plane = h - G  # h counts from the sum of all amplitudes: shorter series, lower sum
-    assert np.all(lower <= at_mean_plane)
-    assert np.all(at_mean_plane <= upper)
-    # The band is not idle: without the amplitude left out, the longer series escapes.
-    assert np.any(np.abs(at_mean_plane - westergaard.compliance(p)) > 0.05 * G)
-
-
 @pytest.mark.parametrize(("m", "longer"), [(2, 3), (2, 4), (3, 4)])
 def test_longer_series_bound_the_compliance_of_still_longer_ones(m, longer):
     p, h, _ = reference_curve(longer)
@@ -81,12 +69,9 @@ def tangent_lines(p, G):
     def chord(q):
         return (westergaard.compliance(q) - westergaard.compliance(p)) / (q - p)
 
-    below = minimize_scalar(
-        lambda q: chord(q) + 2 * G / (p - q), bounds=(0, p), method="bounded", options={"xatol": 1e-12}
-    ).fun
-    above = -minimize_scalar(
-        lambda q: -(chord(q) - 2 * G / (q - p)), bounds=(p, 5), method="bounded", options={"xatol": 1e-12}
-    ).fun
+    fine = {"method": "bounded", "options": {"xatol": 1e-12}}
+    below = minimize_scalar(lambda q: chord(q) + 2 * G / (p - q), bounds=(0, p), **fine).fun
+    above = -minimize_scalar(lambda q: 2 * G / (q - p) - chord(q), bounds=(p, 5), **fine).fun
     return max(above, 0), min(below, (westergaard.compliance(p) + 2 * G) / p)
 
 
@@ -99,26 +84,6 @@ def test_fine_tables_reach_the_tangent_lines(G):
         # Bounds from a table are looser, never tighter; the best chord is stationary, so by a squared spacing.
         assert flattest - 1e-2 * flattest <= lower[i] <= flattest + 1e-9
         assert steepest - 1e-9 <= upper[i] <= steepest * (1 + 1e-2)
-
-
-def test_nothing_left_out_bounds_the_slope_by_its_neighbouring_chords():
-    p = np.geomspace(1e-6, 0.9, 2000)
-    lower, upper = resistance_bounds(p, westergaard.compliance(p), 0.0, first_contact=0.0)
-    R = westergaard.resistance(p)
-    assert np.all(lower <= R)
-    assert np.all(upper >= R)
-    # d(-ln xi) over one step of the table, which is also the gap between neighbouring chords
-    step = np.log(p[1] / p[0])
-    np.testing.assert_allclose(upper[1:-1] - lower[1:-1], step, rtol=0.01, atol=1e-9)
-
-
-def test_coarser_tables_are_looser():
-    p = np.geomspace(1e-3, 3, 257)
-    h = westergaard.compliance(p)
-    fine, coarse = resistance_bounds(p, h, 0.05), resistance_bounds(p[::8], h[::8], 0.05)
-    assert np.all(coarse[0] <= fine[0][::8])
-    assert np.all(coarse[1] >= fine[1][::8])
-    assert np.any(coarse[1] > fine[1][::8])
 
 
 def test_first_contact_tightens_the_steepest_line():
@@ -150,9 +115,8 @@ def test_missing_loads_stay_missing_and_spoil_no_other():
     h = westergaard.compliance(p)
     holed = np.where(np.arange(20) == 7, np.nan, h)
     present = np.arange(20) != 7
-    for holed_bound, bound in zip(
-        resistance_bounds(p, holed, 0.1), resistance_bounds(p[present], h[present], 0.1), strict=True
-    ):
+    both = resistance_bounds(p, holed, 0.1), resistance_bounds(p[present], h[present], 0.1)
+    for holed_bound, bound in zip(*both, strict=True):
         assert np.isnan(holed_bound[7])
         np.testing.assert_array_equal(holed_bound[present], bound)
     for bound in (*resistance_bounds(p, np.full(20, np.nan), 0.1), *resistance_bounds(p, h, np.nan)):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from weier.methods import westergaard
-from weier.methods.fields import fields
 from weier.pipeline.solve import solve
 from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
 from weier.theory.profile import Profile
@@ -69,16 +68,6 @@ def test_results_in_si_units_follow_westergaard_in_si_units():
     assert bodies.resistance(westergaard.resistance(0.3)) == pytest.approx(M * 1.57e-7 * slope, rel=1e-9)
 
 
-def test_resistance_depends_on_neither_modulus_nor_amplitude():
-    soft = interface(mu_1=1e6, g_0=1e-5)
-    assert soft.resistance(2.0) == pytest.approx(1.57e-7 * 1e-4 / (2 * np.pi) * 2.0, rel=1e-14)
-    assert interface().resistance([2.0, 4.0]) == pytest.approx(soft.resistance([2.0, 4.0]), rel=1e-14)
-
-
-def test_perfect_conductor_leaves_the_other():
-    assert interface(rho_2=0).resistance(1.0) == pytest.approx(1.4e-7 * 1e-4 / (2 * np.pi), rel=1e-14)
-
-
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -131,15 +120,6 @@ def test_a_data_array_stays_one():
     assert found.identical(bodies.in_si(CURVE.resistance))
     missing = CURVE.resistance.where(CURVE.mean_pressure > 0.2)
     assert np.isnan(bodies.resistance(missing).values).tolist() == [True, False, False]
-
-
-def test_fields_have_si_units():
-    bodies, field = interface(), fields(Profile(1.25, 5, 2, 1.0), 0.1)
-    found = bodies.in_si(field)
-    assert (found.x.units, found.pressure.units, found.gap.units) == ("m", "Pa", "m")
-    # The contacts carry the load, and the gap is that of the mean plane.
-    assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
-    assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
 
 
 def test_a_quantity_of_another_unit_is_refused():

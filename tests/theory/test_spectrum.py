@@ -80,10 +80,7 @@ def test_the_fit_gives_a_profile():
     ("more", "says"),
     [
         ({"shortest": 1e-6}, "shortest must be at least that of the trace, .* m, got 1e-06"),
-        (
-            {"longest": 2e-5},
-            "longest must lie between .* m, 4 and gamma times the shortest wavelength, and",
-        ),
+        ({"longest": 2e-5}, "longest must lie between .* m, 4 and gamma times the shortest wavelength, and"),
         ({"longest": 1.0}, "longest must lie between"),
         ({"gamma": 1}, "gamma must exceed 1"),
         ({"gamma": 1000}, "longest must lie between .* m, 4 and gamma times the shortest wavelength"),

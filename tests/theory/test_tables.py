@@ -10,20 +10,13 @@ HEADER, ROWS = ("a", "long name", "why"), [["1234", "b", "as it is"], ["5", "c",
 
 
 def test_numbers_are_written_in_full_unless_they_are_too_long():
-    assert [significant(value, 2) for value in (428.3, 0.0123, 1.234e7, 2.1e-7)] == [
-        "430",
-        "0.012",
-        "1.2e+07",
-        "2.1e-07",
-    ]
+    written = {428.3: "430", 0.0123: "0.012", 1.234e7: "1.2e+07", 2.1e-7: "2.1e-07"}
+    assert {value: significant(value, 2) for value in written} == written
 
 
 def test_columns_stand_below_their_names():
-    assert text_table(HEADER, ROWS, "").splitlines() == [
-        "a     long name  why",
-        "1234  b          as it is",
-        "5     c",
-    ]  # fmt: skip
+    lines = text_table(HEADER, ROWS, "").splitlines()
+    assert lines == ["a     long name  why", "1234  b          as it is", "5     c"]
 
 
 def test_html_keeps_text_as_text():

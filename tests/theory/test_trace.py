@@ -44,14 +44,6 @@ def test_all_waves_are_the_heights(ends, samples):
     np.testing.assert_allclose(sampled, trace.height(x), atol=200 * EPS * trace.amplitude.sum(), rtol=0)
 
 
-def test_a_mirrored_trace_goes_back_as_it_came():
-    trace = Trace(rough(200) + np.linspace(0, 1e-3, 200), LENGTH)
-    x = np.linspace(0, 2, 77)
-    assert trace.period == 2
-    np.testing.assert_allclose(trace.height(-1 / 200 - x), trace.height(x), atol=1e-11, rtol=0)
-    np.testing.assert_allclose(trace.height(x + 2), trace.height(x), atol=1e-11, rtol=0)
-
-
 def test_a_tapered_trace_is_whole_in_its_middle_and_smooth_at_its_ends():
     z = rough(400, seed=3)
     trace = Trace(z, LENGTH, ends="tapered")
@@ -72,14 +64,6 @@ def test_units_are_the_length_and_the_root_mean_square_height():
     assert trace.g_0 == pytest.approx(np.sqrt(np.sum(kept**2) / 2), rel=1e-12)
 
 
-def test_waves_below_the_shortest_are_cut_off_and_no_others():
-    coarse, fine = (Trace(rough(300), LENGTH, ends="periodic", shortest=LENGTH / n) for n in (20, 60))
-    np.testing.assert_allclose(
-        coarse.amplitude * coarse.g_0, fine.amplitude[: coarse.terms] * fine.g_0, rtol=1e-12, atol=0
-    )
-    np.testing.assert_array_equal(coarse.phase, fine.phase[: coarse.terms])
-
-
 @pytest.mark.parametrize("profile", [Profile(1.5, 5, 3, (0.3, 1.0, 2.0)), Profile(1.2, "5/2", 4, seed=3)])
 def test_the_trace_of_a_series_has_its_waves(profile):
     points = 5 * profile.waves_per_period[-1]
@@ -93,15 +77,6 @@ def test_the_trace_of_a_series_has_its_waves(profile):
     # p_0* of the trace has its own height and length.
     load = trace.full_contact_load * unit / profile.period
     assert load == pytest.approx(profile.full_contact_load, rel=1e-12)
-
-
-def test_the_last_gap_closes_at_the_full_contact_load():
-    trace = Trace(rough(500, seed=2), LENGTH, shortest=LENGTH / 100)
-    k = np.array(trace.waves_per_period) / trace.period
-    x = np.linspace(0, 2, 100_001)
-    pressure = (trace.full_contact_pressure * np.cos(2 * np.pi * x[:, None] * k + trace.phase)).sum(axis=1)
-    missed = np.sum(trace.full_contact_pressure * (2 * np.pi * k) ** 2) * (x[1] - x[0]) ** 2 / 8
-    assert -pressure.min() <= trace.full_contact_load <= -pressure.min() + missed
 
 
 def test_files_of_one_and_two_columns(file):
@@ -123,13 +98,8 @@ def test_the_digest_tells_heights_and_waves():
     z = rough(64)
     other = z.copy()
     other[7] += 1e-12
-    traces = [
-        Trace(z, 1e-3),
-        Trace(other, 1e-3),
-        Trace(z, 2e-3),
-        Trace(z, 1e-3, 1e-4),
-        Trace(z, 1e-3, ends="tapered"),
-    ]
+    changed = [(other, 1e-3), (z, 2e-3), (z, 1e-3, 1e-4), (z, 1e-3, None, "tapered")]
+    traces = [Trace(z, 1e-3), *(Trace(*arguments) for arguments in changed)]
     assert len({each.digest for each in traces}) == len(traces)
     assert Trace(z, 1e-3, source="elsewhere").digest == traces[0].digest
 
@@ -149,21 +119,11 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
         ("shaft.csv", 1.0, {}, r"heights must be numbers, got 'shaft.csv': weier.Trace.read takes a file"),
         (COS / 10 + np.arange(100) // 34, 1.0, {}, "heights must not jump, got a step of"),
         (STEP, 1.0, {}, r"got a step of .* m between heights 60 and 61, behind x = 0.59 m: cut the trace there"),
-        (
-            np.arange(50.0),
-            1.0,
-            {"ends": "periodic"},
-            "got a step of 49 m between heights 50 and 51, behind x = 0.98 m",
-        ),
+        (np.arange(50.0), 1.0, {"ends": "periodic"}, "step of 49 m between heights 50 and 51, behind x = 0.98 m"),
         (np.broadcast_to(0.0, 10**7), 1.0, {}, "heights must be 16 to 1000000 numbers, got 10000000"),
         (COS[None], 1.0, {}, r"heights must be one list, in m, got an array of shape \(1, 100\)"),
         (COS, 0.0, {}, "length must be positive and finite, in m, got 0.0"),
-        (
-            COS,
-            1.0,
-            {"shortest": 0.01},
-            "shortest must lie between two steps and the length of the trace, 0.02 and 1 m",
-        ),
+        (COS, 1.0, {"shortest": 0.01}, "must lie between two steps and the length of the trace, 0.02 and 1 m"),
         (COS, 1.0, {"shortest": 2.0}, "shortest must lie between two steps"),
         (COS, 1.0, {"ends": "cut"}, "ends must be one of mirrored, periodic, tapered, got 'cut'"),
         (rough(10**6), 1.0, {}, "shortest must leave at most 100000 of the finest waves in a period"),
@@ -180,20 +140,16 @@ def rows(z, x=None):
 
 
 EVEN = np.arange(100.0)
+NUMBERS = "must have one or two finite numbers"
 
 
 @pytest.mark.parametrize(
     ("text", "more", "says"),
     [
-        (
-            "It is rough,\nin places.\n",
-            {},
-            "shaft.csv, line 2, must have one or two finite numbers, with decimal points and as many as the lines "
-            "before, or begin with #, got 'in places.'",
-        ),
+        ("It is rough,\nin places.\n", {}, f"line 2, {NUMBERS}, with decimal points .*, got 'in places.'"),
         ("\n\n", {}, "shaft.csv must have one or two columns of numbers, got none"),
-        (b"\x89PNG\n\xff\xfe\x00", {}, "shaft.csv, line 2, must have one or two finite numbers"),
-        ("1 2 3\n", {}, "shaft.csv, line 1, must have one or two finite numbers"),
+        (b"\x89PNG\n\xff\xfe\x00", {}, f"line 2, {NUMBERS}"),
+        ("1 2 3\n", {}, f"line 1, {NUMBERS}"),
         ("1 2\n3\n", {}, "shaft.csv, line 2, must have .* as many as the lines before, .* got '3'"),
         (rows(COS), {}, "shaft.csv has one column: its length must be given"),
         (rows(COS, EVEN), {"length": 1.0}, "shaft.csv has two columns, with positions: length must be left out"),
@@ -203,19 +159,11 @@ EVEN = np.arange(100.0)
         ("x,z\nmm,um\n1,2\n", {}, r"line 2, .* or begin with #, got 'mm,um'"),
         ("0,5;1,25\n", {}, "shaft.csv, line 1, must have .* decimal points .* got '0,5;1,25'"),
         ("x z\n0,5\t-1,25\n", {}, r"shaft.csv, line 2, must have .* decimal points .* got '0,5\\t-1,25'"),
-        (
-            "0,5\n0,7\n",
-            {},
-            "positions must rise in equal steps .* decimals with points.*, got 0.0 at position 0",
-        ),
+        ("0,5\n0,7\n", {}, "in equal steps .* decimals with points.*, got 0.0 at position 0"),
         ("0,5\n0,7\n", {"length": 1.0}, "length must be left out, and decimals must have points"),
         ("1,\n2,\n", {"length": 1.0}, "shaft.csv, line 1, must have one or two finite numbers, .* got '1,'"),
-        (
-            rows(COS, np.where(EVEN == 50, np.nan, EVEN)),
-            {},
-            "shaft.csv, line 51, must have one or two finite numbers",
-        ),
-        (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, "shaft.csv, line 10, must have one or two finite numbers"),
+        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, f"line 51, {NUMBERS}"),
+        (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, f"line 10, {NUMBERS}"),
         ("1\n" * (10**6 + 1), {"length": 1.0}, "heights must be 16 to 1000000 numbers, got 1000001"),
         (rows(COS, EVEN), {"x_unit": "inch"}, "x_unit must be one of m, mm, um, .*nm, got 'inch'"),
         (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, .*nm, got 'A'"),
