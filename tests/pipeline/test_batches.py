@@ -36,42 +36,34 @@ def solved(tmp_path_factory):
     return folder
 
 
-def test_what_is_solved_is_not_missing(solved):
-    assert missing(solved) == []
-    assert missing(solved, title="another", studies={"another": SCENE["studies"]["one"]}) == []
+def product(**changes):
+    return {"studies": {"one": {"product": PRODUCT | changes}}}
+
+
+BOTH, LAYER = ("archard", "demelio"), ("layer",)
 
 
 @pytest.mark.parametrize(
-    ("change", "count"),
+    ("changes", "count", "methods"),
     [
-        ({"D": [1.25, 1.4, 1.5]}, 6),  # the outermost key, in between
-        ({"gamma": [2, 3, 4]}, 6),  # an inner one
-        ({"m": [1, 2]}, 12),
-        ({"seed": {"from": 0, "to": 3, "count": 4}}, 4),
-        ({"D": 1.5, "seed": [3, 9]}, 2),
+        ({}, 0, BOTH),
+        ({"title": "another", "studies": {"another": SCENE["studies"]["one"]}}, 0, BOTH),
+        (product(D=[1.25, 1.4, 1.5]), 6, BOTH),  # the outermost key, in between
+        (product(gamma=[2, 3, 4]), 6, BOTH),  # an inner one
+        (product(m=[1, 2]), 12, BOTH),
+        (product(seed={"from": 0, "to": 3, "count": 4}), 4, BOTH),
+        (product(D=1.5, seed=[3, 9]), 2, BOTH),
+        ({"methods": ["archard", "layer", "demelio"]}, 12, LAYER),
+        ({"methods": ["layer", "demelio"], "settings": {"layer": {"points": 40}}}, 12, LAYER),
+        # A solution goes from load to load, and the bounds of a resistance are chords between them.
+        ({"loads": [0.1, 0.5, 1.0]}, 12, BOTH),
+        ({"contact_edges": True}, 12, BOTH),
     ],
 )
-def test_a_study_that_has_grown_solves_its_new_cases(solved, change, count):
-    found = missing(solved, studies={"one": {"product": PRODUCT | change}})
-    assert len(found) == count
-    assert {case.methods for case in found} == {("archard", "demelio")}
-
-
-def test_a_method_more_is_solved_alone(solved):
-    found = missing(solved, methods=["archard", "layer", "demelio"])
-    assert [case.methods for case in found] == [("layer",)] * 12
-
-
-def test_settings_that_others_have_solve_nothing(solved):
-    """But a method of other settings does."""
-    found = missing(solved, methods=["layer", "demelio"], settings={"layer": {"points": 40}})
-    assert [(case.methods, case.settings) for case in found] == [(("layer",), {"layer": {"points": 40}})] * 12
-
-
-@pytest.mark.parametrize("change", [{"loads": [0.1, 0.5, 1.0]}, {"contact_edges": True}])
-def test_other_loads_are_other_curves(solved, change):
-    """A solution goes from load to load, and the bounds of a resistance are chords between them."""
-    assert len(missing(solved, **change)) == 12
+def test_only_what_is_missing_is_solved(solved, changes, count, methods):
+    found = missing(solved, **changes)
+    assert [case.methods for case in found] == [methods] * count
+    assert all(case.settings == changes.get("settings", {}) for case in found)
 
 
 def test_another_program_solves_all_again(solved, monkeypatch):
@@ -79,16 +71,8 @@ def test_another_program_solves_all_again(solved, monkeypatch):
     assert len(missing(solved)) == 12
 
 
-def test_refitted_costs_solve_nothing_again(solved, monkeypatch):
-    """They cut what is missing in other places, and nothing is."""
-    monkeypatch.setattr(batches, "missing_case", lambda *_: pytest.fail("missing"))
-    assert missing(solved) == []
-
-
 def test_what_a_scene_has_grown_by_is_read_with_the_rest(solved, tmp_path):
-    grown = load(
-        solved, methods=["archard", "layer", "demelio"], studies={"one": {"product": PRODUCT | {"m": [1, 2]}}}
-    )
+    grown = load(solved, methods=["archard", "layer", "demelio"], **product(m=[1, 2]))
     together = solve_scene(grown, tmp_path / "batches")
     (tmp_path / "more").mkdir()
     for path in (solved / "batches").iterdir():

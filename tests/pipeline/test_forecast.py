@@ -35,9 +35,10 @@ def seconds(monkeypatch):
     return expect
 
 
-def test_short_solves_are_not_announced(seconds):
-    seconds(LONG / 2)
-    assert forecast(case("patches", 3), LOADS) == []
+@pytest.mark.parametrize(("expected", "m"), [(LONG / 2, 3), (2 * LONG, np.inf)])
+def test_what_is_short_or_does_not_apply_is_not_announced(seconds, expected, m):
+    seconds(expected)
+    assert forecast(case("patches", m), LOADS) == []
 
 
 def test_long_ones_are_with_seconds_and_what_is_cheaper(seconds):
@@ -62,11 +63,6 @@ def test_where_no_plan_is_within_reach_the_fast_methods_are_named(seconds, monke
     monkeypatch.setattr("weier.pipeline.forecast.plan", refuse)
     (line,) = forecast(case("patches", 3), LOADS)
     assert line.endswith("choose archard, demelio, layer, bem, fewer terms or fewer loads")
-
-
-def test_a_method_that_does_not_apply_is_not_announced(seconds):
-    seconds(2 * LONG)
-    assert forecast(case("patches", np.inf), LOADS) == []
 
 
 def forecast_of(folder, cores=1, **changes):

@@ -10,7 +10,7 @@ import xarray as xr
 import weier
 from tests.scenes import scene_in
 from weier.data import provenance
-from weier.methods.registry import find_method, infinite_names, names
+from weier.methods.registry import find_method, names
 from weier.methods.settings import defaults
 from weier.pipeline.batch import solve_batch
 
@@ -20,13 +20,24 @@ ROUGH = weier.Profile(1.5, "5/2", 3, weier.random_phases(7))
 INFINITE = weier.Profile(1.25, 5, math.inf, 0.5)
 
 
+SAME = """
+title: the same
+loads: [0.01, 0.1, 1.0]
+methods: [demelio, bem]
+settings: {bem: {residual_tolerance: 1.0e-9}}
+studies:
+  both:
+    cases: [{D: 1.25, gamma: 5, m: 2, phases: [[0.0, 1.0]]}, {D: 1.5, gamma: 5/2, m: 3, seed: 7}]
+"""
+
+
 def profile_of(method):
     return weier.Profile(1.25, 5, 1) if method == "westergaard" else INFINITE if method == "hybrid" else SMOOTH
 
 
 @pytest.mark.parametrize("method", names())
-def test_a_curve_knows_its_profile_and_all_settings(method):
-    profile = profile_of(method)
+def test_a_curve_knows_its_profile_and_all_settings_also_in_a_file_and_a_table(method, tmp_path):
+    profile, path = profile_of(method), tmp_path / "curve.nc"
     curve = weier.solve(profile, LOADS, method)
     assert (curve.D, curve.gamma, curve.m, curve.solution_method) == (1.25, 5, profile.m, method)
     assert np.isnan(curve.seed)
@@ -35,27 +46,14 @@ def test_a_curve_knows_its_profile_and_all_settings(method):
     assert json.loads(curve.attrs["settings"]) == defaults(find_method(method))
     assert {"product_version", "python_version", "numpy_version", "numba_version"} <= curve.attrs.keys()
     assert curve.attrs.get("git_commit", "") == provenance.commit()
-
-
-@pytest.mark.parametrize("method", names())
-def test_a_curve_comes_back_from_a_file_as_it_was(method, tmp_path):
-    profile, path = profile_of(method), tmp_path / "curve.nc"
-    curve = weier.solve(profile, LOADS, method)
     curve.to_netcdf(path)
     with xr.open_dataset(path) as found:
         assert found.identical(curve)
     with weier.open(path) as data:
         one = data.weier.cases(D=1.25, gamma=5, m=profile.m).sel(solution_method=method, mean_pressure=0.1)
         assert one.compliance.item() == curve.compliance.values[1]
-        if profile is SMOOTH:
-            assert data.weier.cases(phases=1.0).compliance.shape == (1, 1, 3)
-
-
-@pytest.mark.parametrize("method", names())
-def test_a_curve_is_a_table_of_one_row_a_load(method):
-    frame = weier.solve(profile_of(method), LOADS, method).to_dataframe()
+    frame = curve.to_dataframe()
     assert frame.index.tolist() == LOADS
-    assert (frame["D"] == 1.25).all()
     assert (frame["solution_method"] == method).all()
 
 
@@ -76,18 +74,7 @@ def test_random_phases_have_their_seed_and_their_values():
 
 def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
     found = weier.solve([SMOOTH, ROUGH], LOADS, ["demelio", "bem"], bem={"residual_tolerance": 1e-9})
-    loaded = scene_in(
-        tmp_path,
-        """
-title: the same
-loads: [0.01, 0.1, 1.0]
-methods: [demelio, bem]
-settings: {bem: {residual_tolerance: 1.0e-9}}
-studies:
-  both:
-    cases: [{D: 1.25, gamma: 5, m: 2, phases: [[0.0, 1.0]]}, {D: 1.5, gamma: 5/2, m: 3, seed: 7}]
-""",
-    )
+    loaded = scene_in(tmp_path, SAME)
     written = solve_batch(loaded, loaded.studies["both"])
     xr.testing.assert_identical(
         found.drop_vars(["key", "seconds", "case"]).drop_attrs(), written.drop_vars(["key", "seconds"]).drop_attrs()
@@ -111,17 +98,6 @@ def test_what_cannot_be_solved_is_named_and_the_others_are_there():
     assert found.status.values.tolist() == [[0, 0], [0, 2]]
     assert np.isfinite(found.compliance.values[found.status.values == 0]).all()
     assert np.isnan(found.compliance.values[1, 1]).all()
-
-
-@pytest.mark.parametrize("method", [name for name in infinite_names() if name not in ("hybrid", "planned")])
-def test_a_ratio_that_is_no_fraction_lies_between_those_that_are(method):
-    """Closed forms and the layer need no period: nothing special happens at sqrt(2)."""
-    for m in (3, math.inf):
-        below, at, above = (
-            weier.solve(weier.Profile(1.25, gamma, m), LOADS, method).compliance.values
-            for gamma in ("7/5", math.sqrt(2), "10/7")
-        )
-        assert np.all((below - at) * (above - at) < 0)
 
 
 @pytest.mark.parametrize(
