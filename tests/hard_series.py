@@ -14,8 +14,9 @@ DATA = Path(__file__).parent / "data" / "hard_series.yaml"
 
 
 def hard_series(table: str) -> Any:
-    """A test of each row in a table: of its `profile`, its `loads`, and what else its rows have, in their order."""
+    """A test of each row in a table: of its `profile`, and of what else rows have, None where this one has not."""
     rows = yaml.safe_load(DATA.read_text(encoding="utf-8"))[table]
-    series = [Profile(row.pop("D"), row.pop("gamma"), len(row["phases"]), row.pop("phases")) for row in rows]
-    values = [(profile, *row.values()) for profile, row in zip(series, rows, strict=True)]
-    return pytest.mark.parametrize(("profile", *rows[0]), values)
+    others = list(dict.fromkeys(key for row in rows for key in row if key not in ("D", "gamma", "phases")))
+    series = [Profile(row["D"], row["gamma"], len(row["phases"]), row["phases"]) for row in rows]
+    values = [(profile, *map(row.get, others)) for profile, row in zip(series, rows, strict=True)]
+    return pytest.mark.parametrize(("profile", *others), values)

@@ -6,8 +6,7 @@ import pytest
 from weier import Profile
 from weier.methods import westergaard
 from weier.methods.bem import curve, field
-from weier.methods.bem.grids import add_harmonic, nested_grids, refine
-from weier.theory import bounds
+from weier.methods.bem.grids import add_harmonic, nested_grids
 from weier.theory.halfplane import eigenvalues
 
 THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -37,26 +36,6 @@ def test_a_new_wave_starts_from_westergaards_pressure(xi):
     assert pressure.mean() == pytest.approx(xi * full_contact_pressure, rel=120**-1.5 / xi)
 
 
-def test_a_contact_between_the_crests_keeps_its_pressure():
-    grids = nested_grids(Profile(1.5, 2, 2), 64, 1e-8)
-    pressure = np.zeros(64)
-    pressure[16] = 1e-3  # a valley of the finer wave
-    add_harmonic(1, grids.harmonics, pressure, np.empty(64))
-    assert np.flatnonzero(pressure).tolist() == [16]
-
-
-@pytest.mark.parametrize("points", [64, 63, 45])
-def test_refining_keeps_the_nodes_and_ends_the_contact_between_them(points):
-    coarse = westergaard.pressure(np.arange(32) / 32, 0.3)
-    pressure = np.concatenate([coarse, np.zeros(points - 32)])
-    refine(32, pressure, np.empty(points))
-    fine = westergaard.pressure(np.arange(points) / points, 0.3)
-    same = points // np.gcd(32, points)  # every so many nodes the grids meet
-    assert pressure[::same].tolist() == coarse[:: 32 * same // points].tolist()
-    assert pressure == pytest.approx(fine, abs=0.1 * fine.max())
-    assert np.flatnonzero(pressure > 0).tolist() == np.flatnonzero(fine > 0).tolist()
-
-
 @pytest.mark.parametrize("points", [4096, 4095, 2187])
 def test_any_number_of_nodes_has_coarser_grids(points):
     """And then takes no more work than a power of two: 35 pairs a load on 4095 nodes without them."""
@@ -82,14 +61,3 @@ def test_thousands_of_contacts_meet_the_contact_conditions():
     assert np.minimum(found.pressure, gap).max() <= 2e-8
     begins = (found.pressure > 0) & (np.roll(found.pressure, 1) == 0)
     assert begins.sum() > 1000
-
-
-def test_many_waves_obey_the_bounds_of_fewer():
-    loads = np.array([0.01, 0.1, 1.0])
-    four, seven = (Profile(1.25, 5, m, tuple(range(m))) for m in (4, 7))
-    coarse = curve(four, loads, points=2**15, tolerance=1e-8, edges="nodes")
-    fine = curve(seven, loads, points=2**17, tolerance=1e-8, edges="nodes")
-    tail = seven.total_amplitude - four.total_amplitude
-    lower, upper = (bound + tail for bound in bounds.compliance_bounds(coarse.compliance, np.array(tail)))
-    assert np.all(fine.compliance > lower)
-    assert np.all(fine.compliance < upper)

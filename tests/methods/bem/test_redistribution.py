@@ -7,8 +7,7 @@ from weier import Profile, random_phases, solve
 from weier.methods.bem import curve
 from weier.methods.bem.grid_solution import make_continuum
 from weier.methods.bem.grids import grid_of, nested_grids
-from weier.methods.bem.interaction import add_grid_moments, displace, make_interaction, press
-from weier.methods.bem.redistribution import solve_bordered
+from weier.methods.bem.interaction import displace, make_interaction, press
 
 PERIOD, POINTS = 1.0, 2048
 PLACES = np.array([0.2, 0.3512, 0.7])
@@ -59,27 +58,6 @@ def test_few_contacts_and_many_displace_each_other_alike(three_contacts):
     none = np.zeros((0, 0))
     assert press(force, three_contacts) == pytest.approx(expected, rel=1e-12)
     assert press(force, three_contacts._replace(mutual=none)) == pytest.approx(expected, abs=1e-4)  # triangles
-
-
-def test_forces_on_one_plane_solve_the_bordered_system(three_contacts):
-    slope, right, total = np.array([9.0, 8.0, 7.0]), np.array([1.0, 2.0, -1.0]), 0.4
-    for touching in (np.ones(3, bool), np.array([True, False, True])):
-        x, common, found = solve_bordered(slope, right, touching, total, three_contacts)
-        assert found
-        residual = right - slope * x - three_contacts.mutual @ x - common
-        assert residual[touching] == pytest.approx(0, abs=1e-6)
-        assert x[~touching] == pytest.approx(0)
-        assert x.sum() == pytest.approx(total)
-    assert not solve_bordered(-slope, right, np.ones(3, bool), total, three_contacts)[2]
-
-
-def test_the_grid_has_moments_of_triangles():
-    """Of a triangle from -1 to 1, moved by 2: its mean is 2, and its variance 1/6."""
-    x = np.linspace(1, 3, 200_001)
-    weight = (1 - np.abs(x - 2)) * (x[1] - x[0])
-    moments = np.zeros(3)
-    add_grid_moments(3.0, 2.0, 1.0, moments)
-    assert moments == pytest.approx([3 * weight @ x**k for k in (1, 2, 3)], rel=1e-6)
 
 
 def test_several_contacts_state_errors_that_are_neither_too_small_nor_too_wide():
