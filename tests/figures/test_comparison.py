@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from weier import figures
 from weier.data import dataset
-from weier.figures import compliance, resistance
+from weier.figures import compliance
 from weier.scene import Axis, Grouping
 from weier.theory.conduction import Interface
 
@@ -44,10 +44,7 @@ def words(figure: Figure) -> list[str]:
 def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
     """One panel a method, one line a ratio: its median over the seeds, in a band that holds all of them."""
     figure = sketch(sweep, colour="gamma", facet=("method",), median_over=("seed",))
-    assert [axes.get_title() for axes in figure.axes] == [
-        "(a)  Demelio",
-        "(b)  boundary elements",
-    ]
+    assert [axes.get_title() for axes in figure.axes] == ["(a)  Demelio", "(b)  boundary elements"]
     assert figure.get_suptitle() == "$D=1.25$,  $m=3$"  # what does not vary
     for axes in figure.axes:
         ends = [line.get_ydata()[-1] for line in axes.get_lines()]
@@ -64,26 +61,6 @@ def test_the_legend_says_what_dashes_mean_where_they_are_methods(sweep: xr.Datas
     assert words(figure)[3:5] == ["Demelio", "boundary elements"]
     (axes,) = figure.axes
     assert len(axes.get_lines()) == len(GAMMAS) * len(METHODS)
-
-
-@pytest.mark.parametrize(
-    ("grouping", "hidden"),
-    [
-        ({"colour": "gamma"}, "phases varies .* `facet: phases` or `median over: phases`"),
-        (
-            {"facet": ("method",), "median_over": ("seed",)},
-            "gamma varies .* `colour: gamma` or .* `median over: gamma`",
-        ),
-        (
-            {"colour": "seed", "facet": ("method",)},
-            r"gamma varies .* `facet: \[method, gamma\]` or `median over: gamma`",
-        ),
-        ({"colour": "seed", "facet": ("method", "m")}, "gamma varies .* add `median over: gamma`, or"),
-    ],
-)
-def test_curves_that_could_not_be_told_apart_are_refused(grouping, hidden, sweep: xr.Dataset) -> None:
-    with pytest.raises(ValueError, match=hidden):
-        sketch(sweep, **grouping)
 
 
 @pytest.mark.parametrize("name", ["phases", "seed"])
@@ -116,21 +93,6 @@ def test_a_seed_is_named_where_the_data_have_it(sweep: xr.Dataset) -> None:
     assert named[:SEEDS] == [f"seed {number}" for number in range(SEEDS)]
     unknown = sweep.assign_coords(seed=("case", np.full(seeds.size, np.nan)))
     assert words(sketch(unknown, colour="seed", median_over=("gamma",)))[0] == "1. phases"
-
-
-def test_resistance_is_grouped_as_well(sweep: xr.Dataset) -> None:
-    figure = resistance.draw([sweep], "", Grouping("gamma", ("method",), ("seed",)))
-    assert [axes.get_yscale() for axes in figure.axes] == ["log", "log"]
-    assert figure.axes[0].get_xlim()[0] == LOADS[0]
-
-
-def test_panels_stand_in_a_grid_and_share_their_axes(sweep: xr.Dataset) -> None:
-    figure = sketch(sweep, facet=("gamma",), median_over=("seed",))
-    first, *others = figure.axes
-    assert len(others) == len(GAMMAS) - 1
-    assert all(axes.get_xlim() == first.get_xlim() and axes.get_ylim() == first.get_ylim() for axes in others)
-    assert [bool(axes.get_ylabel()) for axes in figure.axes] == [True, False, False]
-    assert len({round(axes.get_position().y0, 6) for axes in figure.axes}) == 1
 
 
 def test_two_parameters_give_the_rows_and_the_columns_of_panels(sweep: xr.Dataset) -> None:

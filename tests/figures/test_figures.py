@@ -234,13 +234,6 @@ def test_studies_of_different_methods_stand_in_one_figure(studies: dict[str, xr.
     assert len(sketch("resistance", [studies["one"], less]).axes) == 3
 
 
-def test_failed_drawing_leaves_the_old_file(tmp_path: Path, studies: dict[str, xr.Dataset]) -> None:
-    (tmp_path / "figure.pdf").write_text("old")
-    with pytest.raises(ValueError, match="no series"):
-        figures.draw("phases", [studies["one"].sel(solution_method=["archard"])], "", tmp_path / "figure.pdf")
-    assert (tmp_path / "figure.pdf").read_text() == "old"
-
-
 def test_the_style_of_the_user_is_left_out(tmp_path: Path) -> None:
     before = file_bytes("borodich_galanov", [], tmp_path)
     with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "red"}):
@@ -256,24 +249,6 @@ def test_exact_method_is_the_line_and_the_other_points(studies: dict[str, xr.Dat
     styles = {line.get_label(): line.get_linestyle() for line in axes.get_lines()}
     assert styles["contact patches"] == "-"
     assert styles["boundary elements"] == "None"
-
-
-def test_boundary_elements_are_points_beside_each_exact_curve(studies: dict[str, xr.Dataset]) -> None:
-    for m, values in zip([1, 2], studies["terms"].sel(solution_method="bem")["resistance"].values, strict=True):
-        alone = studies["terms"].isel(case=[m - 1])
-        lines = sketch("truncated_resistance", [alone]).axes[0].get_lines()
-        points, legend = (line.get_ydata() for line in lines if line.get_marker() == "o")
-        assert np.array_equal(points, values)
-        assert len(legend) == 0
-        assert len([each for each in sketch("phases", [alone]).axes[0].get_lines() if each.get_marker() == "o"]) == 2
-        without = sketch("truncated_resistance", [alone.sel(solution_method=["bem"])]).axes[0].get_lines()
-        assert [line.get_marker() for line in without] == ["None"]
-
-
-def test_the_legend_of_the_phases_says_what_a_dashed_line_is(studies: dict[str, xr.Dataset]) -> None:
-    legend = sketch("phases", [studies["one"]]).axes[0].get_legend()
-    assert legend is not None
-    assert [text.get_text() for text in legend.get_texts()][:2] == ["average of 1 phase", "one phase"]
 
 
 def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict[str, xr.Dataset]) -> None:
@@ -303,12 +278,3 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
 def test_profiles_of_a_family_differ_without_colour() -> None:
     grey = [np.dot(look["color"][:3], [0.299, 0.587, 0.114]) for look in style.family(8)]
     assert np.all(np.diff(grey) < -0.03)
-
-
-def test_legend_of_the_contact_tree_stands_between_its_panels(studies: dict[str, xr.Dataset]) -> None:
-    figure = sketch("contact_tree", [studies["one"]])
-    (legend,) = (legend for axes in figure.axes if (legend := axes.get_legend()))
-    assert [text.get_text() for text in legend.get_texts()] == ["contact"]
-    top, tree = (axes.get_window_extent() for axes in figure.axes)
-    assert tree.y1 <= legend.get_window_extent().y0 + 1e-6
-    assert legend.get_window_extent().y1 <= top.y0

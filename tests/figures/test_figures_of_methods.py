@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier.figures import convergence, extremes, work_precision
+from weier.figures import convergence, extremes
 
 LOADS = np.geomspace(1e-3, 10, 6)
 TERMS = np.array([1, 2, 4, 8])
@@ -69,20 +69,3 @@ def test_the_loads_of_the_extremes_are_spread_where_things_happen() -> None:
     assert np.all(np.diff(place) > 0.02)
     assert place[powers == 2] - place[powers == -2] > 0.25  # of the axis, where all digits are lost and found
     assert [label.get_text() for label in axes.get_xticklabels()][:2] == ["$10^{-300}$", "$10^{-30}$"]
-
-
-def test_a_dot_of_the_work_precision_figure_is_explained() -> None:
-    rows = ("case", "variant", "mean_pressure")
-    data = xr.Dataset(
-        {
-            "seconds": (("case", "variant"), [[0.1, 0.2], [0.2, 0.3]]),
-            "compliance_error": (rows, np.full((2, 2, 3), 1e-3)),
-            "resistance_error": (rows, np.full((2, 2, 3), 1e-2)),
-            "resistance": (rows, np.ones((2, 2, 3))),
-            "reference_resistance": (("case", "mean_pressure"), np.ones((2, 3))),
-            "solution_method": ("variant", ["bem", "patches"]),
-        },
-        {"mean_pressure": [0.1, 0.5, 1.0], "variant": ["bem 96", "patches"]},
-    )  # fmt: skip
-    figure = work_precision.draw([data], "")
-    assert "one profile" in [text.get_text() for text in figure.legends[0].get_texts()]

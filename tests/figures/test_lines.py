@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from weier import Profile, solve
 from weier.figures import lines
 from weier.methods import demelio, westergaard
 
@@ -31,19 +30,6 @@ def test_a_resistance_falls_to_zero_at_its_true_load():
     assert small.sum() > 10
     assert fine[small] == pytest.approx(np.exp(-values[small]), abs=1e-3)  # where -ln p has this value
     assert set(LOADS) <= set(fine)
-
-
-@pytest.mark.parametrize("method", ["demelio", "archard"])
-def test_estimates_of_several_waves_end_at_their_loads(method):
-    profile = Profile(1.25, 5, 3)
-    loads = np.geomspace(0.01, 20, 60)
-    curve = solve(profile, loads, method)
-    slope = curve.resistance.values
-    last = int(np.flatnonzero(slope > 0)[-1])
-    found = lines.zero_load(loads, curve.compliance.values, slope, last)
-    around = solve(profile, [found * 0.99, found * 1.01], method).resistance.values
-    assert around[0] > 0
-    assert around[1] == 0
 
 
 def test_demelio_leaves_where_its_last_wave_is_flat():

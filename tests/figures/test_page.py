@@ -63,9 +63,8 @@ def folder(tmp_path_factory):
         data["key"].values[row] = KEYS[row]
         data["compliance"].values[row] = row + 1 + LOADS
         data["resistance"].values[row] = 2 * (row + 1) + LOADS
-    data["compliance"].values[3, 0] = data["resistance"].values[3, 0] = (
-        np.nan
-    )  # demelio has no curve of the last case
+    for name in ("compliance", "resistance"):
+        data[name].values[3, 0] = np.nan  # demelio has no curve of the last case
     data["phases"].values[:, :2] = 0, 1
     data["status"].values[:] = Status.solved
     dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
@@ -150,26 +149,20 @@ def test_a_method_looks_as_in_the_figures():
         made = explorer.curve_explorer(data)
         json_item(made)  # what is drawn can be written, too
         plot = made.select_one({"name": "compliance"})
-        return {
-            item.label.value: (line.glyph, line) for item, line in zip(plot.legend.items, plot.renderers, strict=True)
-        }
+        return {item.label.value: line for item, line in zip(plot.legend.items, plot.renderers, strict=True)}
 
     both, alone = glyphs(["demelio", "bem", "patches"]), glyphs(["demelio", "bem"])
     for method in ("demelio", "patches"):
-        look, glyph = style.line(method), both[style.line(method)["label"]][0]
+        look, glyph = style.line(method), both[style.line(method)["label"]].glyph
         assert isinstance(glyph, Line)
         assert glyph.line_color == look["color"]
         dashed = look["linestyle"] != "-"
-        assert (
-            glyph.line_dash == [round(2 * length) for length in look["linestyle"][1]]
-            if dashed
-            else glyph.line_dash == []
-        )
-    circles, renderer = both["boundary elements"]
-    assert isinstance(circles, Scatter)
-    assert circles.line_color == style.line("bem")["color"]
-    assert 20 < len(renderer.view.filter.indices) <= 30
-    assert isinstance(alone["boundary elements"][0], Line)
+        assert glyph.line_dash == ([round(2 * length) for length in look["linestyle"][1]] if dashed else [])
+    circles = both["boundary elements"]
+    assert isinstance(circles.glyph, Scatter)
+    assert circles.glyph.line_color == style.line("bem")["color"]
+    assert 20 < len(circles.view.filter.indices) <= 30
+    assert isinstance(alone["boundary elements"].glyph, Line)
 
 
 def test_figures_have_captions(text):
@@ -303,11 +296,8 @@ def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
         ["out of reach", 1, "0", "0", "", "1.0e-04", "unknown", "unknown"],
         ["all", 3, "2.25", "2", "0.89", "1.0e-04", "6.0e-05", "7.0e-05"],
     ]
-
-
-def test_an_error_is_unknown_where_nothing_measured_it(planned):
-    data, cost = planned
-    assert {row[7] for row in plans.rows(data.sel(solution_method=["planned"]), cost)} == {"unknown"}
+    unmeasured = plans.rows(data.sel(solution_method=["planned"]), cost)
+    assert {row[7] for row in unmeasured} == {"unknown"}
 
 
 def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):

@@ -48,15 +48,3 @@ def test_fields_refuse_what_has_none():
         weier.fields(PROFILE, 0.3, "demelio")
     with pytest.raises(ValueError, match="positive"):
         weier.fields(PROFILE, -1.0)
-
-
-def test_events_separate_loads_of_different_contacts():
-    """Between two events the number of contacts is what the one before left."""
-    found = weier.events(PROFILE, 1e-3, 3.0)
-    assert set(found.birth.values.tolist()) == {0, 1}
-    loads = found.mean_pressure.values
-    between = np.sqrt(loads[1:] * loads[:-1])
-    counts = weier.solve(PROFILE, between, "patches").patch_count.values
-    assert counts.tolist() == found.patch_count.values[:-1].tolist()
-    assert found.patch_count.values[-1] == 0
-    assert loads[-1] == pytest.approx(PROFILE.full_contact_pressure.sum(), rel=0.2)

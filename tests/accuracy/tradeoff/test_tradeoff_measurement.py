@@ -8,6 +8,7 @@ from weier import Profile, figures
 from weier.accuracy import runner, tradeoff
 from weier.accuracy.metrics import seconds_per_load, worst_over_loads
 from weier.data import dataset
+from weier.figures import work_precision
 from weier.methods import patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
@@ -75,6 +76,8 @@ def test_files_table_and_figure(measured, tmp_path):
     assert text.count("\n| bem ") == sum(method == "bem" for method in measured["solution_method"].values)
     figures.draw("work_precision", [again], "", tmp_path / "figure.png")
     assert (tmp_path / "figure.svg").exists()
+    legend = work_precision.draw([again], "").legends[0]
+    assert "one profile" in [text.get_text() for text in legend.get_texts()]  # which each dot is
     with pytest.raises(ValueError, match="no times"):
         figures.draw("work_precision", [again.assign(seconds=again["seconds"] * np.nan)], "", tmp_path / "none.png")
 
