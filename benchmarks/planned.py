@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 
-from tests.verification import Verified, verify, verify_infinite
+from benchmarks.verification import Verified, verify, verify_infinite
 
 
 def main() -> None:

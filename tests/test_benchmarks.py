@@ -204,23 +204,8 @@ def test_another_environment_is_asked_through_a_pipe():
     assert worker.process.returncode == 1
 
 
-def test_sizes_may_be_powers():
-    parameter = command.main.params[0]
-    assert command.parse_numbers(None, parameter, "512, 2^17,") == [512, 2**17]
-    assert command.parse_numbers(None, parameter, "") == []
-    with pytest.raises(command.click.BadParameter, match="whole numbers"):
-        command.parse_numbers(None, parameter, "512;1024")
-
-
 def test_every_part_has_a_row(monkeypatch):
     monkeypatch.setattr(parts, "REPEATS", 1)
     rows = [*parts.estimates(3, 50), *parts.layers(4), *parts.batches(2)]
     assert len({what for what, _ in rows}) == len(rows) == 2 * 2 * 3 + 3 + 1
     assert not any("nan" in measured or "inf" in measured for _, measured in rows)
-
-
-def test_the_least_of_several_times_leaves_out_the_first():
-    called = []
-    least = parts.least_seconds(lambda: called.append(1), lambda: called.append(2), repeats=2)
-    assert called == [1, 2] * 3
-    assert np.isfinite(least).all()

@@ -1,6 +1,5 @@
 """What a scene leaves, read by strangers: the CF and ACDD checker, plain xarray, netCDF4 and ncdump."""
 
-import json
 import math
 import platform
 import re
@@ -170,14 +169,6 @@ def test_every_variable_of_curves_says_its_range_and_symbol():
     assert variables.attributes("D")["valid_max"] == 2
     assert variables.attributes("compliance")["symbol"] == "h"
     assert variables.attributes("status")["flag_meanings"].split()[2] == "not_applicable"
-
-
-def test_the_settings_of_each_solution_are_there(folder):
-    with netCDF4.Dataset(folder / "contact.nc") as file:
-        bem, none = json.loads(str(file["settings"][0, 2])), str(file["settings"][0, 1])
-    assert bem["residual_tolerance"] == 1e-9
-    assert bem["solver"] == "fft"
-    assert none == "{}"
 
 
 def test_history_names_every_step_and_no_time(folder):

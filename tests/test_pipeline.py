@@ -253,21 +253,6 @@ def test_the_workflow_is_a_module_of_others(finished, tmp_path):
     assert "weier_solve" in done.stdout + done.stderr
 
 
-def test_docs_say_what_to_install(finished):
-    """A folder that hides Sphinx stands for an environment without it."""
-    (finished / "sphinx.py").write_text("raise ImportError('hidden')")
-    (finished / "results/paper/figures").mkdir(parents=True, exist_ok=True)
-    lines = re.findall(r'"(.*)"\n', Path("rules/docs.smk").read_text().partition("shell:")[2])
-    command = "".join(lines).partition(" && ")[0]
-    names = {"params.needed": "sphinx, myst_parser, furo", "params.install": "pip install X", "log": "log.txt"}
-    for name, value in names.items():
-        command = command.replace(f"{{{name}}}", value)
-    done = subprocess.run(["bash", "-c", command], cwd=finished, capture_output=True, text=True)
-    (finished / "sphinx.py").unlink()
-    assert done.returncode == 1
-    assert "weier: the documentation needs sphinx, myst_parser, furo: pip install X" in done.stderr
-
-
 def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     """Each run of snakemake waits for what rules import and for what their functions do; it has pandas by itself."""
     command = [sys.executable, "-X", "importtime", "-m", "snakemake", "-s", Path("Snakefile").resolve()]

@@ -62,15 +62,6 @@ def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
     figures.draw("extremes", [data], "", tmp_path / "toy.png")
 
 
-def test_an_estimate_without_a_reference_has_no_digits(monkeypatch):
-    list_method(monkeypatch, TOY)
-    case = Case({"D": 1.5, "gamma": 3, "m": 2}, (), {})
-    mine = tuple(variant for variant in variants(case.profile, LOADS) if variant.method == TOY.name)
-    data = extremes.measure([Comparison("two waves", case, LOADS, mine)])
-    assert np.isfinite(data["compliance"]).all()
-    assert np.isnan(data["compliance_digits"]).all()
-
-
 def test_it_meets_what_it_applies_to_in_time(monkeypatch):
     slow = replace(TOY, seconds=lambda profile, loads: MAX_RUN_SECONDS * loads.size / 5)
     list_method(monkeypatch, slow)

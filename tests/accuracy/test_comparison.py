@@ -27,21 +27,19 @@ def comparisons():
 
 def test_each_value_stands_at_its_case_variant_and_load(comparisons):
     data = comparison.blank(comparisons, ("compliance", "settings"), OWN)
-    comparison.fill(
-        data,
-        comparisons,
-        lambda each, variant: {"mood": each.loads * 2, "remark": f"{each.name} by {variant.name}", "unknown": 1.0},
-    )
+
+    def measured(each, variant):
+        return {"mood": each.loads * 2, "remark": f"{each.name} by {variant.name}", "unknown": 1.0}
+
+    comparison.fill(data, comparisons, measured)
     assert data["variant"].values.tolist() == ["bem 12", "bem 24", "demelio"]
     assert data["solution_method"].values.tolist() == ["bem", "bem", "demelio"]
     assert data["mean_pressure"].values.tolist() == [0.1, 0.5, 1.0]
     nan = np.nan
     np.testing.assert_array_equal(data["mood"].sel(variant="demelio"), [[0.2, nan, 2.0], [nan, 1.0, nan]])
     assert np.isnan(data["mood"].values[0, :2]).all()
-    assert data["remark"].values.tolist() == [
-        ["", "", "one by demelio"],
-        [f"two by {n}" for n in data.variant.values],
-    ]
+    assert data["remark"].values[0].tolist() == ["", "", "one by demelio"]
+    assert data["remark"].values[1].tolist() == [f"two by {name}" for name in data.variant.values]
     assert json.loads(data["settings"].values[1, 1]) == {"points": 24}
     assert data["m"].values.tolist() == [1, 2]
     assert {"compliance", "settings", "mood", "remark", "total_amplitude"} <= set(data.data_vars)

@@ -50,12 +50,6 @@ def test_full_contact_is_that_of_the_patches():
     assert 0 < below.resistance[0] < 1e-3
 
 
-def test_crests_of_one_height_are_not_one_crest():
-    assert module._single_crest(THREE)
-    assert not module._single_crest(Profile(1.25, 2, 2, (0.0, math.pi)))
-    assert not module._single_crest(Profile(1.25, "5/2", 2))  # two crests of the coarsest wave in a period
-
-
 def test_for_one_wave_every_method_is_held_against_westergaard():
     one = Profile(1.5, 5, 1)
     for name in ("layer", "bem", "planned", "archard"):

@@ -8,7 +8,7 @@ import pytest
 from weier import Profile
 from weier.accuracy.runner import MAX_REPEATED, REPEAT, Outcome, attempt, median_run, run
 from weier.methods import registry, westergaard
-from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.errors import ConvergenceError
 from weier.methods.method import Estimate, Method, Variant
 
 
@@ -85,10 +85,6 @@ def test_what_numpy_raises_is_not_clear(listed):
     )
     assert set(found.outcome) == {Outcome.unclear_error}
     assert found.message.startswith("ValueError: ")
-
-
-def test_a_method_that_does_not_apply_says_so_in_a_value_error(listed):
-    assert attempt(listed(raising(NotApplicableError("not here"))), ONE, LOADS).message == "ValueError: not here"
 
 
 def test_numbers_that_are_not_finite_are_counted_as_such(listed):

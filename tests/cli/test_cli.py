@@ -69,15 +69,6 @@ def test_the_package_is_the_command():
     assert done.stdout.startswith("weier, version")
 
 
-def test_the_shell_completes_commands_and_options(run, monkeypatch):
-    monkeypatch.setenv("_WEIER_COMPLETE", "bash_source")
-    assert "complete -o nosort" in run()[1]
-    monkeypatch.setenv("_WEIER_COMPLETE", "bash_complete")
-    monkeypatch.setenv("COMP_WORDS", "weier solve --me")
-    monkeypatch.setenv("COMP_CWORD", "2")
-    assert "--method" in run()[1]
-
-
 @pytest.mark.parametrize(
     ("path", "why"),
     [
@@ -98,28 +89,6 @@ def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, 
     assert (code, out) == (1, "")
     assert re.fullmatch(rf"weier: .* cannot be written \(.*{why}\): name another file, .*\n", err)
     assert {each.name for each in tmp_path.iterdir()} == {"folder", "file"}
-
-
-@pytest.fixture
-def closed(tmp_path):
-    """A folder closed to writing: for root, who may write everywhere, a disk that is."""
-    folder, root = tmp_path / "closed", os.geteuid() == 0
-    folder.mkdir(mode=0o500)
-    if root:
-        mounted = subprocess.run(
-            ["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", folder], capture_output=True, text=True
-        )
-        if mounted.returncode:
-            pytest.skip(f"this root may not mount a disk: {mounted.stderr.strip()}")
-    yield folder
-    if root:
-        subprocess.run(["umount", folder], check=True)
-
-
-def test_a_closed_folder_is_told_before_anything_is_solved(run, closed):
-    code, _, err = run("solve", *PROFILE, "-o", closed / "x.nc")
-    assert code == 1
-    assert "closed is closed to writing" in err
 
 
 def test_ctrl_c_ends_a_command_in_a_line_with_the_exit_code_of_shells(monkeypatch, capsys):

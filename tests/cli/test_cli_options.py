@@ -52,18 +52,12 @@ BAD_INPUT = [
     (["solve", "-D", "1.5", "--gamma", "1e4000", "-m", "2"], "gamma must be a finite number or a fraction"),
     (["solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3"], 'take gamma = "140/99"'),
     ([*SOLVE, "--set", "bem.points=1e9"], "points of bem must be a whole number, from 1 to 10000000, got 1000"),
-    (
-        [*SOLVE, "--set", "bem.residual_tolerance=nan"],
-        "residual_tolerance of bem must lie in [1e-15, 1), got the text 'nan'",
-    ),
+    ([*SOLVE, "--set", "bem.residual_tolerance=nan"], "of bem must lie in [1e-15, 1), got the text 'nan'"),
     ([*SOLVE, "--set", "layer.points=3"], "'layer', which is not run"),
     ([*SOLVE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
     ([*SOLVE, "-m", "inf", "--phases", "0"], "choose a finite m, or a method for the infinite series"),
     (["plan", *PROFILE, "--tolerance", "0"], "tolerance must be positive and finite, got 0.0"),
-    (
-        ["plan", "-D", "1.5", "--gamma", "3", "-m", "1e9"],
-        "m must be a whole number of terms, from 1 to 1000000, or inf",
-    ),
+    (["plan", "-D", "1.5", "--gamma", "3", "-m", "1e9"], "m must be a whole number of terms, from 1 to 1000000, or"),
     (["plan", "-D", "1.5", "--gamma", "3", "-m", "1e6"], "m must be at most 1000"),
     (["plan", "-D", "1.95", "--gamma", "2", "-m", "inf"], "tolerance must be larger, or the series shorter, got 0"),
 ]

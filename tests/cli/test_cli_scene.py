@@ -72,11 +72,7 @@ def test_an_unknown_figure_is_refused(scene_file):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (
-            ["claims", "test.yaml", "none", "x.nc", "x.md"],
-            1,
-            "is not solved by all of demelio in none: run snakemake",
-        ),
+        (["claims", "test.yaml", "none", "x.nc", "x.md"], 1, "is not solved by all of demelio in none: run snake"),
         (["batch", "test.yaml", "x.nc"], 1, "test.yaml does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),

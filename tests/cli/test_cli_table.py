@@ -62,28 +62,22 @@ def test_a_table_in_si_units_names_them(run):
 
 def test_a_trace_in_si_units_has_its_own_scale(run, folder):
     """Beside a series, which has that of the file of bodies."""
-    x = np.arange(100) / 100
-    surfaces = [PROFILE] + [
-        weier.Trace(height * np.cos(2 * np.pi * x), 3e-3, ends="periodic", source="t") for height in (1e-6, 2e-6)
-    ]
-    alone = weier.solve(surfaces[1:], [0.1, 1.0], "bem")
-    alone.to_netcdf(folder / "alone.nc")
-    weier.solve(surfaces, [0.1, 1.0], "bem").to_netcdf(folder / "all.nc")
-    bodies = {name: value for name, value in BODIES.items() if name not in ("lambda_0", "g_0")}
-    (folder / "bare.yaml").write_text("".join(f"{name}: {value:g}\n" for name, value in bodies.items()))
-    code, out, _ = run("table", "all.nc", "--si", "bodies.yaml")
-    assert code == 0
+    z = np.cos(2 * np.pi * np.arange(100) / 100)
+    traces = [weier.Trace(height * z, 3e-3, ends="periodic", source="t") for height in (1e-6, 2e-6)]
+    for name, surfaces in {"alone": traces, "all": [PROFILE, *traces]}.items():
+        weier.solve(surfaces, [0.1, 1.0], "bem").to_netcdf(folder / f"{name}.nc")
+    bare = {name: value for name, value in BODIES.items() if name not in ("lambda_0", "g_0")}
+    (folder / "bare.yaml").write_text("".join(f"{name}: {value:g}\n" for name, value in bare.items()))
     expected = []
-    for surface, curve in zip(
-        surfaces, [weier.solve(surface, [0.1, 1.0], "bem") for surface in surfaces], strict=True
-    ):
+    for surface in (PROFILE, *traces):
         scale = {} if surface is PROFILE else {"lambda_0": surface.lambda_0, "g_0": surface.g_0}
+        curve = weier.solve(surface, [0.1, 1.0], "bem")
         expected += weier.Interface(**BODIES | scale).in_si(curve).resistance.values.tolist()
-    told = [float(row["resistance (ohm m^2)"]) for row in rows(out)]
-    assert told == pytest.approx(expected, rel=1e-4)  # a load starts from another one in a list
-    code, out, _ = run("table", "alone.nc", "--si", "bare.yaml")
-    assert code == 0
-    assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(expected[2:], rel=1e-4)
+    for name, bodies, told in (("all", "bodies", expected), ("alone", "bare", expected[2:])):
+        code, out, _ = run("table", f"{name}.nc", "--si", f"{bodies}.yaml")
+        assert code == 0
+        # A load starts from another one in a list.
+        assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(told, rel=1e-4)
     assert run("table", "all.nc", "--si", "bare.yaml")[0] == 1
 
 
@@ -113,16 +107,7 @@ def test_files_of_others_are_refused_in_a_sentence(run):
         assert why in err
 
 
-ATTRIBUTES = [
-    "program",
-    "long_name",
-    "units",
-    "normalised_by",
-    "coordinates",
-    "ancillary_variables",
-    "title",
-    "_Encoding",
-]
+ATTRIBUTES = ["program", "long_name", "units", "normalised_by", "coordinates", "title", "_Encoding"]
 
 
 @pytest.mark.parametrize("damaged", [None, 7, "nonsense"])

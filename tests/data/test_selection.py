@@ -62,15 +62,10 @@ def test_selection_by_labels(path, labels, rows):
 
 def test_what_people_know_of_xarray_works(path):
     with weier.open(path) as data:
-        case = data.weier.cases(D=1.25).squeeze("case")
-        bem = case.compliance.sel(solution_method="bem")
+        bem = data.weier.cases(D=1.25).squeeze("case").compliance.sel(solution_method="bem")
         assert bem.values == pytest.approx(1 + LOADS / 10)
-        assert bem.sel(mean_pressure=0.95 * LOADS[7], method="nearest") == bem[7]
-        assert bem.sel(mean_pressure=slice(0.01, 0.1)).size == ((LOADS >= 0.01) & (LOADS <= 0.1)).sum()
-        assert bem.isel(mean_pressure=-1) == bem.values[-1]
         assert bem.interp(mean_pressure=2.0) == pytest.approx(1.2)
-        series = bem.to_series()
-        assert series.index.names == ["mean_pressure"]
+        assert bem.to_series().index.names == ["mean_pressure"]
         assert bem.coords["case"] == "D = 1.25, gamma = 5, m = 2, phases = 1"
         assert data.sel(case="D = 1.5, gamma = 5, m = inf")["key"] == "case3"
 
@@ -180,14 +175,9 @@ def many(count, tmp_path_factory):
     data["gamma"].values[:], data["m"].values[:], data["points"].values[:] = 5, 3, 1600
     for name, cases in (("few", 100), ("many", count)):
         product = {"D": dimensions(0, cases).tolist(), "gamma": 5, "m": 3}
-        fields = {
-            "title": name,
-            "loads": LOADS.tolist(),
-            "methods": METHODS_OF_MANY,
-            "max_cases": cases,
-            "batch": PART,
-        }
-        (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields | {"studies": {"one": {"product": product}}}))
+        fields = {"title": name, "loads": LOADS.tolist(), "methods": METHODS_OF_MANY}
+        fields |= {"max_cases": cases, "batch": PART, "studies": {"one": {"product": product}}}
+        (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields))
     for path in Solutions(scene.load(folder / "many.yaml"), folder / "batches").files():
         first, *others = read_batch(path.with_suffix(".json")).cases
         part = data.isel(case=slice(1 + len(others)))
@@ -205,7 +195,5 @@ def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
         assert data["D"].values.tolist() == dimensions(0, count).tolist()
         for name in ("compliance", "status", "settings"):
             assert data[name][-part.sizes["case"] :].variable.equals(part[name].variable), name
-        raw = sum(
-            data[name].nbytes for name in data.data_vars if data[name].ndim == 3 and data[name].dtype.kind == "f"
-        )
-        assert raw > 2 * MEMORY * 2**20
+        curves = [values for values in data.values() if values.ndim == 3 and values.dtype.kind == "f"]
+        assert sum(values.nbytes for values in curves) > 2 * MEMORY * 2**20

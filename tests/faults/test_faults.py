@@ -58,15 +58,9 @@ def environment(checkout, **more):
 
 def run(checkout, *arguments):
     """Exit code and all that was said."""
-    done = subprocess.run(
-        [*COMMAND, *arguments],
-        cwd=checkout,
-        env=environment(checkout),
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
-    return done.returncode, done.stdout + done.stderr
+    told = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": PATIENCE}
+    done = subprocess.run([*COMMAND, *arguments], cwd=checkout, env=environment(checkout), **told)
+    return done.returncode, done.stdout
 
 
 def assert_the_next_run_is_undisturbed(checkout, undisturbed):

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
 CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
 KEYS = [f"case{row}" for row in range(len(CASES))]
+HERE = Path(__file__).parent
 PNG = bytes.fromhex("89504e470d0a1a0a")
 SCENE = """
 title: test
@@ -313,42 +315,10 @@ def test_a_scene_without_a_tolerance_has_no_plans():
     assert plans.rows(data, seconds_of(["a"])) == []
 
 
-# The page is driven as a user drives it: a drop-down list is set and tells the page so. The lists stand in the shadow
-# roots of their widgets.
-FIND = """<script>
-const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
-  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
-"""
-DRIVE = """const state = () => {
-  const model = (name) => Bokeh.documents[0].get_model_by_name(name)
-  return {
-    compliance: Array.from(model("curve bem").data.compliance),
-    resistance: Array.from(model("curve bem").data.resistance),
-    visible: model("compliance").renderers.map((line) => line.visible),
-    named: model("legend of resistance").items.map((item) => item.visible),
-    chosen: ["D", "gamma", "m", "phase", "case"].map((name) => model(name).value),
-    keyed: model("case").visible,
-  }
-}
-const pause = () => new Promise((done) => setTimeout(done, 200))
-const choose = async (number, value) => {
-  const select = find(document, "select")[number]
-  select.value = value; select.dispatchEvent(new Event("change")); await pause()
-}
-// The first list, of traces, is hidden.
-const drive = async () => {
-  while (!find(document, "select").length) await pause()
-  const steps = [state()]
-  await choose(1, "1.5"); steps.push(state())
-  await choose(2, "3"); steps.push(state())
-  await choose(3, "3"); steps.push(state())
-  await choose(3, "2")
-  find(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(state())
-  const result = document.createElement("pre"); result.id = "result"
-  result.textContent = JSON.stringify(steps); document.body.append(result)
-}
-drive()
-</script>"""
+def with_script(page, name):
+    """A page with one of the scripts of this folder at its end, which find elements."""
+    script = "".join((HERE / each).read_text(encoding="utf-8") for each in ("find.js", name))
+    return f"{page.rpartition('</body>')[0]}<script>{script}</script></body></html>"
 
 
 def browse(folder, *arguments):
@@ -368,11 +338,10 @@ def browse(folder, *arguments):
 
 
 def test_choosing_a_case_changes_the_curve(folder):
-    driven = folder / "driven.html"
     text = (folder / "page.html").read_text(encoding="utf-8")
-    head, _, _ = text.rpartition("</body>")
-    driven.write_text(f"{head}{FIND}{DRIVE}</body></html>", encoding="utf-8")
-    result = re.search(r'<pre id="result">(.*?)</pre>', browse(folder, "--dump-dom", driven.as_uri()))
+    (folder / "driven.html").write_text(with_script(text, "drive.js"), encoding="utf-8")
+    shown = browse(folder, "--dump-dom", (folder / "driven.html").as_uri())
+    result = re.search(r'<pre id="result">(.*?)</pre>', shown)
     start, rough, finer, longer, hidden = json.loads(result.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
     assert start["chosen"] == ["1.25", "5", "2", "1", "case"]
@@ -387,24 +356,6 @@ def test_choosing_a_case_changes_the_curve(folder):
     assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
 
 
-# Sends the page that frames it how wide the page has become, and where the parts of it end.
-MEASURE = """const measure = () => {
-  if (find(document, "canvas").length < 2) return setTimeout(measure, 200)
-  const parts = find(document, "select, canvas, input, img, details, nav")
-  const ends = parts.map((each) => each.getBoundingClientRect().right)
-  const { clientWidth, scrollWidth } = document.documentElement
-  parent.postMessage({ window: clientWidth, page: scrollWidth, ends }, "*")
-}
-setTimeout(measure, 1000)
-</script>"""
-
-# The window of a browser cannot be as narrow as this frame.
-FRAME = """<iframe src="measured.html" width="420" height="1400" style="border: 0"></iframe>
-<pre id="result"></pre><script>
-onmessage = (event) => { document.getElementById("result").textContent = JSON.stringify(event.data) }
-</script>"""
-
-
 def test_a_narrow_window_is_wide_enough(tmp_path):
     """With all methods, random phases, and cases that differ in nothing but their keys."""
     data = dataset.blank(2, registry.names(), LOADS, 6)
@@ -412,9 +363,9 @@ def test_a_narrow_window_is_wide_enough(tmp_path):
     data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
     data = data.merge(to_dataset({"archard_above": judged(Check.no)}))
-    head, _, _ = write(tmp_path, data=data).rpartition("</body>")
-    (tmp_path / "measured.html").write_text(f"{head}{FIND}{MEASURE}</body></html>", encoding="utf-8")
-    (tmp_path / "frame.html").write_text(FRAME)
+    text = write(tmp_path, data=data)
+    (tmp_path / "measured.html").write_text(with_script(text, "measure.js"), encoding="utf-8")
+    shutil.copy(HERE / "frame.html", tmp_path)
     text = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
     widths = json.loads(re.search(r'<pre id="result">(.*?)</pre>', text).group(1))
     assert widths["page"] == widths["window"] <= 420  # the frame, less a bar to scroll up and down

@@ -17,41 +17,6 @@ PATIENCE = 120  # seconds
 
 pytestmark = pytest.mark.usefixtures("ctrl_c")
 
-# A solve of many minutes, after a short one that has compiled what it needs, and another short one after it.
-PROGRAM = """
-import time
-import numpy as np
-import weier
-
-def short():
-    return weier.solve(weier.Profile(D=1.25, gamma=5, m=2), [0.1, 0.5], {method!r}).compliance.values
-
-before = short()
-weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), [1e-3, 0.5, 4], {method!r})  # compiles what many contacts take
-print("ready", flush=True)
-try:
-    weier.solve(weier.Profile(D=1.25, gamma=5, m={terms}), np.geomspace(1e-3, 4, 100), {method!r}{settings})
-except KeyboardInterrupt:
-    print("stopped", (short() == before).all(), flush=True)
-"""
-
-
-@pytest.mark.parametrize(
-    ("method", "terms", "settings"), [("bem", 3, ", points=4_000_000"), ("patches", 5, "")], ids=["bem", "patches"]
-)
-def test_ctrl_c_stops_a_solve_and_leaves_the_program_as_it_was(method, terms, settings):
-    program = PROGRAM.format(method=method, terms=terms, settings=settings)
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout.readline() == "ready\n"
-        time.sleep(3)  # the solve is well under way
-        process.send_signal(signal.SIGINT)
-        try:
-            said, _ = process.communicate(timeout=PATIENCE)
-        finally:
-            process.kill()
-    assert said == "stopped True\n"
-
-
 # Nothing but a kernel that returns a tuple of arrays, again and again.
 KERNEL_ALONE = """
 import time

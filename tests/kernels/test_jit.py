@@ -30,17 +30,6 @@ print(value())
 """
 
 
-def test_the_folder_follows_sources_and_user(monkeypatch, tmp_path):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    names = set()
-    for sources in ("one", "two", "two"):
-        monkeypatch.setattr(jit, "digest_of_program", lambda *_, sources=sources: sources)
-        folder = jit.cache_folder.__wrapped__()
-        assert folder.parent == tmp_path
-        names.add(folder.name)
-    assert len(names) == 2
-
-
 def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     """numba alone returns the old constant; the folder's name brings a fresh compilation."""
     package = tmp_path / "weier"

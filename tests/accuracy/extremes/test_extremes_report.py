@@ -2,7 +2,6 @@
 
 from importlib import import_module
 
-import netCDF4
 import numpy as np
 import pytest
 
@@ -69,13 +68,6 @@ def test_the_data_are_by_the_conventions(measured, tmp_path):
     path = tmp_path / "extremes.nc"
     dataset.write(measured, path, "Small", "examined")
     assert complaints(check([path], "cf:1.11", tmp_path)[str(path)]) == []
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_mask(False)
-        for variable in file.variables.values():
-            assert {"long_name", "units"} <= set(variable.ncattrs())
-            if variable.dtype.kind == "f":
-                assert not (variable[...] < getattr(variable, "valid_min", -np.inf)).any(), variable.name
-                assert not (variable[...] > getattr(variable, "valid_max", np.inf)).any(), variable.name
 
 
 def test_figure_and_data(measured, tmp_path):
@@ -83,19 +75,17 @@ def test_figure_and_data(measured, tmp_path):
     again = dataset.read(tmp_path / "extremes.nc")
     figures.draw("extremes", [again], "", tmp_path / "extremes.png")
     assert {path.suffix for path in tmp_path.iterdir()} == {".nc", ".png", ".pdf", ".svg"}
+    without = again.assign(compliance_digits=again["compliance_digits"] * np.nan)
     with pytest.raises(ValueError, match="no digits"):
-        figures.draw(
-            "extremes", [again.assign(compliance_digits=again["compliance_digits"] * np.nan)], "", tmp_path / "no.png"
-        )
+        figures.draw("extremes", [without], "", tmp_path / "no.png")
 
 
 def test_the_summary_has_the_worst_of_each_method(measured, tmp_path):
     def summary(data):
         extremes.write_summary(data, "Small", tmp_path / "extremes.md")
         text = (tmp_path / "extremes.md").read_text(encoding="utf-8")
-        return text, {
-            line.split(" | ")[0]: line.strip("| ").split(" | ") for line in text.splitlines() if "|" in line
-        }
+        lines = [line for line in text.splitlines() if "|" in line]
+        return text, {line.split(" | ")[0]: line.strip("| ").split(" | ") for line in lines}
 
     text, rows = summary(measured)
     assert text.startswith("# Small\n\nMade by `snakemake --cores 2 extremes`")

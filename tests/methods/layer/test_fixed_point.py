@@ -72,16 +72,6 @@ def test_the_infinite_series_is_a_fixed_point(D, gamma):
     assert error.max() < ACCURACY
 
 
-@pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.5, 2), (1.9, 3)])
-def test_finite_series_converge_to_the_infinite_one(D, gamma):
-    loads = np.geomspace(1e-6, 10, 20)
-    infinite = layer.compliance(loads, D, gamma, math.inf)
-    terms = np.array([2, 4, 8, 16, 32])
-    left = np.array([np.abs(layer.compliance(loads, D, gamma, m) - infinite).max() for m in terms])
-    # A layer thicker by G_m everywhere raises h by G_m; the fixed point itself is known to ACCURACY.
-    assert np.all(left <= tail_amplitude(terms, D, gamma) + ACCURACY * infinite.max())
-
-
 # From one scale applied 37 to 701 times to Westergaard's curve, on tables from e^-300 with some 700 rows of an
 # accuracy of 1e-7: no Newton's method over the rows, and no first row that a light pressure could reach.
 ITERATED = [
@@ -128,13 +118,6 @@ def test_the_closure_of_a_tail_is_its_curve():
         found = layer.curve(loads, D, gamma, math.inf)
         np.testing.assert_allclose(np.exp(log_h), found.compliance, rtol=ACCURACY)
         np.testing.assert_allclose(power, found.resistance * loads / found.compliance, rtol=1e-3, atol=1e-4)
-
-
-def test_the_infinite_series_is_self_affine():
-    # Far beyond full contact of the first wave only the finer ones yield: W(xi) = 1 + w(xi) up to ripples 1/xi^2.
-    D, gamma, xi = 1.5, 4, np.array([300.0])
-    finer = gamma ** (D - 2) * layer.compliance(gamma ** (1 - D) * xi, D, gamma, math.inf)
-    assert layer.compliance(xi, D, gamma, math.inf) == pytest.approx(1 + finer, rel=1e-5)
 
 
 def test_a_fixed_point_that_is_not_reached_is_refused(monkeypatch):

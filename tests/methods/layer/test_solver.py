@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +14,6 @@ from weier.methods.layer.solver import ACCURACY
 from weier.theory.series import leading_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]
-REFERENCE = json.loads((Path(__file__).parents[2] / "data" / "contact.json").read_text())
 
 
 def full_contact(D, gamma, m):
@@ -66,23 +63,6 @@ def test_two_waves_minimise_the_energy(D, gamma, h):
     assert found == pytest.approx(h, rel=2e-5)
 
 
-@pytest.mark.parametrize(("D", "gamma", "m"), CASES)
-def test_order_of_convergence(D, gamma, m):
-    xi = np.geomspace(1e-5, 0.9 * full_contact(D, gamma, m), 40)
-    nodes = np.array([8, 16, 32])
-    best = layer.curve(xi, D, gamma, m, points=96, accuracy=1e-7)
-    light, total = xi < 1, leading_amplitude(m, D, gamma)
-    of_h, of_slope = [], []
-    for points in nodes:
-        answer = layer.curve(xi, D, gamma, m, points=points, accuracy=1e-7)
-        of_h.append(np.abs(answer.compliance - best.compliance).max() / total)
-        of_slope.append(np.abs(answer.resistance / best.resistance - 1)[light].max())
-    order_h, order_slope = (-np.polyfit(np.log(nodes), np.log(e), 1)[0] for e in (of_h, of_slope))
-    print(f"D = {D}, gamma = {gamma}, m = {m}: order of h {order_h:.1f}, of dh/dp {order_slope:.1f}")
-    assert order_h > 2
-    assert 1 < order_slope < 2.7
-
-
 # The worst of 135 series; in the last two a table met the midpoints beside a kink by chance, 30 times as far off.
 WORST = [(1.1, 2, 2), (1.1, 3, 3), (1.2, 2, 2), (1.3, 2, 4), (1.3, 3, 4)]
 
@@ -106,29 +86,6 @@ def test_resistance_is_the_slope_of_the_compliance(D, gamma, m):
     answer = layer.curve(loads, D, gamma, m)
     below, _, above = answer.compliance.reshape(3, -1)
     np.testing.assert_allclose(answer.resistance[5:10], (above - below) / (2 * step * xi), rtol=1e-4)
-
-
-@pytest.mark.parametrize("D", [1.02, 1.5, 1.95])
-@pytest.mark.parametrize("gamma", [1.2, 5, 100])
-@pytest.mark.parametrize("m", [2, 4, 9])
-def test_monotone_concave_and_bounded_over_all_loads(D, gamma, m):
-    xi = np.geomspace(1e-30, 1e3, 34)
-    answer = layer.curve(xi, D, gamma, m)
-    total = leading_amplitude(m, D, gamma)
-    assert np.all(np.diff(answer.compliance) >= 0)
-    assert np.all(answer.compliance <= total * (1 + 1e-14))
-    assert np.all(np.diff(answer.resistance) <= 0)
-    assert np.all(answer.resistance >= 0)
-    assert np.all(answer.compliance <= archard.compliance(xi, D, gamma, m) * (1 + 1e-5))
-    assert np.all(answer.residual < 1e-9)
-
-
-@pytest.mark.parametrize("m", [2, 3, 5])
-def test_compliance_of_light_loads_is_a_power(m):
-    # The layer yields more than the half-plane, p = w^-1(h - 2 pi^2 x^2): each scale takes h ~ xi^(2/(m+1)) up to ln.
-    xi = np.array([1e-30])
-    answer = layer.curve(xi, 1.5, 5, m)
-    assert answer.resistance * xi / answer.compliance == pytest.approx(2 / (m + 1), rel=0.03)
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1 + 1e-9, 5, 3), (2 - 1e-9, 2, 30), (1.5, 1 + 1e-6, 5)])
@@ -186,19 +143,6 @@ def test_loads_of_any_shape_and_order():
     alone = [float(layer.compliance(load, 1.25, 5, 3)) for load in loads.flat]
     np.testing.assert_array_equal(together.compliance.ravel(), alone)
     np.testing.assert_array_equal(layer.resistance(loads, 1.25, 5, 3), together.resistance)
-
-
-def test_close_to_the_numerical_solution():
-    # Section 5.3: "good results at low loads, tends to underestimate the compliance slightly at high loads". Phases
-    # put the first contact of the numerical solution somewhat lower than the sum of the amplitudes.
-    case = next(case for case in REFERENCE if (case["D"], case["gamma"], case["m"]) == (1.25, 5, 3))
-    rows = [row for row in case["rows"] if row["mean_pressure"] > 0.005]
-    loads = np.array([row["mean_pressure"] for row in rows])
-    numerical = np.array([row["compliance"] for row in rows])
-    model = layer.compliance(loads, 1.25, 5, 3)
-    for load, h, found in zip(loads, numerical, model, strict=True):
-        print(f"p = {load:.4f} p_0*: h = {found:.4f} g_0 in the layer model, {h:.4f} numerically")
-    np.testing.assert_allclose(model, numerical, atol=0.06)
 
 
 @pytest.mark.parametrize(

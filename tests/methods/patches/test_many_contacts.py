@@ -12,9 +12,7 @@ from weier.methods import patches
 from weier.methods.patches import fields, inequalities, many_contacts
 from weier.methods.patches.given_edges import make_punches
 from weier.methods.patches.inequalities import (
-    SAMPLED_FACTOR,
     NegativeIntervals,
-    _sample_points,
     check_violation,
     contact_residual,
 )
@@ -128,42 +126,9 @@ def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     assert contact_residual(wrong, surface_of(FOUR_WAVES).series(state.dual)).max() > 1e-8
 
 
-@one_thread
-@pytest.mark.parametrize(
-    ("profile", "load"),
-    [(Profile(1.25, 5, 4, 1.0), 3.25094), (Profile(1.25, 5, 4, 1.0), 1.5), (Profile(1.95, "7/2", 4, np.pi), 35.5)],
-)
-def test_fast_sums_tell_the_residual_beside_nodes(profile, load):
-    """Some segments are far narrower than they are away from the crest from which positions are counted."""
-    state = patches.solve_load(profile, load).state
-    series, segments = surface_of(profile).series(state.dual), state.segments
-    assert segments.centre.size > fields.MIN_SUM_SEGMENTS
-    first, crest, y = _sample_points(segments, True)
-    count = np.diff(np.append(first, y.size))
-    middle, centre = np.repeat(segments.origin + segments.centre, count), np.repeat(segments.centre, count)
-    fast = fields.residuals_by_sums(state, series, crest, y, middle, y - centre)
-    height = 2 * np.repeat(segments.half_width, count) if state.dual else 1.0
-    # Rounding of 1/sin^2 at a quarter of the distance of two nodes, some hundred times that of the rest.
-    np.testing.assert_allclose(height * (fast - fields.residuals_one_by_one(state, series, crest, y)), 0, atol=1e-12)
-
-
 @pytest.mark.slow
 def test_a_long_period():
     """It is 64 lambda_0, where positions are rounded to 1e-14."""
     curve = patches.curve(Profile(1.25, "5/2", 7, 0.0), 0.3)
     assert curve.residual < 1e-10
     assert curve.work < 10
-
-
-@pytest.mark.parametrize("apart", [False, True])
-def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
-    random, everywhere = np.random.default_rng(0), np.cos(np.linspace(0, np.pi, 4000))
-    state = patches.solve_load(THREE_WAVES, 0.5).state
-    nodes, (first, _, y) = np.diff(state.segments.first_node), _sample_points(state.segments, apart)
-    for j, where in enumerate(np.split(y, first[1:])):
-        at = (where - state.segments.centre[j]) / state.segments.half_width[j]
-        for _ in range(100):
-            wave = np.polynomial.Chebyshev(
-                random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3) + 1e-9
-            )
-            assert np.abs(wave(everywhere)).max() <= SAMPLED_FACTOR * np.abs(wave(at)).max()

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 import weier
+from benchmarks.verification import verify, verify_infinite
 from tests.profiles import THREE_WAVES, half_a_node_off
-from tests.verification import verify, verify_infinite
 from weier import Profile, plan, solve
 from weier.methods import bem, patches, registry
 from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned import solver as planned
-from weier.methods.planned.candidates import candidates
 from weier.methods.progress import count_load
 from weier.methods.segment import SegmentSolution, make_segment
 
@@ -28,17 +27,6 @@ def test_planned_curves_are_within_the_errors_they_expect():
     assert {method for each in found for method in each.methods} >= {"full contact", "westergaard", "bem", "patches"}
     assert {each.quantity for each in found} == {"compliance", "resistance"}
     assert [each for each in found if not each.inside or not each.kept] == []
-
-
-def test_errors_by_contact_patches_are_not_wide_for_safety():
-    loads = np.geomspace(0.05, 2, 10)
-    curve, exact = solve(THREE_WAVES, loads, "planned", tolerance=1e-9), patches.curve(THREE_WAVES, loads, 1e-12)
-    assert set(curve.planned_method.values.tolist()) == {"patches"}
-    true = np.abs(curve.compliance.values - exact.compliance)
-    known = true > 1e-14
-    assert known.any()
-    # A bound by the largest residual, while most of the residual changes its sign and cancels.
-    assert np.median(curve.compliance_error.values[known] / true[known]) < 100
 
 
 LIGHT_RESISTANCES = [
@@ -83,22 +71,6 @@ def test_the_resistance_at_a_birth_is_within_its_error(profile, birth, tolerance
     assert np.any(curve.planned_points.values != part.settings["points"])
 
 
-def test_the_resistance_of_a_grid_near_events_is_within_its_error():
-    """Of 600 loads near 150 events none was off by more than 0.75 of its error. Here every event of five profiles."""
-    random, off = np.random.default_rng(2), []
-    for D, phases in ((1.3, 0.0), (1.6, math.pi), (1.8, (0.0, math.pi)), (1.5, (1.0, 2.5)), (1.9, (0.3, 4.0))):
-        profile = Profile(D, 4, 2, phases)
-        events = weier.events(profile, 0.1, 1.0)
-        away = 10 ** random.uniform(-5, math.log10(2e-2), events.mean_pressure.size)
-        loads = np.unique(events.mean_pressure.values * np.where(events.birth.values, 1 + away, 1 - away))
-        offers = candidates(profile, loads, 0.1, "resistance", registry.METHODS)
-        grid = next(offer for offer in offers if offer.method == "bem")
-        found = planned.run(profile, (grid,))
-        off += list(np.abs(found.resistance - patches.curve(profile, loads).resistance) / found.resistance_error)
-    assert len(off) >= 10
-    assert max(off) <= 1
-
-
 def test_a_birth_out_of_reach_is_refused(monkeypatch):
     profile, birth, tolerance = BIRTHS[0]
     monkeypatch.setattr(patches.error_model, "MAX_CONTACTS", 0)
@@ -141,9 +113,8 @@ def test_full_contact_is_closed_form_and_exact():
 
 def test_the_resistance_of_a_plan_for_the_compliance_is_within_its_error():
     exact = patches.curve(THREE_WAVES, LOADS)
-    curve = solve(
-        THREE_WAVES, LOADS, "planned", tolerance=0.1
-    )  # two terms and a closed form: only concavity tells the resistance
+    # Two terms and a closed form: only concavity tells the resistance.
+    curve = solve(THREE_WAVES, LOADS, "planned", tolerance=0.1)
     off = np.abs(curve.resistance - exact.resistance)
     assert np.all(off <= curve.resistance_error)
     assert np.all(np.isfinite(curve.resistance_error))
@@ -217,7 +188,6 @@ def test_every_slow_method_can_be_stopped_between_two_loads(monkeypatch, method)
     monkeypatch.setattr(planned, "MIN_OVERRUN_SECONDS", -1.0)
     monkeypatch.setattr(planned, "MAX_OVERRUN", 0.0)
     profile, tolerance = (Profile(1.1, 3, math.inf, 1.0), 0.02) if method == "hybrid" else (THREE_WAVES, 1e-5)
-    with pytest.raises(
-        ConvergenceError, match=f"{method} with .* terms was .* stopped after .* with 1 of [23] loads"
-    ):
+    stopped = f"{method} with .* terms was .* stopped after .* with 1 of [23] loads"
+    with pytest.raises(ConvergenceError, match=stopped):
         planned.curve(profile, np.array([0.1, 0.2, 0.3]), (registry.find_method(method),), tolerance)
