@@ -147,12 +147,6 @@ def test_no_grid_is_tried_that_would_take_too_long(monkeypatch):
     assert [seconds for _, seconds, _ in tried["h"]] == [to_error.MAX_SECONDS + 1] * 2 + [np.inf] * 2
 
 
-def test_what_no_grid_reaches_is_not_what_takes_too_long(monkeypatch):
-    monkeypatch.setattr(to_error, "attempt", lambda *at: to_error.Attempt(1e-5, lambda: int))
-    found = to_error.measure("tamaas", None)["h"]
-    assert [each and each.points for each in found] == [400, 400, None, None]
-
-
 def test_a_table_of_times_says_what_is_not_reached():
     found = {
         (name, quantity, target): to_error.Reached(400, seconds, "")

@@ -35,12 +35,6 @@ def test_json_tells_what_a_plan_took_of_the_plan_alone(run):
     assert "planned_terms" not in methods["demelio"]
 
 
-def test_json_has_no_nan_and_no_infinity(run):
-    code, out, _ = run("solve", "-D", "1.25", "--gamma", "5/2", "-m", "inf", "--method", "demelio", "--loads", "0.1")
-    assert code == 0
-    assert json.loads(out, parse_constant=lambda name: pytest.fail(name))["m"] == "inf"
-
-
 @pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--phases", "1"], ["--seed", "3"], []])
 def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
     path = tmp_path / "a folder" / "curves.nc"
@@ -84,13 +78,6 @@ def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     assert err.splitlines()[-1] == "weier: bem does not apply, as said above; the curves of the others are there"
     with weier.open(tmp_path / "x.nc") as data:
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
-
-
-def test_an_infinite_series_is_plotted_by_the_methods_that_apply(run, tmp_path):
-    code, _, err = run("plot", "-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1", tmp_path / "x.png")
-    assert code == 0
-    assert "bem" not in err
-    assert (tmp_path / "x.png").stat().st_size > 0
 
 
 @pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])

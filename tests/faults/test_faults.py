@@ -124,18 +124,6 @@ def test_kill_of_a_worker(checkout, undisturbed, tmp_path):
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 
-@pytest.mark.slow
-def test_kill_of_a_job(checkout, undisturbed, tmp_path):
-    """The shell dies, its worker does not know and finishes."""
-    (batch,) = (checkout / "results/test/batches").glob("*.nc")
-    forget(checkout, *PRODUCTS, f"batches/{batch.name}")
-    with paused(checkout, f"batches/{batch.name}", tmp_path) as (snakemake, worker):
-        os.kill(parent(worker), signal.SIGKILL)
-        assert snakemake.wait(PATIENCE) != 0
-    wait(lambda: gone(worker))
-    assert_the_next_run_is_undisturbed(checkout, undisturbed)
-
-
 def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_path):
     """But the job that it had begun: it ends, and no other begins."""
     (batch,) = (checkout / "results/test/batches").glob("*.nc")

@@ -85,24 +85,6 @@ def rough(waves, samples, seed=1):
     return UNIT * np.fft.irfft(np.concatenate([[0], (k <= waves) * k**-1.2 * random]), samples)
 
 
-def test_patches_confirm_boundary_elements_on_a_random_surface():
-    trace = Trace(rough(40, 400), 1e-3, ends="periodic")
-    loads = np.geomspace(1e-2, 0.95 * trace.full_contact_load, 10)
-    exact = weier.solve(trace, loads, "patches")
-    grid = weier.solve(trace, loads, "bem")
-    assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error + 1e-9)
-    assert np.all(np.abs(grid.resistance - exact.resistance) <= grid.resistance_error + 1e-7)
-    np.testing.assert_array_equal(grid.patch_count, exact.patch_count)
-    assert float(exact.patch_count.max()) > 10
-
-
-def test_full_contact_is_at_the_highest_point():
-    trace = Trace(rough(20, 200), 1e-3)
-    curve = weier.solve(trace, [1.001 * trace.full_contact_load], "patches")
-    assert curve.compliance.item() == trace.total_amplitude == trace.crest[1]
-    assert curve.resistance.item() == 0
-
-
 def test_fields_and_events_of_a_trace():
     trace = Trace(rough(8, 100), 1e-3, ends="periodic")
     field = weier.fields(trace, 1.0)
@@ -113,16 +95,6 @@ def test_fields_and_events_of_a_trace():
     events = weier.events(trace, 0.01, 1.1 * trace.full_contact_load)
     assert events.patch_count.values[-1] == 0
     assert float(events.mean_pressure[-1]) == pytest.approx(trace.full_contact_load, rel=1e-9)
-
-
-def test_the_result_tells_which_trace_it_is_of():
-    curve = weier.solve(
-        Trace(rough(20, 200), 1e-3, ends="periodic", source="shaft.csv"), [0.1, 1.0], "bem", edges="nodes"
-    )
-    assert (curve.trace.item(), curve.m.item()) == ("shaft.csv", 20)
-    assert curve.trace_length.item() == 1e-3
-    assert curve.trace_length.units == "m"
-    assert math.isnan(curve.D)
 
 
 @pytest.mark.parametrize("method", ["westergaard", "archard", "demelio", "layer", "hybrid", "planned"])

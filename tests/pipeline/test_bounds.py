@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-import pytest
 
 from tests.scenes import scene_in
 from weier import Profile
 from weier.methods import bem, patches
 from weier.pipeline import batch
 from weier.pipeline.gather import read_study
-from weier.theory.bounds import first_contact, infinite_series_bounds
 
 BETWEEN_NODES = """
 title: crests of all waves at one place, half a node off the grid
@@ -51,17 +49,3 @@ def test_bounds_hold_for_crests_between_two_nodes(tmp_path):
     assert bounded["compliance"][0] > 4e-4
     assert np.all(bounded["compliance_lower"] <= exact)
     assert np.all(bounded["compliance_lower"] >= 0)
-
-
-def test_an_error_widens_the_bounds_by_itself():
-    profile, loads = Profile(1.5, 3, 2, 1.0), np.geomspace(0.01, 1, 5)
-    h = patches.curve(profile, loads).compliance
-    exact, wide = (infinite_series_bounds(profile, loads, h, error) for error in (0.0, 1e-3))
-    assert wide["compliance_lower"] == pytest.approx(exact["compliance_lower"] - 1e-3)
-    assert np.all(wide["resistance_lower"] <= exact["resistance_lower"])
-    assert np.all(wide["resistance_upper"] >= exact["resistance_upper"])
-
-
-def test_first_contact_is_where_the_highest_crest_touches():
-    assert first_contact(Profile(1.5, 3, 2, 0.0)) == pytest.approx(0, abs=1e-15)  # all crests at one place
-    assert first_contact(Profile(1.5, 3, 2, math.pi)) > 0.1

@@ -191,11 +191,6 @@ def test_a_page_lists_the_traces_and_their_units(folder):
     trace = loaded.studies["mine"][0].profile
     for told in ("Measured heights", "shaft.csv", trace.digest, "periodic"):
         assert f">{told}<" in text
-    assert "Figures in Pa" not in text
-    si = {"f": SCENE["figures"]["f"] | {"units": "si"}}
-    in_si = load(folder, figures=si, interface=BODIES | {"lambda_0": 1e-3, "g_0": 1e-6})
-    page.write(in_si, folder / "contact.nc", [], read_cost(solutions), folder / "page.html")
-    assert "Figures in Pa, m and ohm m^2 are of the scene&#39;s two bodies" in (folder / "page.html").read_text()
     with dataset.reading(folder / "contact.nc") as data:
         selects = explorer.curve_explorer(data.load()).children[0].children
     assert {each.name: each.value for each in selects if each.visible} == {

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 from weier import ConvergenceError
-from weier.methods import layer
+from weier.methods import layer, westergaard
 from weier.methods.layer import fixed_point
 from weier.methods.layer.solver import ACCURACY
 from weier.theory.series import tail_amplitude
@@ -53,16 +53,27 @@ def mean_pressure_at(h, log_pressure, n=400):
     raise AssertionError("Newton's method did not converge")
 
 
+def closure(curve, D, gamma):
+    """The logarithm of the pressure over that of w + p, of a layer of finer waves with this curve."""
+    xi = np.concatenate([np.geomspace(1e-18, 1e-4, 500)[:-1], np.geomspace(1e-4, 30, 500)])
+    pressure = gamma ** (D - 1) * xi
+    return CubicSpline(np.log(gamma ** (D - 2) * curve(xi) + pressure), np.log(pressure))
+
+
+@pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.5, 2)])
+@pytest.mark.parametrize("h", [0.05, 0.5, 1.1])
+def test_two_waves_are_one_on_a_layer_of_westergaards(D, gamma, h):
+    load = mean_pressure_at(h, closure(westergaard.compliance, D, gamma))
+    assert layer.compliance(load, D, gamma, 2) == pytest.approx(h, rel=ACCURACY)
+
+
 @pytest.mark.parametrize(("D", "gamma"), [(1.1, 5), (1.25, 5), (1.5, 2), (1.75, 2), (1.9, 3), (1.98, 4)])
 def test_the_infinite_series_is_a_fixed_point(D, gamma):
     """Its curve is the closure of a layer, on which another solver finds a wave with that same curve.
 
     A deviation of one scale adds up to 1/(1 - gamma^(D-2)) times as much over all of them.
     """
-    xi = np.concatenate([np.geomspace(1e-18, 1e-4, 500)[:-1], np.geomspace(1e-4, 30, 500)])
-    pressure = gamma ** (D - 1) * xi
-    spread = np.log(gamma ** (D - 2) * layer.compliance(xi, D, gamma, math.inf) + pressure)
-    log_pressure = CubicSpline(spread, np.log(pressure))
+    log_pressure = closure(lambda xi: layer.compliance(xi, D, gamma, math.inf), D, gamma)
     loads = np.geomspace(1e-5, 3, 7)
     h = layer.compliance(loads, D, gamma, math.inf)
     found = np.array([mean_pressure_at(one, log_pressure) for one in h])
