@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks import families, stated_errors
-from benchmarks.families import FAMILIES, LOADS, MAX_WAVES, PHASES, PRESSURES, SERIES, SETTINGS
+from benchmarks.families import FAMILIES, LOADS, MAX_WAVES
 from weier import ConvergenceError, Profile
 from weier.methods import bem
 
@@ -18,13 +18,6 @@ from weier.methods import bem
 def one_draw() -> families.Draw:
     profile, loads = Profile(1.3, 2, 2, (0.0, 1.0)), np.array([0.01, 0.3])
     return families.Draw("usual", profile, loads, {"points_per_wave": 16}, *families.solve_exactly(profile, loads))
-
-
-def test_a_family_has_a_choice_of_each_feature():
-    for choices in FAMILIES.values():
-        for some, kind in zip(choices, (SERIES, PHASES, PRESSURES, SETTINGS), strict=True):
-            assert some
-            assert set(some) <= set(kind)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

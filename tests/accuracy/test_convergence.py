@@ -7,6 +7,7 @@ import pytest
 
 from weier import Profile, figures, random_phases
 from weier.accuracy import convergence as study
+from weier.figures import convergence as convergence_figure
 from weier.methods import bem
 
 LOADS = np.geomspace(3e-3, 3, 7)
@@ -63,6 +64,17 @@ def test_the_file_counts_resolved_terms(convergence):
     assert convergence["resolved_terms"].values.tolist() == [1, 2, 3, 4, 5, 6]
     assert (convergence["points"].values == 32 * 2 ** np.arange(6)).all()
     assert {"long_name", "units"} <= set(convergence["resolved_terms"].attrs)
+
+
+def test_bounds_are_seen_in_the_figure_and_never_beyond_full_contact(convergence):
+    bounds_of_one, _ = convergence_figure.draw([convergence.expand_dims("case")], "").axes
+    names = [text.get_text() for text in bounds_of_one.get_legend().get_texts()]
+    assert names == [*(f"bounds, $k={k}$" for k in (1, 2, 4, 6)), "estimate, $k=6$"]
+    bands = [band.get_paths()[0].vertices for band in bounds_of_one.collections]
+    widths = [np.ptp(band[np.isclose(band[:, 0], LOADS[0]), 1]) for band in bands]  # at the first load
+    assert np.all(np.diff(widths) < 0)
+    assert max(band[:, 1].max() for band in bands) <= PROFILE.total_amplitude
+    assert np.ptp(bounds_of_one.get_ylim()) < 1.5 * np.ptp(bands[0][:, 1])
 
 
 def test_the_figure(convergence, tmp_path):

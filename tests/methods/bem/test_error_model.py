@@ -24,17 +24,6 @@ def test_a_crest_between_two_nodes_is_within_the_error_of_edges_on_nodes(D, gamm
     assert error <= 1e-3
 
 
-@pytest.mark.parametrize("D", [1.15, 1.6])
-@pytest.mark.parametrize("per_wave", [12, 40, 128])
-def test_edges_on_nodes_follow_their_error_model_and_not_by_far(D, per_wave):
-    profile = Profile(D, 2, 4, random_phases(3))
-    exact = patches.curve(profile, LOADS)
-    points = per_wave * profile.waves_per_period[-1]
-    error = np.abs(bem.curve(profile, LOADS, points=points, edges="nodes").compliance - exact.compliance).max()
-    expected = bem.error_model.compliance_error(profile, points)
-    assert expected / 10 < error <= expected
-
-
 @pytest.mark.parametrize("error", [0.3, 1e-2, 1e-4])
 def test_points_are_the_fewest_that_do(error):
     points = bem.error_model.fewest_points(THREE_WAVES, error)

@@ -53,25 +53,6 @@ def test_the_accuracy_is_what_was_measured(per_wave, h, R):
     assert share < 1
 
 
-def test_the_orders_are_three_and_two():
-    """Of the median errors where there is more than one small contact, with a rate that is solved closely.
-
-    The largest errors fall more unevenly: single loads stand near births, or on contacts that bear on each other.
-    On finer grids half of the errors of R are those of the reference, 1e-8.
-    """
-    grids, medians, largest = (16, 32, 64, 128, 256), [], []
-    for per_wave in grids:
-        h, R, several, _ = measured(per_wave, tolerance=1e-12)
-        medians.append((np.median(h[several]), np.median(R[several])))
-        largest.append((np.max(h[several]), np.max(R[several])))
-    orders, worst = (-np.polyfit(np.log(grids), np.log(errors), 1)[0] for errors in (medians, largest))
-    print(f"orders {orders[0]:.2f} and {orders[1]:.2f}; of the largest errors {worst[0]:.2f} and {worst[1]:.2f}")
-    assert orders[0] >= 2.7
-    assert orders[1] >= 1.8
-    assert worst[0] >= 2.3
-    assert worst[1] >= 1.6
-
-
 def test_the_edge_of_a_punch_is_that_of_wiener_and_hopf():
     """The factor of 2 sin(theta/2) times the symbol: 1/4 - 1/2 of an integral."""
 

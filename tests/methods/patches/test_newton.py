@@ -10,8 +10,6 @@ from weier.methods.patches import newton
 from weier.methods.patches.fields import ContactState, complementary_residuals
 from weier.methods.patches.inequalities import minima_outside
 from weier.methods.patches.newton import (
-    assemble,
-    newton_iteration,
     on_few_nodes,
     solve_on_segments,
 )
@@ -23,20 +21,6 @@ def solved_state(load: float, tolerance: float) -> tuple[Surface, ContactState]:
     surface, state = surface_of(THREE_WAVES), patches.solve_loads(THREE_WAVES, load, tolerance)[0].state
     assert state is not None
     return surface, state
-
-
-@pytest.mark.parametrize("load", [0.05, 0.7, 2.5])
-def test_few_nodes_correct_many_as_one_large_matrix_would(load):
-    """A matrix that knows the slow modes only solves the equations on many nodes as one that knows all modes does."""
-    surface, state = solved_state(load, 1e-10)
-    series = surface.series(state.dual)
-    dense, _, _ = newton_iteration(state.iterate, series, load, 1e-12)
-    assert state.approach == pytest.approx(dense.approach, rel=1e-11)
-    np.testing.assert_allclose(state.segments.half_width, dense.segments.half_width, rtol=1e-9)
-    system = assemble(dense, series, load)
-    sensitivity = np.linalg.solve(system.matrix.T, -system.by_load)
-    assert state.sensitivity[-1] == pytest.approx(sensitivity[-1], rel=1e-9)
-    np.testing.assert_allclose(state.sensitivity, sensitivity, atol=1e-6 * np.abs(sensitivity).max())
 
 
 @pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])

@@ -53,17 +53,3 @@ def test_fast_sums_are_the_closed_forms(profile, share, dual, monkeypatch):
     rounding = pressure * np.finfo(float).eps * profile.period / distance  # of a position, beside the root at an edge
     assert np.all(np.abs(pressure - closed_pressure) <= 1e-11 * pressure.max() + 2 * rounding)
     assert 20 < np.count_nonzero(gap > 0) < x.size - 20
-
-
-def test_few_points_need_no_tree_of_all_nodes(monkeypatch):
-    solution = patches.solve_load(LONG_PERIOD, 0.3 * LONG_PERIOD.full_contact_load)
-    assert solution.state.segments.centre.size >= fields.MIN_SUM_SEGMENTS
-    x = np.linspace(0, LONG_PERIOD.period, 500)
-    expected = solution.gap(x)
-    calls, sums = [], fields.residuals_by_sums
-    monkeypatch.setattr(fields, "residuals_by_sums", lambda *given: calls.append(given[2].size) or sums(*given))
-    few = [solution.gap(each) for each in x[:5]]
-    assert not calls
-    np.testing.assert_allclose(few, expected[:5], atol=1e-12 * solution.mean_pressure * LONG_PERIOD.period)
-    solution.gap(x)
-    assert calls == [np.count_nonzero(expected)]
