@@ -5,7 +5,7 @@ import signal
 import pytest
 
 # Minutes of work, so that nothing runs beside idle processes at the end: they run programs and compile nothing.
-LONGEST = ("test_pipeline.py", "test_faults.py", "test_dependencies.py", "test_truncations.py", "test_docs.py")
+LONGEST = ("test_pipeline.py", "test_faults.py", "test_truncations.py", "test_docs.py")
 
 
 def pytest_collection_modifyitems(items):

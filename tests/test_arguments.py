@@ -199,7 +199,7 @@ def test_the_arguments_are_sound():
             FUNCTIONS[name](**arguments(name))
 
 
-LIST = np.array([1.2, 1.3])
+LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
 
 
 @pytest.mark.parametrize(
@@ -214,6 +214,27 @@ LIST = np.array([1.2, 1.3])
         (lambda: conduction.holm([0], 1, 1), "radii must be positive, got 0.0 at position 0"),
         (lambda: conduction.holm([], 1, 1), "radii must be those of at least one contact"),
         (lambda: INTERFACE.pressure(1j), "normalised must be a number or an array of numbers, got 1j"),
+        (lambda: weier.solve([], [0.1]), "profile must have at least one element"),
+        (lambda: weier.solve(PROFILE, [0.1], []), "method must have at least one element"),
+        (lambda: weier.solve([PROFILE, 1.0], [0.1]), "profile must be a weier.Profile or a weier.Trace, got 1.0"),
+        (lambda: weier.solve(PROFILE, [0.1], "fem"), "one of westergaard, archard, .*bem.* got 'fem'"),
+        (lambda: weier.solve(PROFILE, [0.1], ["bem", "fem"]), "method must be one of .*, got 'fem'"),
+        (lambda: weier.solve(PROFILE, [0.1], "bem", n=3), '"bem" has no setting .n.: it takes points_per'),
+        (lambda: weier.solve(PROFILE, [0.1], "archard", points=3), "has no setting .points.: it takes none"),
+        (lambda: weier.solve(PROFILE, [0.1], ["bem"], points=64), "must be given by the method, .* got points=64"),
+        (lambda: weier.solve(PROFILE, [0.1], ["demelio"], bem={}), "method 'bem', which is not run, only demelio"),
+        (lambda: weier.solve(PROFILE, [0.1], ["bem"], bem={"n": 3}), "has no setting 'n'"),
+        (lambda: weier.solve(PROFILE, [0.1], "westergaard"), "one wave"),
+        (lambda: weier.solve(weier.Profile(1.25, 5, math.inf), [0.1], "bem"), "finite m"),
+        (lambda: weier.fields(PROFILE, 0.3, "demelio"), "method must be one of patches, bem for the fields"),
+        (lambda: weier.fields(PROFILE, [0.1, 0.3]), r"mean_pressure must be one load, .*, got \[0.1, 0.3\]"),
+        (lambda: weier.fields(PROFILE, -1.0), "positive"),
+        (lambda: weier.fields(MANY, 0.1), "finest wave must fit at most 100000 times"),
+        (lambda: weier.events(MANY, 0.1, 1.0), "finest wave must fit at most 100000 times"),
+        (lambda: weier.Profile(1.5, 3, 3, 1.0, seed=7), "phases must be left out where there is a seed, got 1.0"),
+        (lambda: weier.fit(PROFILE), r"trace must be a weier\.Trace, got Profile"),
+        (lambda: weier.plan(TRACE, [0.1]), r"got a trace: take the one that weier\.fit finds"),
+        (lambda: weier.plan(PROFILE, [0.1], 1e-3, "gap"), "quantity must be one of"),
         (lambda: weier.events(PROFILE, 1.0, 0.5), "high must exceed low, got 1.0 and 0.5"),
     ],
 )

@@ -32,19 +32,3 @@ def test_pressure_leaves_an_edge_as_a_square_root_and_the_gap_as_its_cube():
     for x, strength, inward in ((found.left, found.left_strength, 1), (found.right, found.right_strength, -1)):
         assert edge.pressure(x.values + inward * s) == pytest.approx(strength.values * np.sqrt(s), rel=1e-3)
         assert edge.gap(x.values - inward * s) == pytest.approx(4 * np.pi / 3 * strength.values * s**1.5, rel=1e-3)
-
-
-def test_fields_are_of_one_load_and_of_waves_that_can_be_counted():
-    with pytest.raises(ValueError, match=r"mean_pressure must be one load, positive and finite, got \[0.1, 0.3\]"):
-        weier.fields(PROFILE, [0.1, 0.3])
-    many = weier.Profile(1.5, 10**6, 3)
-    for refused in (lambda: weier.fields(many, 0.1), lambda: weier.events(many, 0.1, 1.0)):
-        with pytest.raises(ValueError, match="finest wave must fit at most 100000 times"):
-            refused()
-
-
-def test_fields_refuse_what_has_none():
-    with pytest.raises(ValueError, match="method must be one of patches, bem for the fields"):
-        weier.fields(PROFILE, 0.3, "demelio")
-    with pytest.raises(ValueError, match="positive"):
-        weier.fields(PROFILE, -1.0)

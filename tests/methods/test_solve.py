@@ -7,7 +7,6 @@ import pytest
 
 import weier
 from weier.methods import bem, patches, registry
-from weier.methods.errors import NotApplicableError
 
 PROFILE = weier.Profile(1.25, 5, 2, 1.0)
 LOADS = np.array([0.01, 0.1, 1.0])
@@ -42,19 +41,3 @@ def test_every_method_gives_compliance_and_resistance_over_the_loads(method):
 def test_bad_loads_are_refused(curve, loads, message):
     with pytest.raises(ValueError, match=message):
         curve(PROFILE, loads)
-
-
-def test_an_unknown_method_or_setting_is_refused_with_the_choice():
-    with pytest.raises(ValueError, match=r"one of westergaard, archard, .*bem.* got 'fem'"):
-        weier.solve(PROFILE, LOADS, "fem")
-    with pytest.raises(ValueError, match=r'"bem" has no setting .n.: it takes points_per_wave, points'):
-        weier.solve(PROFILE, LOADS, "bem", n=3)
-    with pytest.raises(ValueError, match=r'"archard" has no setting .points.: it takes none'):
-        weier.solve(PROFILE, LOADS, "archard", points=3)
-
-
-def test_a_method_that_does_not_apply_says_so():
-    with pytest.raises(NotApplicableError, match="one wave"):
-        weier.solve(PROFILE, LOADS, "westergaard")
-    with pytest.raises(NotApplicableError, match="finite m"):
-        weier.solve(weier.Profile(1.25, 5, np.inf), LOADS, "bem")

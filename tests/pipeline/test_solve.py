@@ -100,23 +100,6 @@ def test_what_cannot_be_solved_is_named_and_the_others_are_there():
     assert np.isnan(found.compliance.values[1, 1]).all()
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: weier.solve([], LOADS), "profile must have at least one element"),
-        (lambda: weier.solve(SMOOTH, LOADS, []), "method must have at least one element"),
-        (lambda: weier.solve([SMOOTH, 1.0], LOADS), "profile must be a weier.Profile or a weier.Trace, got 1.0"),
-        (lambda: weier.solve(SMOOTH, LOADS, ["bem", "fem"]), "method must be one of .*, got 'fem'"),
-        (lambda: weier.solve(SMOOTH, LOADS, ["bem"], points=64), "must be given by the method, .* got points=64"),
-        (lambda: weier.solve(SMOOTH, LOADS, ["demelio"], bem={}), "for method 'bem', which is not run, only demelio"),
-        (lambda: weier.solve(SMOOTH, LOADS, ["bem"], bem={"n": 3}), "has no setting 'n'"),
-    ],
-)
-def test_a_list_that_cannot_be_solved_is_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
 def test_a_table_has_one_row_for_each_case_method_and_load():
     with pytest.warns(UserWarning, match="westergaard"):
         found = weier.solve([SMOOTH, weier.Profile(1.5, 3, 1)], LOADS, ["westergaard", "patches"])

@@ -151,8 +151,6 @@ def test_a_tolerance_plans_for_the_series_of_a_scene_alone(folder):
 def test_a_plan_for_a_trace_names_the_fit(folder):
     with pytest.raises(ValueError, match=r"has traces alone: plan for the series that weier\.fit finds"):
         plan(load(folder, **mine()), tolerance=1e-3)
-    with pytest.raises(ValueError, match=r"got a trace: take the one that weier\.fit finds"):
-        plan(Trace.read(folder / "shaft.csv"), [0.1])
 
 
 def test_figures_show_several_traces_by_colour_or_by_their_median_each_in_its_own_units(folder):

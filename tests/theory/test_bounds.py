@@ -1,25 +1,22 @@
 """Barber's bounds: drawn by brute force, and against series of more terms than those bounded."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from tests.reference import REFERENCES
+from weier import Profile
 from weier.methods import westergaard
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import amplitude, tail_amplitude
 
-REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "contact.json").read_text(encoding="utf-8"))
 D, GAMMA = 1.25, 5
 
 
 def reference_curve(m):
     """Loads, compliance and resistance of m terms with phases 0, 1, 2, 3."""
-    (case,) = (c for c in REFERENCE if (c["D"], c["gamma"], c["m"]) == (D, GAMMA, m))
-    assert case["phases"] == list(range(m))
-    return (np.array([row[key] for row in case["rows"]]) for key in ("mean_pressure", "compliance", "resistance"))
+    (found,) = (each for each in REFERENCES if each.profile == Profile(D, GAMMA, m, range(m)))
+    return found.mean_pressure, found.compliance, found.resistance
 
 
 def left_out(m, longer):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import circulant
 
+from tests.profiles import THREE_WAVES
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
@@ -11,7 +12,6 @@ from weier.methods.bem import direct, fft, field
 from weier.methods.bem.grids import grid_of, nested_grids
 from weier.theory.halfplane import influence_coefficients
 
-THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 POINTS_PER_WAVE = (16, 32, 64, 128, 256)
 
 

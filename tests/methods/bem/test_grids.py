@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import westergaard
 from weier.methods.bem import curve, field
 from weier.methods.bem.grids import add_harmonic, nested_grids
 from weier.theory.halfplane import eigenvalues
 
-THREE_WAVES = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 SEVEN_WAVES = Profile(1.25, 5, 7, tuple(range(7)))
 
 

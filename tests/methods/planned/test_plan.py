@@ -118,9 +118,3 @@ def test_what_no_method_can_do_is_refused_with_what_is_within_reach(quantity, to
     monkeypatch.setattr(patches.error_model, "MAX_CONTACTS", 10_000)
     with pytest.raises(OutOfReachError, match="no method can hold the contacts"):
         plan(Profile(1.1, 10, 6, 1.0), LOADS, 1e-9)
-
-
-@pytest.mark.parametrize(("tolerance", "quantity"), [(0.0, "compliance"), (math.nan, "compliance"), (1e-3, "gap")])
-def test_bad_requests_are_refused(tolerance, quantity):
-    with pytest.raises(ValueError, match=r"tolerance must be positive|quantity must be one of"):
-        plan(THREE_WAVES, LOADS, tolerance, quantity)
