@@ -7,10 +7,10 @@ import pytest
 
 from tests.toy_method import TOY
 from tests.trade import small_trade
-from weier import Profile, figures
+from weier import figures
 from weier.accuracy import extremes, tradeoff
 from weier.accuracy.comparison import Comparison
-from weier.accuracy.extremes.cases import MAX_RUN_SECONDS, variants
+from weier.accuracy.extremes.cases import variants
 from weier.data import dataset
 from weier.data.check import Check
 from weier.methods import registry
@@ -60,14 +60,3 @@ def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
     extremes.write_summary(data, "Toy", tmp_path / "toy.md")
     assert "\n- two waves, toy: not within band\n" in (tmp_path / "toy.md").read_text()
     figures.draw("extremes", [data], "", tmp_path / "toy.png")
-
-
-def test_it_meets_what_it_applies_to_in_time(monkeypatch):
-    slow = replace(TOY, seconds=lambda profile, loads: MAX_RUN_SECONDS * loads.size / 5)
-    list_method(monkeypatch, slow)
-    for profile, loads, meets in (
-        (Profile(1.5, 3, 2), LOADS[:1], True),
-        (Profile(1.5, 3, 2), LOADS, False),
-        (Profile(1.5, 3, 1), LOADS[:1], False),
-    ):
-        assert (TOY.name in [variant.method for variant in variants(profile, loads)]) == meets

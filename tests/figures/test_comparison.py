@@ -152,8 +152,6 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
         for one, other in zip(before.get_lines(), after.get_lines(), strict=True):
             np.testing.assert_allclose(other.get_xdata(), bodies.pressure(one.get_xdata()))
             np.testing.assert_allclose(other.get_ydata(), of_value(one.get_ydata()))
-            seen = after.transData.transform(np.column_stack(other.get_data()))
-            np.testing.assert_allclose(seen, before.transData.transform(np.column_stack(one.get_data())))
         for one, other in zip(before.collections, after.collections, strict=True):
             vertices = [band.get_transform().transform(band.get_paths()[0].vertices) for band in (one, other)]
             np.testing.assert_allclose(*vertices)  # the same pixels

@@ -21,6 +21,7 @@ OVERLAPPING = {
     "phases": {"product": {"D": 1.25, "gamma": 2, "m": 2, "phases": [0.0, 1.0, [0.0, 1.0], 0.0]}},
     "none": {"product": {"D": 1.25, "gamma": 2, "m": 2}},
 }
+FINE = {"D": 1.5, "gamma": [2, 100], "m": [2, 4], "seed": 0}
 FIELDS = {"title": "test", "loads": [0.1, 1.0], "methods": ["layer"]}
 
 
@@ -51,19 +52,12 @@ def test_a_study_is_a_sequence(overlapping):
     assert len(Study([])) == 0
 
 
-def check_numbers(overlapping):
+@pytest.mark.parametrize("most", [study.MAX_NUMBER, 200])  # of cases there are 101: numbers are made smaller
+def test_cases_have_the_same_number_if_they_have_the_same_key(overlapping, monkeypatch, most):
+    monkeypatch.setattr(study, "MAX_NUMBER", most)
     every = Study(overlapping.products)
     pairs = set(zip([case.key for case in every], case_numbers(every).tolist(), strict=True))
     assert len(pairs) == len({key for key, _ in pairs}) == len({number for _, number in pairs})
-
-
-def test_cases_have_the_same_number_if_they_have_the_same_key(overlapping):
-    check_numbers(overlapping)
-
-
-def test_numbers_that_would_be_too_large_are_made_smaller(overlapping, monkeypatch):
-    monkeypatch.setattr(study, "MAX_NUMBER", 200)  # of cases there are 101
-    check_numbers(overlapping)
 
 
 def test_every_case_is_there_once_with_its_studies(overlapping):
@@ -85,11 +79,7 @@ def test_every_value_of_a_parameter_is_checked(tmp_path):
     with pytest.raises(scene.SceneError, match="one for each of the m = 3 terms, got 2"):
         load(tmp_path, studies={"one": {"product": {"D": 1.5, "gamma": 2, "m": [2, 3], "phases": [0.0, [0.0, 1.0]]}}})
     with pytest.raises(scene.SceneError, match="at most 100000 times into the period"):
-        load(
-            tmp_path,
-            methods=["bem"],
-            studies={"one": {"product": {"D": 1.5, "gamma": [2, 100], "m": [2, 4], "seed": 0}}},
-        )
+        load(tmp_path, methods=["bem"], studies={"one": {"product": FINE}})
 
 
 def test_definitions_are_plain(overlapping):

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import circulant
 
 from tests.profiles import THREE_WAVES
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
-from weier.methods.bem import direct, fft, field
+from weier.methods.bem import fft, field
 from weier.methods.bem.grids import grid_of, nested_grids
 from weier.theory.halfplane import influence_coefficients
 
@@ -177,15 +176,6 @@ def test_what_is_not_a_number_is_an_error():
     state.deformed[3] = np.nan
     grid = grid_of(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
     assert fft.violations(0.0, grid, state) == (np.inf, np.inf)
-
-
-def test_a_search_that_does_not_settle_says_so(monkeypatch):
-    monkeypatch.setattr(direct, "MAX_ROUNDS", 1)
-    matrix, height = circulant(influence_coefficients(64)), Profile(1.5, 2, 1).sampled_height(64)
-    found = direct.solve_load(matrix, height, np.ones(64, bool), 0.3, 1e-10)
-    assert (found.rounds, found.converged) == (1, False)
-    with pytest.raises(ConvergenceError, match="residual"):
-        curve(Profile(1.5, 2, 1), np.array([0.3]), points=64, solver="direct")
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])

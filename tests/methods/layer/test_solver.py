@@ -32,17 +32,6 @@ def test_one_wave_is_westergaard():
 WORST = [(1.1, 2, 2), (1.1, 3, 3), (1.2, 2, 2), (1.3, 2, 4), (1.3, 3, 4)]
 
 
-@pytest.mark.parametrize(("D", "gamma", "m"), CASES + WORST)
-def test_largest_errors_of_the_defaults(D, gamma, m):
-    xi = np.geomspace(1e-5, 0.9 * full_contact(D, gamma, m), 40)
-    best, default = layer.curve(xi, D, gamma, m, points=96, accuracy=1e-7), layer.curve(xi, D, gamma, m)
-    of_h = np.abs(default.compliance - best.compliance).max() / leading_amplitude(m, D, gamma)
-    of_slope = np.abs(default.resistance / best.resistance - 1)[xi < 1].max()
-    print(f"D = {D}, gamma = {gamma}, m = {m}: h {of_h:.1e} of the total amplitude, dh/dp {of_slope:.1e} of itself")
-    assert of_h < (5e-6 if (D, gamma, m) in WORST else 3e-6)
-    assert of_slope < (1.5e-3 if (D, gamma, m) in WORST else 6e-4)
-
-
 @pytest.mark.parametrize(("D", "gamma", "m"), CASES)
 def test_resistance_is_the_slope_of_the_compliance(D, gamma, m):
     # Differences cost step^2 and 1e-10/step.
@@ -88,7 +77,7 @@ def test_full_contact_is_exact(D, gamma, m):
 SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma in (2, 10) for m in (2, 5, 12, math.inf)]
 
 
-@pytest.mark.parametrize(("D", "gamma", "m"), SERIES)
+@pytest.mark.parametrize(("D", "gamma", "m"), SERIES + WORST)
 def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
     heaviest = min(1e3, 0.99 * full_contact(D, gamma, m)) if math.isfinite(m) else 1e3
     loads = np.geomspace(1e-12, heaviest, 25)

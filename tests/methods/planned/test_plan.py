@@ -32,16 +32,9 @@ def test_the_parts_cover_the_loads_and_add_up(quantity, tolerance):
     sums = [p.truncation + p.discretisation + p.estimate for p in found.segments]
     assert found.error == np.concatenate(sums).max() <= tolerance
     assert found.segments[-1].method == "full contact"
-    head, names, *rows, total = str(found).splitlines()
+    head, _, *rows, total = str(found).splitlines()
     assert len(rows) == len(found.segments)
     assert total.startswith("  in all: error ")
-    assert "e+" not in total
-    starts = [names.index(name) for name in ("method", "terms", "error", "why")]
-    for row, part in zip(rows, found.segments, strict=True):  # columns stand below their names
-        assert [row[start:].split("  ")[0] for start in starts] == [
-            *(part.method, f"{part.terms:g}", f"{part.error.max():.1e}" if part.error.max() else "0", part.why),
-        ]  # fmt: skip
-    assert repr(found) == str(found)  # so an interpreter shows the table
     html = found._repr_html_()
     assert html.count("<tr>") == 1 + len(found.segments)
     assert head in html
