@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -16,10 +15,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tests.scenes import scene_in, solve_scene
-from weier import figures, scene
+from weier import figures
 from weier.data import dataset
 from weier.data.dataset import Status
-from weier.figures import checks, style, truncation
+from weier.figures import style, truncation
 from weier.figures.captions import caption
 from weier.methods import curves, registry
 from weier.methods.method import Style
@@ -136,45 +135,8 @@ def test_listing_the_kinds_imports_no_matplotlib() -> None:
     assert done.stdout.split() == [str(len(figures.kinds())), "False"]
 
 
-TOY = """
-from weier.figures import style
-from weier.methods import curves
-
-CAPTION = "The load of full contact. It grows with roughness."
-
-
-def draw(studies, title):
-    figure, (axes,) = style.column(1)
-    axes.plot([curves.full_contact_load([case]) for case in curves.cases(studies)], marker="o")
-    style.set_title(figure, title)
-    return figure
-"""
-
-
-@pytest.fixture
-def toy_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """A kind of figure whose module is the only thing that is added."""
-    name = "full_contact_load"
-    (tmp_path / "more").mkdir()
-    (tmp_path / "more" / f"{name}.py").write_text(TOY)
-    monkeypatch.setattr(figures, "__path__", [*figures.__path__, str(tmp_path / "more")])
-    yield name
-    sys.modules.pop(f"weier.figures.{name}", None)
-    vars(figures).pop(name, None)
-
-
-def test_a_new_figure_is_one_module(toy_figure: str, studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
-    loaded = replace(scene_in(tmp_path, SCENE), figures={"fig": scene.Figure(toy_figure, ("one",), "Loads")})
-    assert not list(checks.check_figures(loaded))
-    figures.draw(toy_figure, [studies["one"]], "Loads", tmp_path / "figure.pdf")
-    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
-    assert caption(loaded, "fig") == (
-        "Fig", "Loads. The load of full contact. It grows with roughness.", "Fig: The load of full contact"
-    )  # fmt: skip
-
-
 def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing but the list of methods is changed; a second numerical method more accurate than all is the line."""
+    """Nothing but the list of methods is changed."""
     toy = replace(registry.METHODS[1], name="new", label="new estimate", style=Style("#123456", (7, 3), "p"))
     monkeypatch.setattr(registry, "METHODS", (toy, *registry.METHODS))
     (axes,) = sketch("compliance", [many_cases().isel(case=[3])]).axes
@@ -182,12 +144,6 @@ def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch)
     assert (line.get_label(), line.get_color()) == ("new estimate", "#123456")
     assert style.line("new")["linestyle"] == (0, (7, 3))
     assert [each.get_label() for each in axes.get_lines()] == ["new estimate", "Archard", "contact patches"]
-
-    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[1:], replace(toy, numerical=True)))
-    (axes,) = sketch("compliance", [many_cases().isel(case=[3])]).axes
-    looks = {line.get_label(): (line.get_linestyle(), line.get_marker()) for line in axes.get_lines()}
-    patches = registry.find_method("patches").style.marker
-    assert looks == {"Archard": ("--", "None"), "new estimate": ("--", "None"), "contact patches": ("None", patches)}
 
 
 CAPTIONED = """

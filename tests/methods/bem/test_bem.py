@@ -136,7 +136,7 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"points": 50}, "above 50"),
+        ({"points": 10}, "above 10"),
         ({"points": 99.5}, "whole number"),
         ({"points": "a"}, "whole number"),
         ({"points": np.nan}, "whole number"),
@@ -145,11 +145,18 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
         ({"tolerance": -1.0}, "positive"),
         ({"tolerance": np.nan}, "positive"),
         ({"solver": "lu"}, '"fft" or "direct"'),
+        ({"edges": "between"}, '"nodes" or "subgrid", got'),
+        ({"edges": "subgrid", "points": 79}, "at least 80, 16 for each of the 5 .* got 79; edges=.nodes. takes any"),
+        ({"edges": "subgrid", "solver": "direct"}, 'takes solver="fft"'),
+        ({"edges": "subgrid", "points_per_wave": 15}, 'at least 16 with edges="subgrid".*got 15'),
+        ({"edges": "subgrid", "points_per_wave": 16.5}, "points_per_wave must be a whole number"),
+        ({"points_per_wave": 2}, r'of at least 3 with edges="nodes" \(64 is the default\), got 2'),
+        ({"points_per_wave": 16, "points": 80}, "got 16 beside points = 80: give one of the two"),
     ],
 )
 def test_bad_settings_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
-        curve(THREE_WAVES, np.array([0.1]), **settings)
+        bem.curve(Profile(1.25, 5, 2), [0.1], **{"edges": "nodes"} | settings)
 
 
 @pytest.mark.parametrize("load", [0.0, -1.0, np.nan, np.inf, [0.1, 0.3]])

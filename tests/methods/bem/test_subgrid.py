@@ -186,24 +186,6 @@ def test_a_gap_between_two_nodes_is_found():
     assert found.patch_count.tolist() == [1, 1, 1, 1]
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"edges": "between"}, '"nodes" or "subgrid", got'),
-        ({"points": 79}, r"points must be at least 80, 16 for each of the 5 .* got 79; edges=.nodes. takes any"),
-        ({"edges": "subgrid", "points": 79}, "points must be at least 80"),
-        ({"edges": "subgrid", "solver": "direct"}, 'takes solver="fft"'),
-        ({"points_per_wave": 15}, r'must be a whole number of at least 16 with edges="subgrid".*got 15'),
-        ({"points_per_wave": 16.5}, "points_per_wave must be a whole number"),
-        ({"points_per_wave": 2, "edges": "nodes"}, r'of at least 3 with edges="nodes" \(64 is the default\), got 2'),
-        ({"points_per_wave": 16, "points": 80}, "got 16 beside points = 80: give one of the two"),
-    ],
-)
-def test_edges_that_cannot_be_are_refused(settings, message):
-    with pytest.raises(ValueError, match=message):
-        bem.curve(Profile(1.25, 5, 2), [0.1], **settings)
-
-
 @pytest.mark.parametrize("settings", [{"points_per_wave": 16}, {"points_per_wave": 3, "edges": "nodes"}])
 def test_points_may_be_given_for_each_of_the_finest_waves(settings):
     """The finest of 5/2 and m = 3 fits 25 times into the period, which is 4."""

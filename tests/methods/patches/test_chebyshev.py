@@ -26,15 +26,3 @@ def test_integrals_in_closed_form(t):
     else:
         direct = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) / (t - s), ends)
     assert cauchy == pytest.approx(float(direct), rel=1e-7)
-
-
-def test_expansion_and_partial_integral():
-    s = chebyshev.nodes(7)
-    values = np.array([float(phi(x)) for x in s])
-    np.testing.assert_allclose(chebyshev.expansion_coefficients(values), [*COEFFICIENTS, 0, 0, 0], atol=1e-14)
-    assert chebyshev.evaluate_expansion(COEFFICIENTS, 0.37) == pytest.approx(float(phi(0.37)))
-    part = mp.quad(lambda x: mp.sqrt(1 - x * x) * phi(x), [-1, 0.37])
-    assert chebyshev.partial_integral(COEFFICIENTS, 0.37) == pytest.approx(float(part))
-    assert chebyshev.weights(7) @ values == pytest.approx(chebyshev.partial_integral(COEFFICIENTS, 1.0))
-    logarithm = chebyshev.log_integral(COEFFICIENTS, 0.0)
-    assert chebyshev.log_weights(7) @ values == pytest.approx(logarithm)
