@@ -106,7 +106,7 @@ def write_table(data: xr.Dataset, path: Path) -> None:
 
 def draw(data: xr.Dataset, path: Path) -> None:
     """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG beside each other."""
-    with matplotlib.style.context(style.RC, after_reset=True):
+    with matplotlib.style.context(style.SHEET, after_reset=True):
         figure, (time, pairs, accuracy) = style.column(3, HEIGHT)
         data = data.assign(time=median(data), pairs=_pairs(data))
         _panel(time, 0, data, "points", "time")

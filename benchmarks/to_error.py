@@ -221,7 +221,7 @@ def _words(reference: Exact) -> str:
 
 def draw(programs: Sequence[str], reference: Exact, path: Path) -> None:
     """How the largest errors fall with the nodes, as PDF, SVG and PNG beside each other."""
-    with matplotlib.style.context(style.RC, after_reset=True):
+    with matplotlib.style.context(style.SHEET, after_reset=True):
         figure, panels = style.column(2, HEIGHT)
         for number, (axes, quantity) in enumerate(zip(panels, TARGETS, strict=True)):
             axes.set(xscale="log", yscale="log", xlabel=WORDS["points"], ylabel=f"largest error of ${quantity}$")

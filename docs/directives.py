@@ -6,6 +6,7 @@ from pathlib import Path
 
 from cycler import cycler
 from docutils import nodes
+from matplotlib import rc_params_from_file
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -165,7 +166,7 @@ def configure(app, config):
     config.version = config.release = VERSION
     lines = [style.line(method) for method in PLOTTED]
     cycle = cycler(color=[line["color"] for line in lines], linestyle=[line["linestyle"] for line in lines])
-    config.plot_rcparams = style.RC | {
+    config.plot_rcparams = rc_params_from_file(style.SHEET, use_default_template=False) | {
         "figure.figsize": (style.WIDTH, style.HEIGHT),
         "figure.constrained_layout.use": True,
         "axes.prop_cycle": cycle,

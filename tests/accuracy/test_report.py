@@ -1,4 +1,4 @@
-"""Tables from columns, and pages from blocks."""
+"""Tables from columns, and pages from templates."""
 
 import numpy as np
 
@@ -15,6 +15,8 @@ def test_what_is_unknown_leaves_its_cell_empty():
     assert number(0.0123) == "1e-02"
 
 
-def test_empty_blocks_leave_no_gap(tmp_path):
-    write_page(tmp_path / "page.md", "Title", ["one", "", "two"])
-    assert (tmp_path / "page.md").read_text() == "# Title\n\none\n\ntwo\n"
+def test_a_page_is_a_template_with_its_parts_filled_in(tmp_path):
+    write_page(tmp_path / "page.md", "tradeoff/page.md", title="Title", variants="| one |", constants="| two |")
+    page = (tmp_path / "page.md").read_text()
+    assert page.startswith("# Title\n\n| one |\n\nEach row")
+    assert "\n\n| two |\n\nThe measured" in page

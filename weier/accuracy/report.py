@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
@@ -31,6 +32,7 @@ def number(value: float, form: str = ".0e") -> str:
     return "" if np.isnan(value) else format(float(value), form)
 
 
-def write_page(path: str | Path, title: str, blocks: Iterable[str]) -> None:
-    """Write a title and the blocks of text that are not empty, with an empty line between them."""
-    write_text(path, "\n\n".join([f"# {title}", *filter(None, blocks)]) + "\n")
+def write_page(path: str | Path, template: str, **parts: object) -> None:
+    """Write a page: a template of this folder, in which names in braces stand for parts."""
+    text = files("weier.accuracy").joinpath(template).read_text(encoding="utf-8")
+    write_text(path, text.format(**parts))

@@ -57,38 +57,23 @@ class FigureKind(NamedTuple):
 
 def kinds() -> dict[str, FigureKind]:
     """All kinds of figures, by the names of their modules."""
-    modules = sorted((path for folder in __path__ for path in Path(folder).glob("*.py")), key=lambda path: path.stem)
-    found = {}
-    for path in modules:
-        kind = _kind(path.read_text(encoding="utf-8"))
-        if kind:
-            found[path.stem] = kind
-    return found
+    texts = {path.stem: path.read_text(encoding="utf-8") for folder in __path__ for path in Path(folder).glob("*.py")}
+    return {name: kind for name, text in sorted(texts.items()) if (kind := _kind(text))}
 
 
 @cache  # a scene asks for the caption of each of its figures
 def _kind(module: str) -> FigureKind | None:
     """The kind of figure that a module of this text draws, if it draws any."""
-    tree = ast.parse(module)
-    words = _text_constants(tree)
-    if "CAPTION" not in words:
-        return None
-    command, variable, needs = (words.get(name, "") for name in ("COMMAND", "VARIABLE", "NEEDS"))
+    tree, constants = ast.parse(module), dict[str, str]()
+    for statement in tree.body:
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant(value=str(text))):
+                constants[name] = text
     drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return FigureKind(
-        words["CAPTION"], command, variable, needs, "grouping" in drawn, "interface" in drawn, "studies" in drawn
-    )
-
-
-def _text_constants(tree: ast.Module) -> dict[str, str]:
-    """The constants of a module that are plain strings."""
-    return {
-        target.id: statement.value.value
-        for statement in tree.body
-        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Constant)
-        for target in statement.targets
-        if isinstance(target, ast.Name) and isinstance(statement.value.value, str)
-    }
+    words = (constants.get(name, "") for name in ("CAPTION", "COMMAND", "VARIABLE", "NEEDS"))
+    (caption, command, variable, needs), keywords = words, ("grouping", "interface", "studies")
+    kind = FigureKind(caption, command, variable, needs, *(name in drawn for name in keywords))
+    return kind if caption else None
 
 
 def draw(
@@ -136,12 +121,12 @@ def draw(
     _check_studies(kind, studies)
     import matplotlib.style
 
-    from weier.figures.style import RC, set_axes
+    from weier.figures.style import SHEET, set_axes
 
     # The reset keeps the user's own matplotlibrc out of the figure.
     wanted: dict[str, Any] = {} if grouping == BY_DEFAULT else {"grouping": grouping}
     wanted |= {"interface": interface} if interface else {}
-    with matplotlib.style.context(RC, after_reset=True):
+    with matplotlib.style.context(SHEET, after_reset=True):
         figure = import_module(f"weier.figures.{kind}").draw(studies, title, **wanted)
         set_axes(figure, x, y)
         if size:
@@ -153,9 +138,8 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
     known = kinds()
     if kind not in known:
         raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(known)}")
-    command, variable = known[kind].command, known[kind].variable
-    if command and [variable in study for study in studies] != [True]:
-        raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {command}`")
+    if known[kind].command and [known[kind].variable in study for study in studies] != [True]:
+        raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {known[kind].command}`")
 
 
 def save(figure: Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:

@@ -127,8 +127,10 @@ def _curves(
             if drawn:
                 loads, values = (own * unit for own, unit in zip(drawn, units, strict=True))
                 found.append(Curve(shown, method, loads, values, points, parameters | {"method": method}))
-    order = _drawing_order(curve.method for curve in found)
-    return sorted(found, key=lambda each: order.index(each.method))
+    # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
+    estimates = [name for name in names() if name not in numerical]
+    order = {name: place for place, name in enumerate([*estimates, "", *numerical])}
+    return sorted(found, key=lambda each: order.get(each.method, order[""]))
 
 
 def _parameters(case: xr.Dataset, position: int) -> dict[str, Hashable]:
@@ -271,12 +273,3 @@ def _add_legend(figure: Figure, panels: Sequence[Axes], handles: Sequence[Any]) 
     columns = 2 if len(panels) == 1 else 3
     figure.set_figheight(figure.get_figheight() + LEGEND_ROW * -(-len(handles) // columns))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
-
-
-def _drawing_order(methods: Iterable[str]) -> list[str]:
-    """The estimates from the least accurate on, then methods that are not listed, then the numerical ones on top."""
-    numerical = numerical_names()
-    estimates = [name for name in names() if name not in numerical]
-    distinct = list(dict.fromkeys(methods))
-    others = [name for name in distinct if name not in (*estimates, *numerical)]
-    return [name for name in (*estimates, *others, *numerical) if name in distinct]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
+from pathlib import Path
 from typing import Any, TypeVar
 
 import matplotlib
@@ -33,39 +34,7 @@ LOGARITHMIC_MARGIN = 1.3  # factor between the extreme values and the ends of a 
 COLOURBAR = "<colorbar>"  # how matplotlib labels the axes of one
 GREY = "0.35"  # of what a legend names without a colour
 
-# These stand in Python, not in a style sheet, so that whatever follows imports sees a change of style.
-RC: dict[str, Any] = {
-    "font.family": "STIXGeneral",
-    "font.size": 9,
-    "mathtext.fontset": "stix",
-    "axes.labelsize": 9,
-    "axes.titlesize": 8.5,
-    "axes.titlelocation": "left",
-    "axes.titlepad": 4,
-    "axes.titley": 1.0,  # else each drawing measures all ticks again, for labels at the top, which no figure has
-    "axes.linewidth": 0.6,
-    "figure.titlesize": 9.5,
-    "figure.dpi": 300,
-    "savefig.dpi": 300,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "legend.labelspacing": 0.3,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 3.2,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "svg.hashsalt": "weier",
-    "pdf.fonttype": 42,
-}
+SHEET = Path(__file__).with_name("weier.mplstyle")  # for matplotlib.style.use
 
 LABELS = {
     "x": r"$x/\lambda_0$",

@@ -19,7 +19,7 @@ TABLES = (*NUMBERS, "pipeline")  # what is gathered from them and said of them
 PICTURES = (*TABLES, "figures")
 MEASURED = (*TABLES, "accuracy")
 EVERYTHING = ("",)
-SUFFIXES = {".py", ".json", ".js", ".css", ".html"}
+SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
 
 
 @cache

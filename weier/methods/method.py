@@ -79,30 +79,6 @@ def applies_to_resolvable(profile: Waves, check: Callable[[Waves], None] = check
         raise NotApplicableError(str(error)) from None
 
 
-def _applies_to_all(profile: Waves) -> None:
-    """Refuse nothing."""
-
-
-def _take_all(profile: Waves, **settings: Any) -> None:
-    """Refuse nothing."""
-
-
-def _no_kernels() -> None:
-    """Run nothing."""
-
-
-def _no_candidates(task: Task) -> Iterable[Segment]:
-    return ()
-
-
-def _default_variant(profile: Profile) -> Iterable[tuple[str, Settings]]:
-    return [("", {})]
-
-
-def _instantaneous(profile: Waves, loads: Array) -> float:
-    return 0.0
-
-
 @dataclass(frozen=True)
 class Method:
     """A method of solution.
@@ -162,21 +138,21 @@ class Method:
     summary: str
     solve: Callable[..., Any]
     settings: Mapping[str, str] = field(default_factory=dict)
-    applies: Callable[..., None] = _applies_to_all
+    applies: Callable[..., None] = lambda profile: None
     takes_traces: bool = False
-    check: Callable[..., None] = _take_all
+    check: Callable[..., None] = lambda profile, **settings: None
     numerical: bool = False
     uses_phases: bool = True
     style: Style = DEFAULT_STYLE
     noise: Noise = CLOSED_FORM
     algorithms: tuple[Settings, ...] = ({},)
     options: tuple[Settings, ...] = ()
-    run_kernels: Callable[[], None] = _no_kernels
-    variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = _default_variant
-    candidates: Callable[[Task], Iterable[Segment]] = _no_candidates
+    run_kernels: Callable[[], None] = lambda: None
+    variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = lambda profile: [("", {})]
+    candidates: Callable[[Task], Iterable[Segment]] = lambda task: ()
     runs_others: bool = False
     solution_error: Callable[[Profile, Any], float] | None = None
-    seconds: Callable[..., float] = _instantaneous
+    seconds: Callable[..., float] = lambda profile, loads: 0.0
     reference: Callable[[Profile, Array], Reference | None] | None = None
 
     @property

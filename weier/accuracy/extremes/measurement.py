@@ -14,11 +14,11 @@ from weier.accuracy.extremes import checks
 from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import find_reference, uncertainty
-from weier.accuracy.runner import Outcome, Run, attempt
+from weier.accuracy.runner import Outcome, attempt
 from weier.data.check import Check
 from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, variables_of_file
 from weier.kernels.arrays import Array
-from weier.methods.method import Noise, Reference, Variant
+from weier.methods.method import Noise, Variant
 from weier.methods.registry import find_method
 from weier.theory.profile import Profile
 
@@ -70,11 +70,13 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     result = attempt(variant, profile, each.loads)
     solved, right = result.outcome == Outcome.finite, find_reference(method, profile, each.loads, result)
     h, R = (np.where(solved, values, np.nan) for values in (result.compliance, result.resistance))
+    deviation = metrics.deviation(h, right.compliance), metrics.deviation(R, right.resistance)
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
+    both = deviation, (result.compliance_error, result.resistance_error), uncertainty(result, profile)
     return {
         "compliance": h,
         "resistance": R,
-        "compliance_error": metrics.deviation(h, right.compliance),
+        "compliance_error": deviation[0],
         "compliance_digits": digits[0],
         "resistance_digits": digits[1] if np.isfinite(method.noise.slope) else np.full(R.size, np.nan),
         "outcome": result.outcome,
@@ -83,21 +85,9 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
         "points": result.others.get("points", np.nan),
         "one_curve": Check(not result.message),
         "without_warning": Check(not result.warned),
-        "within_stated_error": Check.of(_within_stated_errors(profile, result, right)),
+        "within_stated_error": Check.of(checks.within_stated_error(*map(np.concatenate, both))),
         **_check_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], result.solution_error),
     }
-
-
-def _within_stated_errors(profile: Profile, result: Run, right: Reference) -> bool | None:
-    """Whether compliance and resistance are within the errors stated, None where none can be told."""
-    errors = (
-        metrics.deviation(result.compliance, right.compliance),
-        metrics.deviation(result.resistance, right.resistance),
-    )
-    stated = result.compliance_error, result.resistance_error
-    found = map(checks.within_stated_error, errors, stated, uncertainty(result, profile))
-    told = [each for each in found if each is not None]
-    return all(told) if told else None
 
 
 def _check_curve(

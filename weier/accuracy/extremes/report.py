@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,43 +15,6 @@ from weier.accuracy.runner import Outcome
 from weier.data.check import Check
 from weier.data.markdown import plain, table
 
-MADE = (
-    "Made by `snakemake --cores 2 extremes`, with a figure, and all numbers as netCDF. `docs/stability.md` is a copy "
-    "of this page."
-)
-PICTURE = "![Digits of one profile over all loads, and condition numbers](extremes.png)"
-NOTE = """\
-A row is one method on one extreme, at the loads of that extreme, in p\\_0\\*. An *ulp* is one unit in the last
-place of a number. Every load must end in a finite number, or in an error that says in a sentence what is wrong.
-The curve of all finite numbers must pass the checks below, which allow for the errors that rounding, iteration
-and the tolerance of the method leave. Whatever fails is a fault, and so is a warning of numpy.
-
-- The compliance h never falls.
-- The resistance R falls, and the slope of each chord of h lies between the resistances at its ends.
-- h and R lie within the bounds that the first wave, in closed form, sets to every longer series. The bounds are
-  widened by the error that a method knows of its own solution.
-- Where a method states an error for each number, h and R at every load are off by no more than that.
-
-*Digits* are the correct digits, relative to the number itself; 16 stands for no error. An estimate is held
-against the sums that define it, in 50 digits, and the non-linear layer against itself on twice the points.
-Methods that solve the series are held against the exact contact. It is known in closed form at first touch and at
-full contact. Between them it is found by contact patches, at a tolerance of 1e-12, on the same profile shifted
-along x. Some problems are ill-conditioned:
-
-- Within a rounding error of full contact, or of p\\_n\\* by Demelio's formula, half a unit in the last place of p
-  changes the resistance as much as the digits show.
-- At light loads a grid has few digits of h, because its smallest contact is one node. `bem direct` is run on the
-  paper's 12 points for each of the finest waves.
-- Where two crests are equally high, or 1e-15 apart, the rounding of their heights decides at loads such as 1e-100
-  whether one or both of them touch. R then has one value or half of it, which counts as 0.3 digits."""
-BY_METHOD = "## By method\n\nThe errors of h are in g\\_0."
-BY_EXTREME = """\
-## Digits of the compliance
-
-Correct digits of h at the worst of the loads of each extreme. *All refused* stands for errors at all loads, *some
-refused* for errors at some of them, and *finite* for numbers without a reference. Nothing stands where a method
-does not apply or would take minutes."""
-MESSAGES = "## What errors say\n\nOne of each kind:"
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
 FAULTS = (Outcome.unclear_error, Outcome.not_finite)
 
@@ -62,26 +25,22 @@ def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
     of_method: dict[str, list[xr.Dataset]] = {}
     for run in runs:
         of_method.setdefault(run["variant"].item(), []).append(run)
-    first = {re.split(r"\d", message)[0]: message for message in reversed(_messages(runs))}
-    blocks = [
-        MADE,
-        f"{len(runs)} rows, " + ("and these have a fault:" if faults else "none of them with a fault."),
-        "\n".join(f"- {plain(fault)}" for fault in faults),
-        PICTURE,
-        BY_METHOD,
-        rows_as_table(SUMMARY, of_method.values()),
-        BY_EXTREME,
-        _matrix(runs, list(of_method)),
-        MESSAGES,
-        "\n".join(f"- {plain(message)}" for message in reversed(first.values())),
-        "## What is counted",
-        NOTE,
-    ]
-    write_page(path, title, blocks)
+    messages = dict.fromkeys(text for run in runs if (text := run["message"].item()))
+    one_of_each = {re.split(r"\d", message)[0]: message for message in reversed(messages)}
+    write_page(
+        path,
+        "extremes/page.md",
+        title=title,
+        rows=len(runs),
+        faults=f"and these have a fault:\n\n{_list(faults)}" if faults else "none of them with a fault.",
+        by_method=rows_as_table(SUMMARY, of_method.values()),
+        by_extreme=_matrix(runs, list(of_method)),
+        messages=_list(reversed(one_of_each.values())),
+    )
 
 
-def _messages(runs: Sequence[xr.Dataset]) -> list[str]:
-    return list(dict.fromkeys(text for run in runs if (text := run["message"].item())))
+def _list(texts: Iterable[str]) -> str:
+    return "\n".join(f"- {plain(text)}" for text in texts)
 
 
 def _matrix(runs: Sequence[xr.Dataset], variants: Sequence[str]) -> str:

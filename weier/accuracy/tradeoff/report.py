@@ -15,23 +15,6 @@ from weier.data.markdown import plain
 from weier.kernels.arrays import Array
 
 LIGHT_LOAD, HEAVY_LOAD = 0.03, 1.0  # p_0*: below, a crest or two carry all; above, the coarsest wave is flat
-NOTE = """\
-Each row is one method at one setting, on all profiles that it was run on. `bem 32` has 32 points for each of the
-finest waves, with the edges of contact between the nodes (`bem nodes 96`: on nodes; `1e-04`: stopped at that
-residual), `layer 24` has 24 points a wave, and `patches 1e-06` has that tolerance.
-
-Errors are distances from the exact contact: closed forms for one wave and for full contact, and otherwise contact
-patches at a tolerance of 1e-12 on the same profile shifted along x. The error of the compliance h is in
-g\\_0, that of the resistance R is relative to the larger of R and 1 g\\_0/p\\_0\\*. Two columns of each take the
-largest error over the loads: the median over the profiles, and the worst of them. Between them stand three ranges of
-load p, with the largest error of h within each range, as the median over the profiles.
-
-Milliseconds are processor time on one core, the median of five runs. A finer grid is run on fewer profiles, so
-compare rows that have equally many."""
-NOTE_ON_CONSTANTS = (
-    "The measured constant of an error is the largest over all profiles, settings and loads; the shipped one must "
-    "not be smaller. The measured constant of a cost is a fit, and differs from computer to computer."
-)
 
 
 class Row(NamedTuple):
@@ -46,8 +29,8 @@ class Row(NamedTuple):
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
     """Write the trade as Markdown: a row for each variant, and the constants of error and cost models."""
-    tables = rows_as_table(COLUMNS, _rows(data)), rows_as_table(CONSTANTS, constants(data))
-    write_page(path, title, [tables[0], NOTE, tables[1], NOTE_ON_CONSTANTS])
+    variants, measured = rows_as_table(COLUMNS, _rows(data)), rows_as_table(CONSTANTS, constants(data))
+    write_page(path, "tradeoff/page.md", title=title, variants=variants, constants=measured)
 
 
 def _rows(data: xr.Dataset) -> list[Row]:

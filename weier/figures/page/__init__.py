@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
@@ -25,13 +25,15 @@ from weier.data.dataset import Status
 from weier.data.files import write_text
 from weier.data.selection import as_cases
 from weier.data.variables import VARIABLES
-from weier.figures.captions import caption
+from weier.figures.captions import Caption, caption
 from weier.figures.page import plans
 from weier.figures.page.cells import coordinate_text, largest
-from weier.figures.page.claims import ShownClaim, list_claims
+from weier.figures.page.claims import picture
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.figures.page.formulae import typeset
+from weier.pipeline.claims.claim import Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
+from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_dataset
 from weier.scene import Scene
 from weier.theory.tables import significant
 
@@ -58,9 +60,7 @@ class ShownFigure(NamedTuple):
     """A figure with its caption, as the page holds it: the picture is a part of the page, across it if it is wide."""
 
     anchor: str
-    name: str
-    text: str
-    alternative: str
+    caption: Caption
     picture: str
     wide: bool
 
@@ -72,7 +72,7 @@ class Section(NamedTuple):
     heading: str
     texts: Sequence[str] = ()
     figures: Sequence[ShownFigure] = ()
-    claims: Sequence[ShownClaim] = ()
+    claims: Mapping[str, Judgement] = {}
     table: Table | None = None
     scene: str = ""
 
@@ -105,7 +105,12 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(curve_explorer(data.isel(case=slice(MAX_CASES)).load()), EXPLORER_ID))
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)
-    environment.filters["formulae"] = typeset
+    environment.filters |= {
+        "formulae": typeset,
+        "decisive_line": decisive_line,
+        "details": details,
+        "picture": picture,
+    }
     return environment.from_string(_resource("page.html")).render(
         title=data.attrs.get("title", "A scene"),
         style=Markup(_resource("page.css")),
@@ -114,10 +119,11 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
         explorer=EXPLORER_ID,
         normalised=dataset.NORMALISED + IN_SI * any(figure.interface for figure in scene.figures.values()),
         doi=provenance.DOI,
+        details=DETAILS,
         links=[("all curves (netCDF)", "contact.nc"), ("claims (Markdown)", "claims.md")],
         sections=[
             Section("curves", f"Curves, {cases if count > 1 else 'one case'}"),
-            Section("figures", "Figures", *_figures(scene, figures)),
+            _figures(scene, figures),
             _claims(data),
             *_traces(data),
             Section("errors", "Errors", table=_errors(data)),
@@ -132,25 +138,21 @@ def _resource(name: str) -> str:
     return files("weier.figures.page").joinpath(name).read_text(encoding="utf-8")
 
 
-def _figures(scene: Scene, paths: Sequence[Path]) -> tuple[list[str], list[ShownFigure]]:
+def _figures(scene: Scene, paths: Sequence[Path]) -> Section:
     texts = [] if paths else ["This scene draws no figures."]
-    return texts, [_figure(scene, path) for path in paths]
+    return Section("figures", "Figures", texts, [_figure(path, caption(scene, path.stem)) for path in paths])
 
 
-def _figure(scene: Scene, path: Path) -> ShownFigure:
-    name, text, alternative = caption(scene, path.stem)
+def _figure(path: Path, words: Caption) -> ShownFigure:
     png = path.read_bytes()
     width = int.from_bytes(png[16:20], "big")  # in the first part of every PNG file
-    return ShownFigure(
-        path.stem, name, text, alternative, f"data:image/png;base64,{b64encode(png).decode()}", width > MAX_COLUMN
-    )
+    return ShownFigure(path.stem, words, f"data:image/png;base64,{b64encode(png).decode()}", width > MAX_COLUMN)
 
 
 def _claims(data: xr.Dataset) -> Section:
-    shown = list_claims(data)
-    if not shown:
-        return Section("claims", "Claims", ["This scene checks no claims."])
-    return Section("claims", "Claims", [RULE, PICTURES, MEANINGS], claims=shown)
+    judged = from_dataset(data)
+    texts = [RULE, PICTURES, MEANINGS] if judged else ["This scene checks no claims."]
+    return Section("claims", "Claims", texts, claims=judged)
 
 
 def _traces(data: xr.Dataset) -> list[Section]:
@@ -189,14 +191,9 @@ def _variants(data: xr.Dataset, row: int, method: str) -> dict[str, list[int]]:
 def _costs(cost: xr.Dataset) -> Table:
     methods, seconds = cost["solution_method"].values.tolist(), cost["seconds"].values.T
     known = {method: own[np.isfinite(own)] for method, own in zip(methods, seconds, strict=True)}
+    summaries = (np.median, 2), (np.max, 2), (np.sum, 3)
     rows = [
-        [
-            method,
-            len(times),
-            significant(np.median(times), 2),
-            significant(times.max(), 2),
-            significant(times.sum(), 3),
-        ]
+        [method, len(times), *(significant(summary(times), count) for summary, count in summaries)]
         for method, times in known.items()
         if times.size
     ]

@@ -61,9 +61,10 @@ def curve_explorer(data: xr.Dataset) -> Column:
     stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}
     boxes = CheckboxGroup(labels=[_label(method) for method in methods], active=solved, name="method", inline=True,
                           stylesheets=[WRAP_BOXES], **stretched)  # fmt: skip
+    of_first_case = np.isfinite(data["compliance"].values[0]).any(axis=-1).tolist()
     for plot in plots:
-        for number, item in enumerate(plot.legend.items):
-            item.visible = item.renderers[0].visible = _has_curve(data, number)
+        for item, known in zip(plot.legend.items, of_first_case, strict=True):
+            item.visible = item.renderers[0].visible = known
     _fill_options(selects, labels)
     choose = CustomJS(
         args={"selects": selects, "labels": labels, "allCurves": all_curves, "sources": sources, "methods": methods,
@@ -74,11 +75,6 @@ def curve_explorer(data: xr.Dataset) -> Column:
         select.js_on_change("value", choose)
     boxes.js_on_change("active", choose)
     return column(row(*selects, styles=WRAP, **stretched), boxes, row(*plots, styles=WRAP, **stretched), **stretched)
-
-
-def _has_curve(data: xr.Dataset, number: int) -> bool:
-    """Whether the first case has a curve by this method."""
-    return bool(np.isfinite(data["compliance"].values[0, number]).any())
 
 
 def _select(name: str, value: str) -> Select:

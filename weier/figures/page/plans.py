@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,21 +21,9 @@ NOTE = (
     f"{REFERENCE} beside its plans."
 )
 HEADER = ("planned", "cases", "planned, s", "took, s", "took/planned", "allowed error", "expected", "measured")
+# Seconds planned and taken, and errors allowed, expected and measured: of one case, NaN where they are unknown.
+Outcome = tuple[float, float, float, float, float]
 UNSOLVED = {Status.not_applicable: "out of reach", Status.not_converged: "not converged"}
-
-
-class PlannedCase(NamedTuple):
-    """One case: the methods of its plan, the seconds that were planned and those it took, and its errors.
-
-    Seconds and errors are NaN where they are unknown.
-    """
-
-    methods: str
-    planned: float
-    took: float
-    allowed: float
-    expected: float
-    measured: float
 
 
 def rows(data: xr.Dataset, cost: xr.Dataset) -> list[list[object]]:
@@ -45,34 +32,28 @@ def rows(data: xr.Dataset, cost: xr.Dataset) -> list[list[object]]:
     There are none where nothing was planned.
     """
     outcomes = list(_outcomes(data, cost))
-    combinations = list(dict.fromkeys(each.methods for each in outcomes))
-    table = [_row(methods, [each for each in outcomes if each.methods == methods]) for methods in combinations]
-    return [*table, _row("all", outcomes)] if len(combinations) > 1 else table
+    of_methods: dict[str, list[Outcome]] = {}
+    for methods, numbers in outcomes:
+        of_methods.setdefault(methods, []).append(numbers)
+    everything = {"all": [numbers for _, numbers in outcomes]} if len(of_methods) > 1 else {}
+    return [_row(methods, numbers) for methods, numbers in (of_methods | everything).items()]
 
 
-def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[PlannedCase]:
+def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[tuple[str, Outcome]]:
+    """The methods that were planned for each case, and what was planned of it and found."""
     if PLANNED not in data["solution_method"].values:
         return
-    seconds = dict(_seconds(cost))
+    of_plans = cost["seconds"].reindex(solution_method=[PLANNED]).values[:, 0].tolist()
+    seconds = dict(zip(cost["key"].values.tolist(), of_plans, strict=True))
     planned = data.sel(solution_method=PLANNED)
     for number in np.flatnonzero(planned["status"].values != Status.not_requested):
         case = planned.isel(case=number)
         status, wanted = Status(int(case["status"])), json.loads(str(case["settings"].values))
         took = seconds.get(str(case["key"].values), np.nan) if status == Status.solved else np.nan
-        yield PlannedCase(
-            UNSOLVED.get(status) or " and ".join(dict.fromkeys(case["planned_method"].values.tolist())),
-            float(case["planned_seconds"]),
-            took,
-            wanted["tolerance"],
-            float(case["planned_error"]),
-            _error(data.isel(case=number), wanted["quantity"]),
-        )
-
-
-def _seconds(cost: xr.Dataset) -> Iterator[tuple[str, float]]:
-    if PLANNED in cost["solution_method"].values:
-        values = cost["seconds"].sel(solution_method=PLANNED).values.tolist()
-        yield from zip(cost["key"].values.tolist(), values, strict=True)
+        planned_seconds, expected = float(case["planned_seconds"]), float(case["planned_error"])
+        measured = _error(data.isel(case=number), wanted["quantity"])
+        methods = UNSOLVED.get(status) or " and ".join(dict.fromkeys(case["planned_method"].values.tolist()))
+        yield methods, (planned_seconds, took, wanted["tolerance"], expected, measured)
 
 
 def _error(case: xr.Dataset, quantity: str) -> float:
@@ -85,14 +66,9 @@ def _error(case: xr.Dataset, quantity: str) -> float:
     return float(np.nanmax(error)) if np.isfinite(error).any() else np.nan
 
 
-def _row(methods: str, outcomes: Sequence[PlannedCase]) -> list[object]:
-    planned, took, *errors = np.array([outcome[1:] for outcome in outcomes]).T
+def _row(methods: str, outcomes: Sequence[Outcome]) -> list[object]:
+    planned, took, *errors = np.array(outcomes).T
     sums = np.nansum(planned), np.nansum(took)
     ratio = significant(sums[1] / sums[0], 2) if all(sums) else ""
-    return [
-        methods,
-        len(outcomes),
-        *(f"{each:.3g}" for each in sums),
-        ratio,
-        *(largest(each, "unknown") for each in errors),
-    ]
+    in_seconds, largest_errors = (f"{each:.3g}" for each in sums), (largest(each, "unknown") for each in errors)
+    return [methods, len(outcomes), *in_seconds, ratio, *largest_errors]
