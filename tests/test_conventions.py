@@ -17,7 +17,7 @@ from tests.conventions import check, complaints
 from tests.scenes import scene_in, solve_scene
 from tests.trade import small_trade
 from weier.accuracy.convergence import measure_convergence
-from weier.data import dataset, provenance, variables
+from weier.data import dataset, provenance
 from weier.methods import demelio
 from weier.pipeline import claims
 
@@ -159,13 +159,6 @@ def test_netcdf4_reads_it_and_no_value_is_out_of_range(files):
                 if variable.dtype.kind == "f":
                     assert not (variable[...] < getattr(variable, "valid_min", -np.inf)).any(), name
                     assert not (variable[...] > getattr(variable, "valid_max", np.inf)).any(), name
-
-
-def test_every_variable_of_curves_says_its_range_and_symbol():
-    assert variables.attributes("D")["valid_min"] == 1
-    assert variables.attributes("D")["valid_max"] == 2
-    assert variables.attributes("compliance")["symbol"] == "h"
-    assert variables.attributes("status")["flag_meanings"].split()[2] == "not_applicable"
 
 
 def test_history_names_every_step_and_no_time(folder):

@@ -1,11 +1,10 @@
-"""The command line as a whole: help whose examples run, exit codes, completion, and files that cannot be written."""
+"""The command line as a whole: help whose examples run, exit codes, and files that cannot be written."""
 
 import math
 import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 
 import pytest
@@ -62,11 +61,6 @@ def test_help_names_every_command_of_a_user(run):
 
 def test_the_first_help_shows_the_commands_for_one_profile():
     assert {command for _, command, *_ in examples(described(None))} == {"solve", "plot", "plan", "table"}
-
-
-def test_the_package_is_the_command():
-    done = subprocess.run([sys.executable, "-m", "weier", "--version"], capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("weier, version")
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -127,12 +125,6 @@ def test_every_module_that_draws_is_a_kind() -> None:
     modules = [path.stem for path in Path(figures.__file__).parent.glob("*.py") if path.stem != "__init__"]
     draws = {name for name in modules if hasattr(import_module(f"weier.figures.{name}"), "draw")}
     assert set(figures.kinds()) == draws > set(OF_STUDIES) > {"compliance", "profiles"}
-
-
-def test_listing_the_kinds_imports_no_matplotlib() -> None:
-    code = "import sys, weier.figures.captions; print(len(weier.figures.kinds()), 'matplotlib' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [str(len(figures.kinds())), "False"]
 
 
 def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,13 +30,6 @@ def two_threads():
     OpenBLASController.clear_controlling_thread(force=True)
 
 
-def test_one_thread_inside_and_what_there_was_outside():
-    assert threads() == {2}
-    with one_thread:
-        assert threads() == {1}
-    assert threads() == {2}
-
-
 @pytest.mark.parametrize(
     ("place", "name", "method", "settings"),
     [(newton, "assemble", "patches", {}), (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"})],

@@ -1,4 +1,4 @@
-"""Ctrl-C in the midst of a solve, and while a kernel returns."""
+"""Ctrl-C while a kernel returns, and for whoever handles it."""
 
 import ctypes
 import signal

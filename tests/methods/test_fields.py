@@ -1,4 +1,4 @@
-"""Fields along the surface and the events along the loads."""
+"""Fields along the surface."""
 
 import numpy as np
 import pytest

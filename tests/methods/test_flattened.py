@@ -1,4 +1,4 @@
-"""Archard's and Demelio's approximations against sums in mpmath, their limits, and what any compliance obeys."""
+"""Archard's and Demelio's approximations against sums in mpmath, and at their limits."""
 
 import numpy as np
 import pytest

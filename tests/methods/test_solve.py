@@ -1,4 +1,4 @@
-"""The public interface: what it returns, what it refuses."""
+"""Loads that cannot be, refused by every way to solve."""
 
 from functools import partial
 

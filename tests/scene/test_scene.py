@@ -47,14 +47,6 @@ def test_the_schema_knows_every_method(monkeypatch):
     assert schema()["$defs"]["method"]["enum"][-1] == TOY.name
 
 
-def test_figures_and_claims_may_have_any_name(tmp_path):
-    """Which there are, the figures and the claims know."""
-    changes = {"figures": {"f": {"draw": "anything", "studies": ["one"]}}, "claims": {"anything": ["one"]}}
-    loaded = scene.load(write(tmp_path, **changes))
-    assert loaded.figures["f"].draw == "anything"
-    assert loaded.claims == {"anything": ("one",)}
-
-
 def test_the_loads_of_the_paper_are_dense_where_contacts_are_born_and_merge():
     loads = scene.load("config/scenes/paper.yaml").loads
     shown = loads[(loads > 0.01) & (loads < 8)]  # on the axes of Figs 5, 6 and 8

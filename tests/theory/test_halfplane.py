@@ -1,4 +1,4 @@
-"""The half-plane: eigenvalues against the image sum, against u = p/|k|, and against a dense matrix."""
+"""The half-plane: eigenvalues against their aliases, and against a dense matrix."""
 
 import numpy as np
 import pytest

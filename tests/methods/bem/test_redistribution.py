@@ -1,4 +1,4 @@
-"""How contacts displace each other, and forces on one plane."""
+"""How contacts displace each other, and what errors they state where they do."""
 
 import numpy as np
 import pytest

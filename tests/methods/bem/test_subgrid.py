@@ -1,4 +1,4 @@
-"""Edges of contact between the nodes: the constants, the accuracy, its orders, and the errors that are told."""
+"""Edges of contact between the nodes: the constant, the accuracy, and the errors that are told."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The infinite series: a fixed point, against another solver of one wave, iterations and finite series."""
+"""The infinite series: a fixed point, against another solver of one wave and iterations."""
 
 from __future__ import annotations
 

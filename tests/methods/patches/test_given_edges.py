@@ -1,4 +1,4 @@
-"""Punches and cracks with given edges: closed forms, symmetry, and the inverse of the forces between them."""
+"""Punches and cracks with given edges: closed forms, steps, and the inverse of the forces between them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Few contacts by a dense matrix: its derivatives, convergence, both problems as one, and what is refused."""
+"""Few contacts by a dense matrix: gaps of rounding size, missing contacts, and what is refused."""
 
 import numpy as np
 import pytest

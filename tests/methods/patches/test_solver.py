@@ -1,4 +1,4 @@
-"""What any solution must obey: complementarity, energy, symmetry, and the limits of the input."""
+"""What any solution must obey: complementarity, symmetry, and the error that it states."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Heights that are evaluated from crests."""
+"""The crests that heights are evaluated from."""
 
 import numpy as np
 import pytest
