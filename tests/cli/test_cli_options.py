@@ -43,9 +43,7 @@ def test_wrong_usage_is_exit_code_2(run, arguments, message):
 
 BAD_INPUT = [
     (["solve", "-D", "2.5", "--gamma", "5", "-m", "2"], "D must lie in (1, 2), got 2.5"),
-    (["solve", "-D", "1.5", "--gamma", "5", "-m", "nan"], "m must be a whole number"),
     (["solve", "-D", "1.5", "--gamma", "1000000.5", "-m", "2"], "gamma must be at most 1000000, got 1000000.5"),
-    (["solve", "-D", "1.5", "--gamma", "1e4000", "-m", "2"], "gamma must be a finite number or a fraction"),
     (["solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3"], 'take gamma = "140/99"'),
     ([*SOLVE, "--set", "bem.points=1e9"], "points of bem must be a whole number, from 1 to 10000000, got 1000"),
     ([*SOLVE, "--set", "bem.residual_tolerance=nan"], "of bem must lie in [1e-15, 1), got the text 'nan'"),

@@ -1,5 +1,10 @@
 """Edges of contact on nodes: against Westergaard and reference values, and the two solvers against each other."""
 
+import json
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -202,3 +207,23 @@ def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
     monkeypatch.setattr(fft, "solve_loads", without_rate)
     with pytest.raises(ConvergenceError, match=r"not the resistance under the mean pressure 0\.1 "):
         curve(THREE_WAVES, np.array([0.1]), points=400)
+
+
+PLAIN = """
+from weier import Profile
+from weier.methods.bem import curve
+for solver in ("fft", "direct"):
+    found = curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48, solver=solver)
+    print([found.compliance.tolist(), found.resistance.tolist()])
+"""
+
+
+def test_kernels_as_plain_python_give_what_they_give_compiled():
+    """To the residual of 1e-10 that both stop at."""
+    environment, program = os.environ | {"NUMBA_DISABLE_JIT": "1"}, [sys.executable, "-c", PLAIN]
+    done = subprocess.run(program, env=environment, capture_output=True, text=True, check=True)
+    for solver, line in zip(("fft", "direct"), done.stdout.splitlines(), strict=True):
+        compliance, resistance = json.loads(line)
+        found = bem.curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48, solver=solver)
+        assert found.compliance == pytest.approx(compliance, abs=1e-9)
+        assert found.resistance == pytest.approx(resistance, rel=1e-9, abs=1e-12)
