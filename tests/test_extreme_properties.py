@@ -103,11 +103,6 @@ def test_three_nodes(solver):
     assert np.all(found.outcome == Outcome.finite)
 
 
-def test_a_dense_matrix_of_a_million_nodes_is_refused():
-    found = check("bem", Profile(1.5, 5, 1), np.array([0.1]), points=2**20, solver="direct")
-    assert 'points must be at most 10000, got 1048576: take solver "fft"' in found.message
-
-
 @pytest.mark.slow
 def test_a_million_nodes():
     mean_pressure = np.array([1e-3, 0.5])
