@@ -115,14 +115,10 @@ def _join(parts: list[Run]) -> Run:
 def is_clear(error: Exception, method: Method) -> bool:
     """Whether a `raise` of weier, or of the file that holds the method, says what is wrong, in numbers that exist."""
     last, text = extract_tb(error.__traceback__)[-1], str(error)
-    own = PACKAGE in Path(last.filename).parents or last.filename == _file_of(method)
+    of_method = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
+    own = PACKAGE in Path(last.filename).parents or last.filename == of_method
     deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
     return deliberate and bool(text) and not UNCLEAR_WORDS.search(text)
-
-
-def _file_of(method: Method) -> str | None:
-    code = getattr(method.solve, "__code__", None)
-    return None if code is None else str(code.co_filename)
 
 
 def _description(error: Exception) -> str:

@@ -40,7 +40,7 @@ def archard(p: float, D: float, gamma: float, m: float) -> Pair:
         h = R = mp.mpf(0)
         n, before = 0, mp.inf
         while n < m:
-            if m == mp.inf and (_flat_for_good(zeta, down) or abs(zeta / before - 1) < mp.mpf(10) ** -DIGITS):
+            if m == mp.inf and ((zeta >= 1 and 2 * down >= 1) or abs(zeta / before - 1) < mp.mpf(10) ** -DIGITS):
                 return h + g * _compliance(zeta) / (1 - falls), R  # slope is below the last digit
             h, R = h + g * _compliance(zeta), R + g * slope * _resistance(zeta)
             before, n, g = zeta, n + 1, g * falls
@@ -77,10 +77,6 @@ def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
 def _ratios(D: float, gamma: float) -> Pair:
     """p_n*/p_{n+1}* and g_{n+1}/g_n."""
     return mp.mpf(gamma) ** (1 - mp.mpf(D)), mp.mpf(gamma) ** (mp.mpf(D) - 2)
-
-
-def _flat_for_good(zeta: Any, down: Any) -> bool:
-    return bool(zeta >= 1 and 2 * down >= 1)
 
 
 def _compliance(xi: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_number, checked_numbers
 
 MAX_LOADS = 10_000  # of a scene or a command
@@ -18,7 +18,7 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
     if loads.ndim != 1 or loads.size == 0:
         raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
     checked_numbers("mean_pressure", loads, "be finite", np.isfinite)
-    checked_numbers("mean_pressure", loads, "be positive", _positive)
+    checked_numbers("mean_pressure", loads, "be positive", lambda loads: loads > 0)
     step = np.diff(loads)
     if (step <= 0).any():
         at = int((step <= 0).argmax())
@@ -32,10 +32,6 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
 def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
     """The load, if there is only one and it is positive and finite."""
     return checked_number(name, mean_pressure, "be one load, positive and finite", lambda load: 0 < load < np.inf)
-
-
-def _positive(loads: Array) -> Flags:
-    return loads > 0
 
 
 def check_range(loads: Array) -> None:

@@ -94,7 +94,11 @@ class Trace(Waves):
         self.lambda_0 = checked_number("length", length, "be positive and finite, in m", lambda x: 0 < x < math.inf)
         self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), str(source), z.size
         step = self.lambda_0 / z.size
-        self.shortest = _checked_shortest(2 * step if shortest is None else shortest, step, self.lambda_0)
+        condition = f"lie between two steps and the length of the trace, {2 * step:g} and {self.lambda_0:g} m"
+        self.shortest = checked_number(
+            "shortest", 2 * step if shortest is None else shortest, condition,
+            lambda x: 2 * step <= x * NEAR and x <= self.lambda_0,
+        )  # fmt: skip
         level = _levelled(z, self.ends)
         _check_jumps(level if self.ends != PERIODIC else np.append(level, level[0]), step)
         waves, coefficient = _waves(_continued(level, self.ends), self.period * self.lambda_0 / self.shortest)
@@ -214,11 +218,6 @@ def _checked_heights(heights: ArrayLike) -> Array:
     if np.ptp(z) == 0:
         raise ValueError(f"heights must be rough, got {z.size} times {z[0]:g} m")
     return z
-
-
-def _checked_shortest(shortest: float, step: float, length: float) -> float:
-    condition = f"lie between two steps and the length of the trace, {2 * step:g} and {length:g} m"
-    return checked_number("shortest", shortest, condition, lambda x: 2 * step <= x * NEAR and x <= length)
 
 
 def _check_jumps(z: Array, step: float) -> None:

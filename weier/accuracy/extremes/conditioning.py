@@ -43,15 +43,9 @@ def system(points: int, contact: int) -> float:
 
 def conditioning() -> xr.Dataset:
     """Condition numbers over the dimension nodes; NaN where no matrix is decomposed."""
-    values = {
-        "nodes": NODES,
-        "condition_operator": np.array([operator(n) for n in NODES]),
-        "condition_full": np.array(_systems(1)),
-        "condition_half": np.array(_systems(2)),
-    }
+    values = {"nodes": NODES, "condition_operator": np.array([operator(n) for n in NODES])}
+    for name, share in (("full", 1), ("half", 2)):
+        of_systems = [system(n, -(-n // share)) if n <= MAX_DENSE else np.nan for n in NODES]
+        values[f"condition_{name}"] = np.array(of_systems)
     columns = {name: ("nodes", each, variables.attributes(name, OWN)) for name, each in values.items()}
     return xr.Dataset(columns).set_coords("nodes")
-
-
-def _systems(share: int) -> list[float]:
-    return [system(n, -(-n // share)) if n <= MAX_DENSE else np.nan for n in NODES]

@@ -21,15 +21,12 @@ def candidates(task: Task) -> Iterator[Segment]:
     """Estimates of the infinite series with ever more terms, up to the first that does at all loads."""
     if task.quantity != COMPLIANCE or math.isfinite(task.profile.m):
         return
-    terms, kept = 1, task.profile.truncated(1)
-    while POINTS_PER_WAVE * kept.waves_per_period[-1] <= MAX_POINTS:
-        offer = _resolved(task, kept)
+    for terms in range(1, task.profile.terms_within(MAX_POINTS / POINTS_PER_WAVE) + 1):
+        offer = _resolved(task, task.profile.truncated(terms))
         if np.any(offer.error <= task.tolerance):
             yield offer
         if np.all(offer.error <= task.tolerance):
             return
-        terms += 1
-        kept = task.profile.truncated(terms)
 
 
 def _resolved(task: Task, kept: Profile) -> Segment:
@@ -57,8 +54,6 @@ def _resolved(task: Task, kept: Profile) -> Segment:
 def _solve(profile: Profile, terms: int, points: int, loads: Array) -> SegmentSolution:
     """The estimate, with the least of what its error model and its bounds say."""
     kept, solved = profile.truncated(terms), curve(profile, loads, terms, points)
-    beside = np.maximum(solved.compliance_upper - solved.compliance, solved.compliance - solved.compliance_lower)
     modelled = error_model.compliance_error(loads, kept) + mesh_error(kept, points)
-    return SegmentSolution(
-        solved.compliance, solved.resistance, np.minimum(modelled, beside), np.full(loads.size, np.inf)
-    )
+    error = np.minimum(modelled, solved.distance_to_bounds)
+    return SegmentSolution(solved.compliance, solved.resistance, error, np.full(loads.size, np.inf))

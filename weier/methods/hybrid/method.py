@@ -15,15 +15,7 @@ DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
-    return curve(profile, loads, terms or _default_terms(profile), points)
-
-
-def _default_terms(profile: Profile) -> int:
-    """The largest number of terms that fit on the default number of nodes, and at least one."""
-    terms = 1
-    while POINTS_PER_WAVE * profile.truncated(terms + 1).waves_per_period[-1] <= DEFAULT_POINTS:
-        terms += 1
-    return terms
+    return curve(profile, loads, terms or profile.terms_within(DEFAULT_POINTS / POINTS_PER_WAVE), points)
 
 
 def _applies(profile: Profile) -> None:
@@ -35,10 +27,7 @@ def _applies(profile: Profile) -> None:
 
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
-    """How far the bounds on the compliance are from it, in g_0."""
-    return float(
-        max((solved.compliance_upper - solved.compliance).max(), (solved.compliance - solved.compliance_lower).max())
-    )
+    return float(solved.distance_to_bounds.max())
 
 
 METHOD = Method(

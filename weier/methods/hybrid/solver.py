@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
@@ -37,6 +38,11 @@ class Curve(NamedTuple):
     compliance_lower: Array
     compliance_upper: Array
     residual: Array
+
+    @property
+    def distance_to_bounds(self) -> Array:
+        """How far the farther of the bounds is from the estimate, in g_0."""
+        return np.maximum(self.compliance_upper - self.compliance, self.compliance - self.compliance_lower)
 
 
 @one_thread

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -106,7 +106,8 @@ def curve(
     a few per cent.
 
     """
-    series = checked_dimension(D), _checked_ratio(gamma), checked_terms(m)
+    ratio = checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
+    series = checked_dimension(D), ratio, checked_terms(m)
     settings = _checked_settings(points, accuracy, tolerance)
     given = _checked_loads(mean_pressure)
     loads, position = np.unique(given, return_inverse=True)
@@ -125,13 +126,8 @@ def curve(
         solved = [_solve(np.log(some), bottom, end, series, settings) for some, bottom, end in parts if some.size]
         wave = Solution(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
         solution = Curve(wave.compliance, wave.rate / loads, wave.residual, wave.work)
-    index = position.reshape(given.shape)
-    return Curve(
-        np.asarray(solution.compliance[index]),
-        np.asarray(solution.resistance[index]),
-        np.asarray(solution.residual[index]),
-        np.asarray(solution.work[index]),
-    )
+    columns: tuple[Any, ...] = solution
+    return Curve(*(np.asarray(column[position.reshape(given.shape)]) for column in columns))
 
 
 def compliance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
@@ -224,20 +220,11 @@ def _may_be_infinite(bottom: float, series: Series, accuracy: float) -> bool:
 
 
 def _checked_loads(mean_pressure: ArrayLike) -> Array:
-    least = MIN_LOADS[1]
-    loads = checked_numbers(
-        "mean_pressure",
-        mean_pressure,
-        f"be finite and at least {least:g} p_0*",
-        lambda p: (p >= least) & np.isfinite(p),
-    )
+    condition = f"be finite and at least {MIN_LOADS[1]:g} p_0*"
+    loads = checked_numbers("mean_pressure", mean_pressure, condition, lambda p: (p >= MIN_LOADS[1]) & np.isfinite(p))
     if loads.size == 0:
         raise ValueError("mean_pressure must be at least one load, got none")
     return loads
-
-
-def _checked_ratio(gamma: float) -> float:
-    return checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
 
 
 def _checked_settings(points: int, accuracy: float, tolerance: float) -> Settings:

@@ -57,7 +57,7 @@ def contacts(kept: Profile, loads: Array) -> Array:
     """
     if kept.m == 1:
         return np.ones(loads.size)
-    coarse = _counted_terms(kept)
+    coarse = kept.truncated(kept.terms_within(MAX_COUNTED_WAVES))
     counted, waves = _counted(coarse), kept.waves_per_period[-1]
     number, share = _interpolated(counted, loads / coarse.full_contact_load)
     if coarse.m == kept.m:
@@ -68,12 +68,6 @@ def contacts(kept: Profile, loads: Array) -> Array:
     alike, _ = _interpolated(counted, loads / flattened / coarse.full_contact_load)
     periods = kept.period / coarse.period
     return np.asarray(periods * np.minimum(number + share * waves / periods, ratio * alike))
-
-
-def _counted_terms(kept: Profile) -> Profile:
-    """The first terms of a series, as many as can be counted quickly, and at least one."""
-    terms = [k for k in range(1, kept.terms + 1) if kept.truncated(k).waves_per_period[-1] <= MAX_COUNTED_WAVES]
-    return kept.truncated(max(terms, default=1))
 
 
 @lru_cache(maxsize=32)

@@ -178,15 +178,10 @@ def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: st
         why = f"{terms} terms are the most that can be resolved, and the others may change it by {change:.1e}"
     else:
         need, why = "larger", "no method can hold the contacts or the grid that it takes, or is as accurate"
-    reached = (
-        wider for wider in SUGGESTED if wider > tolerance and _reached(profile, loads, wider, quantity, methods)
-    )
-    within = next((f"; {wider:.0e} is within reach" for wider in reached), "")
+    wider = (each for each in SUGGESTED if each > tolerance)
+    reached = (each for each in wider if _cover(list(candidates(profile, loads, each, quantity, methods)), each))
+    within = next((f"; {each:.0e} is within reach" for each in reached), "")
     return (
         f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: "
         f"{why}{within}"
     )
-
-
-def _reached(profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]) -> bool:
-    return _cover(list(candidates(profile, loads, tolerance, quantity, methods)), tolerance)

@@ -112,11 +112,14 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
             values = _attempt_in_time(made.profile, segment)
         except TimeoutError as overrun:
             raise ConvergenceError(f"{overrun}; {_next_way(made, methods, segment, failed)}") from None
-        error = values.compliance_error if made.quantity == COMPLIANCE else _relative_error(values)
+        of_resistance = values.resistance_error / np.fmax(values.resistance, 1)
+        error = values.compliance_error if made.quantity == COMPLIANCE else of_resistance
         exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
         if exceeding.any():
             try:
-                again = _run_again(made, segment.mean_pressure[exceeding], methods, (*failed, segment))
+                loads, without = segment.mean_pressure[exceeding], (*failed, segment)
+                others = plan(made.profile, loads, methods, made.tolerance, made.quantity, without)
+                again = _run_within(others, methods, without)
             except OutOfReachError as refusal:
                 raise OutOfReachError(f"{refusal}; {_excess_message(segment, error)}") from None
             for old, new in zip(values, again, strict=True):
@@ -167,15 +170,6 @@ def _attempt(profile: Profile, segment: Segment) -> SolvedLoads:
             return _solved_loads(segment, UNSOLVED)
         halves = slice(None, count // 2), slice(count // 2, None)
         return _concatenated([_attempt(profile, segment.at(half)) for half in halves])
-
-
-def _run_again(made: Plan, loads: Array, methods: Sequence[Method], failed: tuple[Segment, ...]) -> SolvedLoads:
-    others = plan(made.profile, loads, methods, made.tolerance, made.quantity, failed)
-    return _run_within(others, methods, failed)
-
-
-def _relative_error(solved: SolvedLoads) -> Array:
-    return solved.resistance_error / np.fmax(solved.resistance, 1)
 
 
 def _excess_message(segment: Segment, error: Array) -> str:

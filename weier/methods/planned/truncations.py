@@ -19,14 +19,9 @@ SHARES = np.geomspace(1e-6, 0.999, 120)  # of a load, by which another is lighte
 MAX_LOAD = 1e300  # p_0*: more is foreseen as this, since ten times as much is a number
 
 
-def resolvable_lengths(profile: Profile) -> list[int]:
+def resolvable_lengths(profile: Profile) -> range:
     """Numbers of terms whose finest waves boundary elements can still resolve."""
-    lengths: list[int] = []
-    while len(lengths) < profile.m:
-        if profile.truncated(len(lengths) + 1).waves_per_period[-1] * PLANNED_POINTS_PER_WAVE[0] > MAX_POINTS:
-            break
-        lengths.append(len(lengths) + 1)
-    return lengths
+    return range(1, profile.terms_within(MAX_POINTS / PLANNED_POINTS_PER_WAVE[0]) + 1)
 
 
 def truncation_tasks(
