@@ -72,17 +72,11 @@ def _rectangles(edges: Array, loads: Array, period: float) -> list[Array]:
     middle = np.sqrt(loads[1:] * loads[:-1])
     low, high = np.append(loads[0], middle), np.append(middle, loads[-1])
     rectangles = []
-    for row, bottom, top in zip(_edges_with_full_contact(edges, period), low, high, strict=True):
+    edges, full = edges.copy(), ~np.isfinite(edges).any(axis=(1, 2))
+    edges[full, 0] = 0.0, period  # full contact, which has no edges, reaches from one end of the period to the other
+    for row, bottom, top in zip(edges, low, high, strict=True):
         for left, right in row[np.isfinite(row[:, 0])]:
             for shift in (0.0, -period) if right > period else (0.0,):
                 start, end = left + shift, right + shift
                 rectangles.append(np.array([(start, bottom), (end, bottom), (end, top), (start, top)]))
     return rectangles
-
-
-def _edges_with_full_contact(edges: Array, period: float) -> Array:
-    """The edges of contacts, where full contact, which has none, reaches from one end of the period to the other."""
-    full = ~np.isfinite(edges).any(axis=(1, 2))
-    edges = edges.copy()
-    edges[full, 0] = 0.0, period
-    return edges
