@@ -85,7 +85,8 @@ def batches(name, studies=()):
 
 
 def cores():
-    return getattr(workflow, "cores", None) or 1
+    """As many as Snakemake may use; those of its commands that run nothing need not be told."""
+    return workflow.resource_settings.cores or 1
 
 
 def forecast(name):

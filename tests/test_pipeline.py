@@ -38,12 +38,12 @@ def checkout(tmp_path_factory):
     return folder
 
 
-def call(checkout, *arguments, scene="test"):
+def call(checkout, *arguments, scene="test", cores=("--cores", "2")):
     # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute.
     # One date makes the bytes of two runs the same. Bytecode is kept in the copy, or each run would make it anew.
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "SOURCE_DATE_EPOCH": "1000000000"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    command = ["snakemake", "--cores", "2", *arguments, "--config", f"scenes={scene}"]
+    command = ["snakemake", *cores, *arguments, "--config", f"scenes={scene}"]
     return subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
 
 
@@ -96,6 +96,13 @@ def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
     path.write_text(slow.replace("1.0e-4", "100"))
     said = run(checkout, "--until", "solve", scene="slow")
     assert said.index(first) < said.index("slow: solve 1 case from short to long")
+
+
+@pytest.mark.parametrize("command", ["--summary", "--dry-run", "--dag"])
+def test_what_runs_no_job_needs_no_number_of_cores(checkout, command):
+    done = call(checkout, command, cores=())
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
 
 
 def test_one_figure_needs_only_its_cases(checkout):
