@@ -210,6 +210,14 @@ def test_every_curve_states_the_error_of_its_compliance():
     assert np.all(on_nodes.resistance_error.isnull())
 
 
+def test_a_thousand_contacts_between_narrow_gaps_stand_on_one_plane():
+    """The last step of their forces is all rounding, in which conjugate gradients do not converge."""
+    profile, points = Profile(1.25, 5, 6), 16 * 5**5
+    found = GridSolver(profile, points, 1e-10).solve(10.0)
+    assert found.contacts.left.size > 900
+    assert found.verified
+
+
 def test_a_load_that_is_not_verified_is_solved_more_finely(monkeypatch):
     """On a finer grid, or by contact patches; it is refused where these fail too."""
     profile, load = Profile(1.25, 5, 2, (0.0, 1.0)), [0.1, 0.3]

@@ -185,7 +185,8 @@ def _effects_of_others(
 
     These moments are the second of wide contacts, by K''/2 of each, and those after the third of contacts with
     polynomials. They displace no more, it is taken, than third and fourth moments of dipoles at the edges that have
-    the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A force f that another contact loses displaces both by
+    the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A change of force acts in the middles, and not on all of
+    either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses displaces both by
     f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
     displacement = relief = 0.0
@@ -200,6 +201,8 @@ def _effects_of_others(
             first, second = abs(forces.moments[other, 1]), abs(forces.moments[other, 2])
             half_width = forces.half_width[other] * contacts.scale[other]
             displacement += factors.MOMENTS * near * (near * half_width) ** 2 * (2 * first + near * second)
+            widths = half_width**2 + (forces.half_width[at] * contacts.scale[at]) ** 2
+            displacement += near**2 / 2 * widths * abs(forces.change[other])
             yielding = punch_compliance(half_width, period)
         if forces.touching[other]:
             relief = min(relief, yielding + 4 * np.log(2 * apart))
@@ -210,8 +213,13 @@ def _effects_of_others(
 def _drop(
     contacts: GridContacts, forces: Redistribution, at: int, higher: float, relief: float, period: float
 ) -> float:
-    """What a contact takes off the resistance that a crest makes by penetrating so much farther."""
+    """What a contact takes off the resistance that a crest makes by penetrating so much farther.
+
+    One that is hollow in its middle is taken for the parabola that would be as wide.
+    """
     penetration, bend = forces.penetration[at] + higher, -slopes(contacts.height[at], forces.centre[at])[1]
+    if bend <= 0 and forces.touching[at]:
+        bend = 2 * forces.penetration[at] / forces.half_width[at] ** 2
     if penetration <= 0 or bend <= 0:
         return 0.0
     half_width = min(np.sqrt(2 * penetration / bend) * contacts.scale[at], period / 4)
