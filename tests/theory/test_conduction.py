@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from weier.methods import westergaard
+from weier.methods.fields import fields
 from weier.pipeline.solve import solve
 from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
 from weier.theory.profile import Profile
@@ -115,6 +116,15 @@ def test_a_data_array_stays_one():
     assert found.identical(bodies.in_si(CURVE.resistance))
     missing = CURVE.resistance.where(CURVE.mean_pressure > 0.2)
     assert np.isnan(bodies.resistance(missing).values).tolist() == [True, False, False]
+
+
+def test_fields_have_si_units():
+    bodies, field = interface(), fields(Profile(1.25, 5, 2, 1.0), 0.1)
+    found = bodies.in_si(field)
+    assert (found.x.units, found.pressure.units, found.gap.units) == ("m", "Pa", "m")
+    # The contacts carry the load, and the gap is that of the mean plane.
+    assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
+    assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
 
 
 def test_a_quantity_of_another_unit_is_refused():

@@ -142,6 +142,11 @@ def test_translation_and_mirror_change_nothing(load):
     np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
 
 
+def test_tolerance_within_reach():
+    with pytest.raises(ValueError, match="tolerance must lie in"):
+        patches.curve(THREE_WAVES, 0.1, tolerance=1e-17)
+
+
 def test_thousands_of_waves_under_a_light_load():
     """15 625 crests: few contacts, in a tenth of a second; under a heavy load hundreds, without a dense matrix."""
     profile = Profile(1.5, 5, 7, 1.0)
