@@ -53,8 +53,7 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
     """
     scene, cases = solutions.scene, solutions.scene.distinct
     labels, first = case_labels(scene), _read(solutions, cases[:1], scene.layout)
-    header = first.assign_coords(labels.isel(case=slice(1)).coords)
-    header = header.merge(more) if more is not None else header
+    header = first.assign_coords(labels.isel(case=slice(1)).coords).merge(more or {})
     header = header.assign_attrs(provenance.attributes(scene.title, step, scene.text, _histories(solutions, cases)))
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
@@ -99,9 +98,8 @@ def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case]) -> x
     parts = {file: _read_rows(file, min(rows), max(rows) + 1, blank) for file, rows in rows_of.items()}
     for (column, file), rows in sorted(wanted.items()):
         there, here = np.array(rows).T
-        part = parts[file]
-        own = part["solution_method"].values.tolist().index(methods[column])
-        _copy(blank, part.isel(case=there - min(rows_of[file]), solution_method=own), here, column)
+        own = parts[file]["solution_method"].values.tolist().index(methods[column])
+        _copy(blank, parts[file].isel(case=there - min(rows_of[file]), solution_method=own), here, column)
     blank["key"].values[:] = [case.key for case in cases]
     return blank
 

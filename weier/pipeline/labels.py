@@ -36,8 +36,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
             values = [each[setting] for each in own]
             if len(set(map(json.dumps, compress(values, run)))) > 1:
                 column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
-                meaning = f"setting {setting} of method {name}"
-                columns[f"{name}_{setting}"] = column[scene.product_of_cases], meaning
+                columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
     return xr.Dataset(
         coords={
             name: ("case", values, {"long_name": meaning, "units": "1", "coverage_content_type": LABEL})

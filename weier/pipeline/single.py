@@ -78,6 +78,5 @@ def _text(title: str, case: Case, loads: Array) -> str:
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name != "digest"}
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
-    return yaml.safe_dump(
-        scene | {"studies": {"one": {"trace": trace} if trace else {"product": product}}}, sort_keys=False
-    )
+    studies = {"one": {"trace": trace} if trace else {"product": product}}
+    return yaml.safe_dump(scene | {"studies": studies}, sort_keys=False)

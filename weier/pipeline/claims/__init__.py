@@ -42,8 +42,7 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
 
     # Only the studies that claims look at are ever in memory, each read once.
     study = cache(partial(read_study, solutions))
-    wanted = solutions.scene.claims.items()
-    judged = {name: evaluate(name, [study(each) for each in names]) for name, names in wanted}
+    judged = {name: evaluate(name, [study(each) for each in names]) for name, names in solutions.scene.claims.items()}
     gather(solutions, path, "checked against the paper" if judged else "gathered", report.to_dataset(judged))
     write_text(table, report.to_markdown(solutions.scene.title, judged))
 
