@@ -71,10 +71,11 @@ def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage
     if problem.dual:  # a wave of this pressure has the height of its pressure over the waves in lambda_0
         rough *= 2 * np.pi / float(problem.series.wavenumber[-1])
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
+    most = (rough * target) ** 0.5  # looser, what is left beside a thin gap that was just cut in looks like its end
     overlap, at_last = (ROUGH_TENSION * problem.load, MAX_TENSION * problem.load) if problem.dual else (rough, target)
     return (
         Stage(False, 1e-8, 2.0, Bounds(REDUCTION, target, rough), overlap, ROUGH_TENSION, 0.0),
-        Stage(True, 1e-9, 5.0, Bounds(REDUCTION, least, rough), at_last, MAX_TENSION, MIN_OPENING * least),
+        Stage(True, 1e-9, 5.0, Bounds(REDUCTION, least, most), at_last, MAX_TENSION, MIN_OPENING * least),
     )
 
 
