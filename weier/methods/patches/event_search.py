@@ -19,9 +19,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.fields import (
-    MIN_SUM_SEGMENTS,
     ContactState,
-    complementary_residuals,
     gap_slopes,
     residuals_one_by_one,
     values_on_segments,
@@ -42,7 +40,6 @@ MAX_ROOTS = 4
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
 LOAD_ACCURACY = 1e-12  # relative
 SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
-GAP_ROUNDING = 1e-12  # of fast sums, over the displacement under the whole load
 SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
 POSITION_ACCURACY = 1e-8  # of a minimum between two samples, over their distance
 
@@ -261,37 +258,13 @@ def _intervals(state: ContactState, between: bool, period: float) -> _Intervals:
 
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
-    """How many minima the slopes of the gap show from origin + left to origin + right, each of shape (intervals,).
-
-    Between many contacts, fast sums give the gap, and its rise the sign of the slope; where rounding hides a rise,
-    the slope itself is evaluated, so that no minimum is hidden.
-    """
-    width = (right - left)[:, None]
-    number = np.arange(SLOPES + 1.0)
-    y = left[:, None] + width * _shares(number[:-1] + 0.5)
-    at = np.broadcast_to(origin[:, None], y.shape)
-    if state.dual or state.segments.centre.size < MIN_SUM_SEGMENTS:
-        sign = np.sign(_gap_slopes(state, series, at.ravel(), y.ravel())).reshape(y.shape)
-    else:
-        around = origin[:, None] + (left[:, None] + width * _shares(number))
-        at_crests = nearest_crests(series, around.ravel())
-        rise = np.diff(complementary_residuals(state, series, *at_crests).reshape(around.shape), axis=1)
-        sign, unknown = np.sign(rise), np.abs(rise) < _gap_rounding(state, series)
-        sign[unknown] = np.sign(_gap_slopes(state, series, at[unknown], y[unknown]))
+    """How many minima the slopes of the gap show from origin + left to origin + right, each of shape (intervals,)."""
+    share = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))  # closer at the ends
+    y = left[:, None] + (right - left)[:, None] * share
+    sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SLOPES), y.ravel())).reshape(y.shape)
     for i in range(1, SLOPES):
         sign[:, i] = np.where(sign[:, i] == 0, sign[:, i - 1], sign[:, i])
     return np.asarray(np.sum((sign[:, :-1] < 0) & (sign[:, 1:] > 0), axis=1))
-
-
-def _shares(number: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Parts of an interval, closer at its ends: 0 for the number 0, and 1 for SLOPES."""
-    return np.asarray(0.5 * (1 - np.cos(number * (np.pi / SLOPES))))
-
-
-def _gap_rounding(state: ContactState, series: CosineSeries) -> float:
-    """What rounding leaves of the gap by fast sums, in g_0: of the sums, and of positions on the steepest flank."""
-    steepest = float(np.abs(series.amplitude) @ series.wavenumber)
-    return series.period * (GAP_ROUNDING * state.load + float(np.finfo(float).eps) * steepest)
 
 
 def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:

@@ -19,12 +19,9 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
 from weier.methods.patches.edge_iteration import Problem, Step
 from weier.methods.patches.fields import (
-    CAUCHY,
     MIN_SUM_SEGMENTS,
-    POTENTIAL,
     ContactState,
     complementary_residuals,
-    density_integrals,
     residuals_by_sums,
     residuals_one_by_one,
 )
@@ -115,29 +112,6 @@ class NegativeIntervals(NamedTuple):
         )
 
 
-def doubtful_cells(state: ContactState, series: CosineSeries) -> Flags:
-    """Whether the gap between contacts may be negative in any cell, from one valley to the next.
-
-    The displacement by the pressure of contacts is convex between these, if that is nowhere negative, which is looked
-    at by itself. So it is above its tangent at the crest, and the profile is below the maximum of the cell: where
-    their difference is positive, the gap is. A cell with its crest in contact stays doubtful, and so does every cell
-    between gaps (dual).
-    """
-    x, period = series.crest_position, series.period
-    doubtful = np.ones(x.size, bool)
-    if state.dual:
-        return doubtful
-    right, gap = _gaps_beside(state.segments, period)
-    free = np.flatnonzero(_interval_of(x, right, gap, period)[1])
-    displacement = -2 * density_integrals(state, period, x[free], np.zeros(free.size), POTENTIAL)
-    slope = -2 * np.pi / period * density_integrals(state, period, x[free], np.zeros(free.size), CAUCHY)
-    valley = series.valley_position
-    left, after = np.append(valley[-1] - period, valley[:-1]) - x, valley - x
-    tangent = displacement + np.minimum(slope * left[free], slope * after[free])
-    doubtful[free] = ~(tangent - state.approach - series.cell_offset[free] > 0)
-    return doubtful
-
-
 def _gaps_beside(segments: Segments, period: float) -> tuple[Array, Array]:
     """The right end of each segment, and the distance from there to the next."""
     right = segments.origin + (segments.centre + segments.half_width)
@@ -154,8 +128,8 @@ def _interval_of(x: Array, left: Array, length: Array, period: float) -> tuple[I
 def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
     """Points in intervals between segments, and the interval of each; ascending in each.
 
-    They are some for each of the finest waves, and the crests and valleys of the series: two crests that stand side
-    by side would else look like one.
+    They are some for each of the finest waves, and the crests of the series with the middles between them: two crests
+    that stand side by side would else look like one.
     """
     per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
     length = np.maximum(length, 0.0)  # segments may overlap
@@ -163,7 +137,8 @@ def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Arr
     end, interval = np.cumsum(count), np.repeat(np.arange(length.size), count)
     number = np.arange(end[-1]) - np.repeat(end - count, count)
     share = 0.5 * (1 - np.cos((number + 0.5) * np.repeat(np.pi / count, count)))
-    turning = np.concatenate((series.crest_position, series.valley_position))
+    crest = series.crest_position
+    turning = np.concatenate((crest, crest + 0.5 * np.diff(crest, append=crest[0] + series.period)))
     of, within, turning = _interval_of(turning, left, length, series.period)
     point = np.concatenate((left[interval] + length[interval] * share, turning[within]))
     interval = np.concatenate((interval, of[within]))
@@ -380,28 +355,8 @@ def minima_outside(state: ContactState, series: CosineSeries) -> Minima:
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x))
 
-    return _negative_minima(*_sample_gaps(state, series), residual, 0.0)
-
-
-def _sample_gaps(state: ContactState, series: CosineSeries) -> tuple[Array, Indices, Array]:
-    """Points outside the segments, the index of the segment on their left, and the complementary residual there.
-
-    That is left out, as inf, where it is positive for certain.
-    """
     x, interval = _probe_points(*_gaps_beside(state.segments, series.period), series)
-    doubtful, value = doubtful_cells(state, series)[_cells_of(series, x)], np.full(x.size, np.inf)
-    needed = doubtful.copy()  # and so are the neighbours
-    needed[1:] |= doubtful[:-1]
-    needed[:-1] |= doubtful[1:]
-    value[needed] = complementary_residuals(state, series, *nearest_crests(series, x[needed]))
-    return x, interval, value
-
-
-def _cells_of(series: CosineSeries, x: Array) -> Indices:
-    """Index of the crest between whose valleys each position lies."""
-    last = series.valley_position[-1]
-    x = x - series.period * (np.floor((x - last) / series.period) + 1)
-    return np.minimum(np.searchsorted(series.valley_position, x), series.valley_position.size - 1)
+    return _negative_minima(x, interval, residual(x), residual, 0.0)
 
 
 def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Minima:

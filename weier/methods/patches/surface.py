@@ -21,7 +21,6 @@ from weier.theory.waves import Waves
 # Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
 # that differ by less than the latter are told apart in more digits than a float has.
 MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
-VALLEY_STEPS = 6  # of bisection
 MAX_SERIES_ANGLE = 0.3  # up to it sin(y) - y, which would cancel, is summed as a power series
 
 
@@ -37,8 +36,6 @@ class CosineSeries(NamedTuple):
     crest_cosine, crest_sine : of the phases k_n x + phi_n at each crest, shape (crests, terms)
     crest_offset : S at each crest less the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
-    valley_position : of points about as low as S falls between each crest and the next, in lambda_0, shape (crests,)
-    cell_offset : the maximum of S between the valleys before and after each crest, counted as crest_offset
     """
 
     amplitude: Array
@@ -49,8 +46,6 @@ class CosineSeries(NamedTuple):
     crest_sine: Array
     crest_offset: Array
     maximum: float
-    valley_position: Array
-    cell_offset: Array
 
 
 class Surface(NamedTuple):
@@ -103,32 +98,13 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
         offset[twins] = [float(each - max(exact)) for each in exact]
     offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
     crests = x, np.cos(theta), np.sin(theta), offset, maximum
-    without = CosineSeries(amplitude, wavenumber, float(period), *crests, x, offset)
-    valley, cell_offset = _find_valleys(without)
-    return without._replace(valley_position=valley, cell_offset=cell_offset)
+    return CosineSeries(amplitude, wavenumber, float(period), *crests)
 
 
 def _round_positions(x: Array, period: float) -> Array:
     """Positions within [0, L), rounded so that a period more or less leaves them all their digits."""
     x = (x % period + 4 * period) - 4 * period
     return np.asarray(np.where(x < period, x, 0.0))
-
-
-@kernel
-def _find_valleys(series: CosineSeries) -> tuple[Array, Array]:
-    """Points about as low as S falls between each crest and the next, and the maximum of S between two of them."""
-    n = series.crest_position.size
-    valley, highest = np.empty(n), series.crest_offset.copy()
-    for i in range(n):
-        j = (i + 1) % n
-        low, high = 0.0, series.crest_position[j] - series.crest_position[i] + (series.period if j == 0 else 0.0)
-        for _ in range(VALLEY_STEPS):
-            y = 0.5 * (low + high)
-            value, slope, _ = evaluate_series(series, i, y)
-            low, high = (y, high) if slope < 0 else (low, y)
-        valley[i] = series.crest_position[i] + y
-        highest[i], highest[j] = max(highest[i], value), max(highest[j], value)
-    return valley, highest
 
 
 @kernel
@@ -156,27 +132,12 @@ def _sine_less_angle(y: float, sine: float) -> float:
     return -y * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156)))))
 
 
-@kernel
-def nearest_crest(series: CosineSeries, x: float) -> tuple[int, float]:
-    """Index of the crest nearest to x on the periodic line, and the distance y of x from it."""
-    after = np.searchsorted(series.crest_position, x - series.period * np.floor(x / series.period))
-    n = series.crest_position.size
-    i, j = min((after - 1) % n, after % n), max((after - 1) % n, after % n)
-    y, z = _distance(series, i, x), _distance(series, j, x)
-    return (i, y) if abs(y) <= abs(z) else (j, z)
-
-
-@kernel
-def _distance(series: CosineSeries, crest: int, x: float) -> float:
-    """Distance from a crest to the nearest image of x, positive to the right."""
-    y = x - series.crest_position[crest]
-    return y - series.period * np.rint(y / series.period)
-
-
-@kernel
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
-    """`nearest_crest` for an array of positions x."""
-    crest, y = np.empty(x.size, np.int64), np.empty(x.size)
-    for i in range(x.size):
-        crest[i], y[i] = nearest_crest(series, x[i])
-    return crest, y
+    """Indices of the crests nearest to positions x on the periodic line, and the distances y of x from them."""
+    period, n = series.period, series.crest_position.size
+    after = np.searchsorted(series.crest_position, x - period * np.floor(x / period))
+    crests = np.sort(np.stack([(after - 1) % n, after % n]), axis=0)
+    y = x - series.crest_position[crests]
+    y -= period * np.rint(y / period)
+    chosen = np.argmin(np.abs(y), axis=0)[None]
+    return np.take_along_axis(crests, chosen, 0)[0], np.take_along_axis(y, chosen, 0)[0]
