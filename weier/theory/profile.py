@@ -156,13 +156,6 @@ class Profile(Waves):
         a, b, last = self.gamma.numerator, self.gamma.denominator, self.terms - 1
         return [a**n * b ** (last - n) for n in range(self.terms)]
 
-    def terms_within(self, waves: float) -> int:
-        """How many terms, one at least, have finest waves of which so many at most fit into their period."""
-        terms = 1
-        while terms < self.m and self.gamma.numerator**terms <= waves:
-            terms += 1
-        return terms
-
     @property
     def finest(self) -> float:
         """Waves of the finest term in one period; inf if they are more than a float holds."""
@@ -243,3 +236,11 @@ def _ratio(gamma: Any) -> Fraction | None:
     ratio = Fraction(int(given.numerator), int(given.denominator))
     near = ratio.limit_denominator(MAX_DENOMINATOR)
     return near if isinstance(gamma, float) and float(near) == gamma else ratio
+
+
+def terms_within(profile: Profile, waves: float) -> int:
+    """How many terms, one at least, have finest waves of which so many at most fit into their period."""
+    terms = 1
+    while terms < profile.m and profile.gamma.numerator**terms <= waves:
+        terms += 1
+    return terms

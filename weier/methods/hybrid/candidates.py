@@ -14,14 +14,14 @@ from weier.methods.hybrid import error_model
 from weier.methods.hybrid.closure import MAX_LOAD
 from weier.methods.hybrid.solver import MAX_POINTS, MIN_LOAD, POINTS_PER_WAVE, curve
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, terms_within
 
 
 def candidates(task: Task) -> Iterator[Segment]:
     """Estimates of the infinite series with ever more terms, up to the first that does at all loads."""
     if task.quantity != COMPLIANCE or math.isfinite(task.profile.m):
         return
-    for terms in range(1, task.profile.terms_within(MAX_POINTS / POINTS_PER_WAVE) + 1):
+    for terms in range(1, terms_within(task.profile, MAX_POINTS / POINTS_PER_WAVE) + 1):
         offer = _resolved(task, task.profile.truncated(terms))
         if np.any(offer.error <= task.tolerance):
             yield offer

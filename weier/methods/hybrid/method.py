@@ -9,13 +9,13 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.candidates import candidates
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, Curve, curve
 from weier.methods.method import Method, Noise, Style
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, terms_within
 
 DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of milliseconds a load
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
-    return curve(profile, loads, terms or profile.terms_within(DEFAULT_POINTS / POINTS_PER_WAVE), points)
+    return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE), points)
 
 
 def _applies(profile: Profile) -> None:

@@ -14,7 +14,7 @@ from weier.methods import bem, layer
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import telling
 from weier.theory.crests import SAMPLES_PER_WAVE, countable
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, terms_within
 
 MAX_COUNTED_WAVES = 256  # in a period, whose contacts are counted: in 20 to 40 ms
 COUNTED_POINTS, COUNTED_RESIDUAL = 16, 1e-4  # for each of the finest waves, and in g_0: enough to count contacts
@@ -57,7 +57,7 @@ def contacts(kept: Profile, loads: Array) -> Array:
     """
     if kept.m == 1:
         return np.ones(loads.size)
-    coarse = kept.truncated(kept.terms_within(MAX_COUNTED_WAVES))
+    coarse = kept.truncated(terms_within(kept, MAX_COUNTED_WAVES))
     counted, waves = _counted(coarse), kept.waves_per_period[-1]
     number, share = _interpolated(counted, loads / coarse.full_contact_load)
     if coarse.m == kept.m:

@@ -11,7 +11,7 @@ from weier.kernels.arrays import Array
 from weier.methods.bem.error_model import MAX_POINTS, PLANNED_POINTS_PER_WAVE
 from weier.methods.planned import forecast
 from weier.methods.segment import COMPLIANCE, RESISTANCE, Task
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, terms_within
 
 MAX_LENGTHS = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
 BOUND_SHARE = 0.1  # of the amplitude left out, that a method may be off where it finds bounds on the resistance
@@ -21,7 +21,7 @@ MAX_LOAD = 1e300  # p_0*: more is foreseen as this, since ten times as much is a
 
 def resolvable_lengths(profile: Profile) -> range:
     """Numbers of terms whose finest waves boundary elements can still resolve."""
-    return range(1, profile.terms_within(MAX_POINTS / PLANNED_POINTS_PER_WAVE[0]) + 1)
+    return range(1, terms_within(profile, MAX_POINTS / PLANNED_POINTS_PER_WAVE[0]) + 1)
 
 
 def truncation_tasks(
