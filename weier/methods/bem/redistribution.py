@@ -17,7 +17,7 @@ from weier.methods.bem.narrow_contacts import contact_energies, plane_height, pu
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
-MAX_GRADIENTS = 1000  # steps of conjugate gradients: some 250 of them are needed by 8 000 contacts
+MAX_GRADIENTS = 400  # steps of conjugate gradients: some 250 of them are needed by 8 000 contacts
 GRADIENT_TOLERANCE = 1e-14  # square of the relative error at which they stop
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
 MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
@@ -205,7 +205,7 @@ def solve_bordered(
         for i in range(n):
             x[i] += energy / curvature * direction[i]
             rest[i] -= energy / curvature * product[i]
-    return x, common, False
+    return x, common, energy <= (10 * ROUNDING) ** 2 * size  # thousands of contacts add up their rounding
 
 
 @kernel
