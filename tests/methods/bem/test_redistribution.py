@@ -8,6 +8,7 @@ from weier.methods.bem import curve
 from weier.methods.bem.grid_solution import make_continuum
 from weier.methods.bem.grids import grid_of, nested_grids
 from weier.methods.bem.interaction import displace, make_interaction, press
+from weier.methods.bem.redistribution import solve_bordered
 
 PERIOD, POINTS = 1.0, 2048
 PLACES = np.array([0.2, 0.3512, 0.7])
@@ -30,6 +31,15 @@ def three_contacts():
     grid = grid_of(nested_grids(profile, POINTS, 1e-10), 3)
     assert grid.height.size == POINTS
     return make_interaction(PLACES, make_continuum(profile, grid))
+
+
+@pytest.mark.parametrize("compliance", [1e-6, -1.0])
+def test_a_step_that_is_not_known_is_no_small_one(compliance, three_contacts):
+    """Else the search for forces would end there: narrow punches so near to each other have more compliance."""
+    right, touching = np.array([1.0, -1.0, 0.0]), np.ones(3, bool)
+    step, _, found = solve_bordered(np.full(3, compliance), right, touching, 0.0, three_contacts)
+    assert not found
+    assert np.all(np.isinf(step))
 
 
 def test_moments_displace_and_tilt_and_bend_the_surface(three_contacts):

@@ -143,9 +143,11 @@ def _equalise_heights(
                 done &= (abs(step[i]) - CLOSE * total) * state.slope[i] <= ROUNDING * abs(state.excess[i])
         if not largest < np.inf:
             return False
-        if done or released:  # a contact without force is let go before the others are solved for
+        # A contact without force is let go before the others are solved for. A step that is all rounding ends the
+        # search, though gradients need not converge in it.
+        if done or released:
             return True
-        if not found:  # else the step is all rounding, in which gradients need not converge
+        if not found:
             return False
     return False
 
@@ -166,7 +168,8 @@ def solve_bordered(
 ) -> tuple[Array, float, bool]:
     """Solve (slope + mutual) x + y = right for those touching, with the sum of x given: x, y, whether it went well.
 
-    Conjugate gradients on changes that sum to 0, preconditioned by the slopes.
+    Conjugate gradients on changes that sum to 0, preconditioned by the slopes. Where not one step of them can be
+    taken, x is infinite.
     """
     n = right.size
     x, direction, stiffness = np.zeros(n), np.zeros(n), np.zeros(n)  # 1/slope of those that touch
@@ -174,6 +177,7 @@ def solve_bordered(
     for i in range(n):
         if touching[i]:
             if not slope[i] > 0:
+                x[:] = np.inf
                 return x, 0.0, False
             stiffness[i] = 1 / slope[i]
             size += right[i] ** 2 * stiffness[i]
@@ -201,6 +205,8 @@ def solve_bordered(
             product[i] += slope[i] * direction[i]
             curvature += product[i] * direction[i]
         if not curvature > 0:
+            if step == 0:
+                x[:] = np.inf
             return x, common, False
         for i in range(n):
             x[i] += energy / curvature * direction[i]
