@@ -10,37 +10,22 @@ from typing import TYPE_CHECKING, Any
 from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
-    from weier.data.dataset import open
-    from weier.figures.checks import load_scene
-    from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
-    from weier.methods.fields import events, fields
-    from weier.pipeline.plan import plan
-    from weier.pipeline.solve import solve
-    from weier.theory.conduction import Interface
-    from weier.theory.phases import random_phases
-    from weier.theory.profile import Profile
-    from weier.theory.spectrum import fit
-    from weier.theory.trace import Trace
+    from weier.data.dataset import open as open
+    from weier.figures.checks import load_scene as load_scene
+    from weier.methods.errors import ConvergenceError as ConvergenceError
+    from weier.methods.errors import NotApplicableError as NotApplicableError
+    from weier.methods.errors import OutOfReachError as OutOfReachError
+    from weier.methods.fields import events as events
+    from weier.methods.fields import fields as fields
+    from weier.pipeline.plan import plan as plan
+    from weier.pipeline.solve import solve as solve
+    from weier.theory.conduction import Interface as Interface
+    from weier.theory.phases import random_phases as random_phases
+    from weier.theory.profile import Profile as Profile
+    from weier.theory.spectrum import fit as fit
+    from weier.theory.trace import Trace as Trace
 
 __version__ = VERSION
-
-__all__ = [
-    "ConvergenceError",
-    "Interface",
-    "NotApplicableError",
-    "OutOfReachError",
-    "Profile",
-    "Trace",
-    "__version__",
-    "events",
-    "fields",
-    "fit",
-    "load_scene",
-    "open",
-    "plan",
-    "random_phases",
-    "solve",
-]
 
 _MODULES = {
     "ConvergenceError": "methods.errors",
@@ -58,6 +43,7 @@ _MODULES = {
     "random_phases": "theory.phases",
     "solve": "pipeline.solve",
 }
+__all__ = sorted([*_MODULES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
@@ -69,4 +55,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return __all__

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weier.data import dataset
-from weier.data.dataset import Status
+from weier.data.variables import Status
 
 METHODS = ["westergaard", "demelio", "bem"]
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from tests.scenes import scene_in, solve_scene
 from weier import figures
 from weier.data import dataset
-from weier.data.dataset import Status
+from weier.data.variables import Status
 from weier.figures import style, truncation
 from weier.figures.captions import caption
 from weier.methods import curves, registry

@@ -16,7 +16,7 @@ from tests.scenes import scene_in
 from weier import scene
 from weier.data import dataset, provenance
 from weier.data.check import Check
-from weier.data.dataset import Status
+from weier.data.variables import Status
 from weier.figures import kinds, page, style
 from weier.figures.page import explorer, plans
 from weier.figures.page.formulae import typeset
@@ -184,7 +184,7 @@ def test_a_file_without_curves_makes_no_page(folder, tmp_path):
 def test_the_page_says_what_its_date_is(folder):
     with dataset.reading(folder / "contact.nc") as data:
         comment = data.attrs["comment"]
-    assert provenance.run_date().meaning in comment
+    assert provenance.run_date()[1] in comment
     assert f"<td>{typeset(comment)}</td>" in (folder / "page.html").read_text(encoding="utf-8")
 
 

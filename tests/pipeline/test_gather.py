@@ -6,7 +6,7 @@ import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
 from weier.data import dataset
-from weier.data.dataset import Status
+from weier.data.variables import Status
 from weier.pipeline import batch
 from weier.pipeline import gather as gathering
 from weier.pipeline.batches import Solutions

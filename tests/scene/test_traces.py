@@ -9,7 +9,7 @@ from tests.scenes import scene_in, solve_scene
 from weier import Interface, Trace, plan, scene
 from weier import open as open_file
 from weier.data import dataset
-from weier.data.dataset import Status
+from weier.data.variables import Status
 from weier.figures import checks, comparison, page
 from weier.figures.page import explorer
 from weier.pipeline.gather import gather, read_cost, read_study

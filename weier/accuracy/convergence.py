@@ -11,8 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier.data import dataset, variables
-from weier.data.dataset import Status
-from weier.data.variables import CONVERGENCE, LABEL, Variable, variables_of_file
+from weier.data.variables import CONVERGENCE, LABEL, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+import weier
 from weier.cli.job import job
 from weier.cli.options import FILES, SCENE, output
 
@@ -22,10 +23,9 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
     """
     from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
     from weier.data import dataset
-    from weier.figures import checks
 
     with job("tradeoff", scene_file.stem):
-        loaded = checks.load_scene(scene_file)
+        loaded = weier.load_scene(scene_file)
         data = trade.measure(loaded)
         dataset.write(data, path, loaded.title, "measured", loaded.text)
         trade.write_table(data, loaded.title, table)
@@ -44,10 +44,9 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
     """
     from weier.accuracy import convergence as study
     from weier.data import dataset
-    from weier.figures import checks
 
     with job("convergence", scene_file.stem):
-        loaded = checks.load_scene(scene_file)
+        loaded = weier.load_scene(scene_file)
         profiles = [case.profile for case in loaded.cases.values()]
         data = study.measure_convergence(profiles, loaded.loads, terms)
         dataset.write(data, path, loaded.title, "solved", loaded.text)

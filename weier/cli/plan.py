@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import weier
 from weier.cli.options import FILE, LOADS, NEEDED, loads, of_any_profile, parameters, parse_loads
 from weier.kernels.arrays import Array
 from weier.methods.registry import PLANNED
@@ -68,10 +69,9 @@ def plan(
 
 
 def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, quantity: str | None) -> ScenePlan:
-    from weier.figures import checks
     from weier.pipeline.plan import plan as plan_scene
 
-    return plan_scene(checks.load_scene(scene_file), loads, tolerance, quantity)
+    return plan_scene(weier.load_scene(scene_file), loads, tolerance, quantity)
 
 
 def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | None, quantity: str | None) -> Plan:

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from weier.data import dataset
-from weier.data.dataset import Status
 from weier.data.files import write_text
-from weier.data.variables import VARIABLES
+from weier.data.provenance import NORMALISED
+from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 
@@ -46,7 +46,7 @@ def as_json(data: xr.Dataset) -> str:
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
     units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
-    header = {"title": data.attrs["title"], "normalisation": dataset.NORMALISED, "units": units, **parameters}
+    header = {"title": data.attrs["title"], "normalisation": NORMALISED, "units": units, **parameters}
     return json.dumps(header | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
 
 

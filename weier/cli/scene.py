@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+import weier
 from weier.cli.job import job
 from weier.cli.options import FILE, SCENE, output
-
-if TYPE_CHECKING:
-    from weier.scene import Scene
 
 # From a folder, since the names of some thousands of files fit no command.
 BATCHES = click.argument("batches", type=FILE)
@@ -64,7 +61,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
     from weier.pipeline.gather import read_study
 
     with job("figures", scene_file.stem, *names):
-        loaded = _load(scene_file)
+        loaded = weier.load_scene(scene_file)
         study = cache(partial(read_study, Solutions(loaded, batches)))
         for name in names or loaded.figures:
             one = loaded.figure(name)
@@ -87,7 +84,7 @@ def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
     from weier.pipeline.batches import Solutions
 
     with job("claims", scene_file.stem):
-        claim.write(Solutions(_load(scene_file), batches), path, table)
+        claim.write(Solutions(weier.load_scene(scene_file), batches), path, table)
 
 
 @click.command()
@@ -106,13 +103,6 @@ def page(scene_file: Path, batches: Path, contact: Path, path: Path, drawn: Path
     from weier.pipeline.gather import read_cost
 
     with job("page", scene_file.stem):
-        loaded = _load(scene_file)
+        loaded = weier.load_scene(scene_file)
         pictures = [drawn / f"{name}.png" for name in loaded.figures]
         pages.write(loaded, contact, pictures, read_cost(Solutions(loaded, batches)), path)
-
-
-def _load(scene_file: Path) -> Scene:
-    """A scene, all of it checked."""
-    from weier.figures import checks
-
-    return checks.load_scene(scene_file)

@@ -19,16 +19,10 @@ import xarray as xr
 
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
-from weier.data.provenance import NORMALISED, PAPER
 from weier.data.selection import NEEDED, as_cases, name_cases
-from weier.data.variables import COORDINATES, CURVE, PHASES_TEXT, RUN, VARIABLES, Status, Variable
+from weier.data.variables import COORDINATES, PHASES_TEXT, RUN, VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.theory.arguments import shown
-
-__all__ = [
-    "COORDINATES", "CURVE", "NORMALISED", "PAPER", "RUN", "VARIABLES", "Status", "Variable", "blank",
-    "curve", "open", "open_lazily", "read", "reading", "write",
-]  # fmt: skip
 
 
 def curve(

@@ -89,7 +89,7 @@ def damaged_error(path: str | Path, error: Exception) -> Exception:
 def text_widths(data: xr.Dataset) -> dict[str, int]:
     """Bytes of the longest text in each variable of text: for those of the table, what the table says."""
     texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
-    return {name: _table_width(name) or _longest(values.values) for name, values in texts.items()}
+    return {name: _table_width(name) or _encoded(values.values).itemsize for name, values in texts.items()}
 
 
 def _table_width(name: str) -> int:
@@ -154,19 +154,11 @@ def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[An
 def _characters(texts: NDArray[Any], width: int, name: str) -> NDArray[np.bytes_]:
     """Texts of shape (...) as UTF-8 characters of shape (..., width)."""
     encoded = _encoded(texts)
-    longest = max(map(len, encoded), default=0)
-    if longest > width:
-        raise ValueError(f"{name} must have at most {width} characters, got {longest}: shorten it")
-    return np.array(encoded, f"S{width}").reshape(*texts.shape, 1).view("S1")
+    if encoded.itemsize > width:
+        raise ValueError(f"{name} must have at most {width} characters, got {encoded.itemsize}: shorten it")
+    return encoded.astype(f"S{width}")[..., None].view("S1")
 
 
-def _longest(texts: NDArray[Any]) -> int:
-    return max(1, *map(len, _encoded(texts))) if texts.size else 1
-
-
-def _encoded(texts: NDArray[Any]) -> list[bytes]:
-    flat = texts.ravel().tolist()
-    wrong = [text for text in flat if not isinstance(text, str)]
-    if wrong:
-        raise TypeError(f"a variable of text must hold text only, got {wrong[0]!r}")
-    return [text.encode() for text in flat]
+def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
+    """Texts as UTF-8, each as many bytes as the longest has; a ValueError if one is no text."""
+    return np.asarray(np.strings.encode(texts.astype(np.dtypes.StringDType(coerce=False)), "utf-8"))

@@ -12,7 +12,6 @@ import re
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
-from typing import NamedTuple
 
 from weier.kernels.digests import PACKAGE
 
@@ -62,13 +61,6 @@ FIXED = {
 }
 
 
-class Dating(NamedTuple):
-    """The date of a run in ISO 8601, and what it is, in a sentence."""
-
-    date: str
-    meaning: str
-
-
 def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = ()) -> dict[str, str]:
     """Global attributes of a file.
 
@@ -83,7 +75,7 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
     before : iterable of str
         Histories of the files that it is made from; lines that they share stand once.
     """
-    made, dating = commit(), run_date()
+    made, (date, dating) = commit(), run_date()
     software = f"weier {VERSION}" + (f", commit {made}" if made else "")
     lines = dict.fromkeys(line for history in before for line in history.splitlines())
     changing = {
@@ -92,26 +84,22 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         "source": f"numerical model: {software}",
         "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
         "processing_level": step,
-        "comment": f"{NORMALISED} {dating.meaning}",
+        "comment": f"{NORMALISED} {dating}",
         "git_commit": made or "unknown: not run from a checkout",
     }
-    dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), dating.date)
+    dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), date)
     return FIXED | versions() | changing | dates | ({"scene": scene} if scene else {})
 
 
-def run_date() -> Dating:
-    """The date of this run, or the one that SOURCE_DATE_EPOCH gives it, to the second."""
+def run_date() -> tuple[str, str]:
+    """The date of this run in ISO 8601, or the one that SOURCE_DATE_EPOCH gives it, and which it is in a sentence."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if not epoch:
-        return Dating(datetime.now(UTC).isoformat(timespec="seconds"), "Its dates are those of the run.")
     try:
-        date = datetime.fromtimestamp(int(epoch), UTC)
+        date = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.now(UTC)
     except (ValueError, OverflowError, OSError):
         raise ValueError(f"SOURCE_DATE_EPOCH must be the seconds since 1970, got {epoch!r:.80}") from None
-    meaning = (
-        "Its dates are SOURCE_DATE_EPOCH, as the run has set it: the same scene and program make the same bytes."
-    )
-    return Dating(date.isoformat(timespec="seconds"), meaning)
+    meaning = "SOURCE_DATE_EPOCH, as the run has set it: the same scene and program make the same bytes"
+    return date.isoformat(timespec="seconds"), f"Its dates are {meaning if epoch else 'those of the run'}."
 
 
 def of_results(title: str = "") -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from weier.data.dataset import NORMALISED
+from weier.data.provenance import NORMALISED
 from weier.kernels.interruption import interruptible
 from weier.methods import bem, patches
 from weier.theory.arguments import checked_word

@@ -13,8 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier.data import dataset
-from weier.data.dataset import Status
-from weier.data.variables import VARIABLES
+from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method

@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 import yaml
 
-from weier.data.dataset import Status
+from weier.data.variables import Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -14,6 +12,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from weier.kernels.arrays import Array, Indices
+from weier.kernels.digests import digest
 from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure
@@ -142,4 +141,4 @@ class Scene:
     def digest_of_cases(self, *studies: str) -> str:
         """A digest of which cases some studies have, and in which order."""
         cases = [[product.definition for product in self.study(study).products] for study in studies]
-        return hashlib.sha256(json.dumps(cases).encode()).hexdigest()
+        return digest(cases)

@@ -9,7 +9,7 @@ from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 
@@ -106,13 +106,7 @@ class Study(Sequence[Case]):
         """The number of cases."""
         return len(self._positions)
 
-    @overload
-    def __getitem__(self, position: int) -> Case: ...
-
-    @overload
-    def __getitem__(self, position: slice) -> Sequence[Case]: ...
-
-    def __getitem__(self, position: int | slice) -> Case | Sequence[Case]:
+    def __getitem__(self, position: Any) -> Any:
         """The case that stands there, or those."""
         if isinstance(position, slice):
             return Study(self.products, self._positions[position])
@@ -127,7 +121,7 @@ def case_numbers(study: Study) -> Indices:
     Cases are the same if their parameters have the same names and values, and methods and settings are the same.
     """
     names = dict.fromkeys(name for product in study.products for name in product.axes)
-    kinds = _numbers([product.kind for product in study.products])
+    kinds = np.unique([product.kind for product in study.products], return_inverse=True)[1]
     numbers = np.repeat(kinds, [product.count for product in study.products])
     for name in names:
         values = _value_numbers(study, name)
@@ -146,9 +140,3 @@ def _value_numbers(study: Study, name: str) -> Indices:
         own = np.array([table.setdefault(text, len(table) + 1) for text in texts], int)
         parts.append(own[product.indices(name)] if own.size else np.zeros(product.count, int))
     return np.concatenate(parts) if parts else np.empty(0, int)
-
-
-def _numbers(texts: Sequence[str]) -> Indices:
-    """A number for each text, the same for the same texts."""
-    table = {text: number for number, text in enumerate(dict.fromkeys(texts))}
-    return np.array([table[text] for text in texts], int)

@@ -8,7 +8,7 @@ them for some.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
 from numbers import Real
@@ -22,7 +22,6 @@ from weier.kernels.arrays import Array, Flags
 
 MAX_SHOWN = 60  # characters of a value in a message
 MAX_DIGITS = 40  # of an integer in a message
-TEXTS = (str, bytes, bytearray, memoryview)
 
 Condition = Callable[[Any], Any]
 
@@ -166,21 +165,17 @@ def _numbers(name: str, values: Any) -> Array:
 
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
-    """What came as an array that hides no type of its elements; None if it is no array, list or number."""
+    """What came as an array that hides no type of its elements; None if it is none, or holds bytes."""
     if hasattr(values, "__array__"):
         return np.asanyarray(values)
-    if _holds_bytes(values):
+    try:
+        return None if _holds_bytes(values) else np.array(values, object)
+    except ValueError:  # arrays of shapes that do not go together
         return None
-    if isinstance(values, Sequence) and not isinstance(values, TEXTS):
-        try:
-            return np.array(values, object)
-        except ValueError:  # arrays of shapes that do not go together
-            return None
-    return np.array(values, object) if isinstance(values, Real | Decimal) else None
 
 
 def _holds_bytes(values: Any) -> bool:
     """Whether these are bytes or a nested list with some, which NumPy would take for a list of integers."""
-    if isinstance(values, Sequence) and not isinstance(values, TEXTS):
-        return any(_holds_bytes(each) for each in values)
+    if isinstance(values, list | tuple):
+        return any(map(_holds_bytes, values))
     return isinstance(values, bytearray | memoryview)

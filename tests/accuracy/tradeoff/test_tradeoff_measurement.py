@@ -8,6 +8,7 @@ from weier import Profile, figures
 from weier.accuracy import runner, tradeoff
 from weier.accuracy.metrics import seconds_per_load, worst_over_loads
 from weier.data import dataset
+from weier.data.variables import Status
 from weier.figures import work_precision
 from weier.methods import patches
 from weier.methods.errors import ConvergenceError
@@ -92,8 +93,6 @@ def test_a_solver_that_misses_its_tolerance_has_a_status(monkeypatch, tmp_path):
     monkeypatch.setattr(runner, "solve_checked", stop)
     data = small_trade(tmp_path, max_points=50)
     stopped = (data["solution_method"] == "bem").values
-    assert np.isin(
-        data["status"].values[:, stopped], [dataset.Status.not_converged, dataset.Status.not_requested]
-    ).all()
+    assert np.isin(data["status"].values[:, stopped], [Status.not_converged, Status.not_requested]).all()
     assert np.isnan(data["seconds"].values[:, stopped]).all()
-    assert (data["status"].sel(variant="demelio") == dataset.Status.solved).all()
+    assert (data["status"].sel(variant="demelio") == Status.solved).all()

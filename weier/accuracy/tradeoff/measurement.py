@@ -14,8 +14,7 @@ from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import deviation
 from weier.accuracy.reference import contact_reference
 from weier.accuracy.runner import median_run
-from weier.data.dataset import Status
-from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Variable, variables_of_file
+from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Status, Variable, variables_of_file
 from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant

@@ -21,10 +21,9 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from weier.data import dataset, provenance
-from weier.data.dataset import Status
 from weier.data.files import write_text
 from weier.data.selection import as_cases
-from weier.data.variables import VARIABLES
+from weier.data.variables import VARIABLES, Status
 from weier.figures.captions import Caption, caption
 from weier.figures.page import plans
 from weier.figures.page.cells import coordinate_text, largest
@@ -117,7 +116,7 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        normalised=dataset.NORMALISED + IN_SI * any(figure.interface for figure in scene.figures.values()),
+        normalised=provenance.NORMALISED + IN_SI * any(figure.interface for figure in scene.figures.values()),
         doi=provenance.DOI,
         details=DETAILS,
         links=[("all curves (netCDF)", "contact.nc"), ("claims (Markdown)", "claims.md")],

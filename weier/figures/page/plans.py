@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
-from weier.data.dataset import Status
+from weier.data.variables import Status
 from weier.figures.page.cells import largest
 from weier.methods.registry import PLANNED, numerical_names
 from weier.theory.tables import significant
