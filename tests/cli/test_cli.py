@@ -23,7 +23,7 @@ def examples(text):
 
 
 def described(command):
-    return (cli if command is None else cli.commands[command].loaded).help
+    return (cli if command is None else cli.commands[command]).help
 
 
 @pytest.mark.parametrize("command", ["solve", "plot", "plan"])

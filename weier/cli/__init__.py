@@ -5,28 +5,18 @@ May use all other folders of weier, and none of them uses it.
 
 from __future__ import annotations
 
-import ast
 import sys
 from collections.abc import Callable
-from importlib import import_module
-from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import click
 
+from weier.cli import measure, plan, profile, scene, table
 from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
+from weier.scene import SceneError
 
-# The commands of each module, in the order of the help, and those that only the pipeline calls.
-COMMANDS = {
-    "profile": ("solve", "plot"),
-    "plan": ("plan",),
-    "table": ("table",),
-    "scene": ("compile", "batch", "figures", "claims", "page"),
-    "measure": ("tradeoff", "convergence", "extremes", "draw"),
-}
-HIDDEN = {*COMMANDS["scene"], *COMMANDS["measure"]} - {"compile"}
 EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # of scenes and their pages: `pip install weier` has none
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage; "
@@ -58,35 +48,12 @@ def cli() -> None:
     """  # noqa: D301 - click wants the character
 
 
-class Command(click.Command):
-    """A command whose module is imported when it is called: the list of all of them is there at once."""
-
-    def __init__(self, module: str, name: str, summary: str) -> None:
-        super().__init__(name, short_help=summary, hidden=name in HIDDEN)
-        self._module = module
-
-    @property
-    def loaded(self) -> click.Command:
-        """The command itself."""
-        command: click.Command = getattr(import_module(f"{__name__}.{self._module}"), str(self.name))
-        return command
-
-    def make_context(self, *arguments: Any, **options: Any) -> click.Context:
-        """The context of the command itself, in which it runs."""
-        return self.loaded.make_context(*arguments, **options)
-
-
-def _summaries(module: str) -> dict[str, str]:
-    """The first line of each function's docstring in a module of commands, from its text."""
-    tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
-    functions = [statement for statement in tree.body if isinstance(statement, ast.FunctionDef)]
-    return {each.name: (ast.get_docstring(each) or "").partition("\n")[0] for each in functions}
-
-
-for _module, _names in COMMANDS.items():
-    _lines = _summaries(_module)
-    for _name in _names:
-        cli.add_command(Command(_module, _name, _lines[_name]))
+for _command in (
+    profile.solve, profile.plot, plan.plan, table.table,
+    scene.compile, scene.batch, scene.figures, scene.claims, scene.page,
+    measure.tradeoff, measure.convergence, measure.extremes, measure.draw,
+):  # fmt: skip
+    cli.add_command(_command)
 
 
 def main() -> None:
@@ -115,8 +82,6 @@ def _told(error: Exception) -> str:
     """An error in one line, but for that of a scene, which has a line for each mistake."""
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename} cannot be read or written: {error.strerror}"
-    from weier.scene import SceneError  # only now, since it takes half a second
-
     return str(error) if isinstance(error, SceneError) else " ".join(str(error).split())
 
 

@@ -12,7 +12,7 @@ from weier.cli.job import job
 from weier.cli.options import FILES, SCENE, output
 
 
-@click.command()
+@click.command(hidden=True)
 @SCENE
 @output("path")
 @output("table")
@@ -31,7 +31,7 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
         trade.write_table(data, loaded.title, table)
 
 
-@click.command()
+@click.command(hidden=True)
 @SCENE
 @output("path")
 @click.option(
@@ -52,7 +52,7 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
         dataset.write(data, path, loaded.title, "solved", loaded.text)
 
 
-@click.command()
+@click.command(hidden=True)
 @output("path")
 @output("summary")
 def extremes(path: Path, summary: Path) -> None:
@@ -70,7 +70,7 @@ def extremes(path: Path, summary: Path) -> None:
         report.write_summary(data, title, summary)
 
 
-@click.command()
+@click.command(hidden=True)
 @click.argument("kind")
 @output("path")
 @FILES

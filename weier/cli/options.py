@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -114,36 +114,33 @@ def output(name: str, *suffixes: str, default: str | None = None) -> Option:
     return click.argument(name, type=FILE, default=default, callback=_writable(*suffixes))
 
 
-def loads(default: str | None, help: str) -> Option:
+def loads(default: str | None, help: str) -> click.Option:
     """The option for mean pressures."""
-    return click.option("--loads", default=default, show_default=True, callback=_read(parse_loads), help=help)
+    return click.Option(["--loads"], default=default, show_default=True, callback=_read(parse_loads), help=help)
 
 
-def _series() -> tuple[Option, ...]:
-    """The options that name a profile."""
-    return (
-        click.option("-D", "D", type=float, help="Fractal dimension, between 1 and 2."),
-        click.option("--gamma", help='Ratio of successive wavelengths: 5 or "5/2".'),
-        click.option(
-            "-m", "m", type=float,
-            help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}.",
-        ),
-        click.option(
-            "--phases", callback=_read(parse_phases),
-            help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
-        ),
-        click.option("--seed", type=int, help="Seed of random phases."),
-    )  # fmt: skip
+OF_SERIES = (
+    click.Option(["-D", "D"], type=float, help="Fractal dimension, between 1 and 2."),
+    click.Option(["--gamma"], help='Ratio of successive wavelengths: 5 or "5/2".'),
+    click.Option(
+        ["-m", "m"], type=float, help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}."
+    ),
+    click.Option(
+        ["--phases"], callback=_read(parse_phases),
+        help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
+    ),
+    click.Option(["--seed"], type=int, help="Seed of random phases."),
+)  # fmt: skip
 
 
 _SOLVED = (
-    click.option(
-        "--method", "methods", multiple=True, type=click.Choice(names()),
+    click.Option(
+        ["--method", "methods"], multiple=True, type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
         f"[default: {DEFAULT}; for plot: {', '.join(PLOTTED)}].",
     ),
-    click.option(
-        "--set", "settings", multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
+    click.Option(
+        ["--set", "settings"], multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
         help="Setting of a method, such as bem.points=512; give this option once for each.",
     ),
 )  # fmt: skip
@@ -159,35 +156,25 @@ class SolvingCommand(click.Command):
 
 
 _TRACE = (
-    click.option(
-        "--trace", "trace_file", type=FILE, help="Instead of a series: a file with one or two columns of heights."
+    click.Option(
+        ["--trace", "trace_file"], type=FILE, help="Instead of a series: a file with one or two columns of heights."
     ),
-    click.option("--shortest", type=float, help="Shortest wavelength kept of the trace, in m  [default: two steps]."),
-    click.option("--length", type=float, help="Length of the trace in m, if the file has no positions."),
-    click.option(
-        "--ends", type=click.Choice(ENDS), help=f"How the trace goes on behind its ends  [default: {ENDS[0]}]."
+    click.Option(
+        ["--shortest"], type=float, help="Shortest wavelength kept of the trace, in m  [default: two steps]."
     ),
-    click.option("--x-unit", type=click.Choice(list(UNITS)), help="Unit of the positions  [default: m]."),
-    click.option("--height-unit", type=click.Choice(list(UNITS)), help="Unit of the heights  [default: m]."),
+    click.Option(["--length"], type=float, help="Length of the trace in m, if the file has no positions."),
+    click.Option(
+        ["--ends"], type=click.Choice(ENDS), help=f"How the trace goes on behind its ends  [default: {ENDS[0]}]."
+    ),
+    click.Option(["--x-unit"], type=click.Choice(list(UNITS)), help="Unit of the positions  [default: m]."),
+    click.Option(["--height-unit"], type=click.Choice(list(UNITS)), help="Unit of the heights  [default: m]."),
 )
 
 
-def of_one_profile(default_loads: str) -> Option:
+def of_one_profile(default_loads: str) -> list[click.Parameter]:
     """The options that name a profile, its loads and the methods."""
     pressures = loads(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
-    return lambda command: _with_options(command, *_series(), *_TRACE, pressures, *_SOLVED)
-
-
-def of_any_profile(command: Command) -> Command:
-    """The options that name a profile, for a command that can do without."""
-    return _with_options(command, *_series())
-
-
-def _with_options(command: Command, *options: Option) -> Command:
-    """The command with these options, in this order."""
-    for option in reversed(options):
-        command = option(command)
-    return command
+    return [*OF_SERIES, *_TRACE, pressures, *_SOLVED]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
@@ -200,16 +187,15 @@ def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
         if foreign := [name for name, value in series.items() if value is not None]:
             raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
         return {"trace": {"file": str(trace_file), **given}}
+    return parameters(series, instead=", or --trace")
+
+
+def parameters(series: Mapping[str, Any], instead: str = "") -> dict[str, Any]:
+    """The parameters of a profile, as a scene has them, from the options that name it; `instead` may be another."""
     if missing := [option for option, name in NEEDED.items() if series[name] is None]:
-        raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
-    return parameters(**series)
-
-
-def parameters(
-    D: float, gamma: str, m: float, phases: float | list[float] | None, seed: int | None
-) -> dict[str, Any]:
-    """The parameters of a profile, as a scene has them, from the options that name it."""
-    given = {name: value for name, value in {"phases": phases, "seed": seed}.items() if value is not None}
-    if len(given) > 1:
+        raise click.UsageError(f"a profile takes -D, --gamma and -m{instead}; missing: {', '.join(missing)}")
+    given = {name: value for name, value in series.items() if value is not None}
+    if {"phases", "seed"} <= given.keys():
         raise click.UsageError("a profile takes --phases or --seed, got both")
-    return {"D": D, "gamma": gamma, "m": int(m) if m.is_integer() else m, **given}
+    m = given["m"]
+    return given | {"m": int(m) if m.is_integer() else m}

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 import weier
-from weier.cli.options import FILE, LOADS, NEEDED, loads, of_any_profile, parameters, parse_loads
+from weier.cli.options import FILE, LOADS, OF_SERIES, loads, parameters, parse_loads
 from weier.kernels.arrays import Array
 from weier.methods.registry import PLANNED
 from weier.methods.segment import QUANTITIES
 from weier.pipeline.progress import waiting
+from weier.scene import Case
 from weier.theory.loads import check_range
 
-if TYPE_CHECKING:
-    from weier.methods.planned.plan import Plan
-    from weier.pipeline.plan import ScenePlan
+PRESSURES = loads(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
 
 
 def _refuse_trace(context: click.Context, option: click.Parameter, path: str | None) -> None:
@@ -26,10 +25,8 @@ def _refuse_trace(context: click.Context, option: click.Parameter, path: str | N
         raise click.UsageError("plans are for series: take the one that weier.fit finds for the trace")
 
 
-@click.command()
+@click.command(params=[*OF_SERIES, PRESSURES])
 @click.argument("scene_file", metavar="[SCENE]", required=False, type=FILE)
-@of_any_profile
-@loads(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
 @click.option(
     "--tolerance",
     type=float,
@@ -62,27 +59,12 @@ def plan(
         raise click.UsageError(
             f"a plan is of a SCENE or of a profile (-D, --gamma, -m), got {'both' if given else 'neither'}"
         )
-    wanted = loads, tolerance, quantity
     with waiting("planning"):
-        found = _of_profile(series, *wanted) if scene_file is None else _of_scene(scene_file, *wanted)
+        if scene_file is None:
+            case = Case(parameters(series), (PLANNED,), {})
+            case.check()
+            loads = parse_loads(LOADS) if loads is None else loads
+            check_range(loads)
+        subject = case.profile if scene_file is None else weier.load_scene(scene_file)
+        found = weier.plan(subject, loads, tolerance, quantity)
     click.echo(found)
-
-
-def _of_scene(scene_file: Path, loads: Array | None, tolerance: float | None, quantity: str | None) -> ScenePlan:
-    from weier.pipeline.plan import plan as plan_scene
-
-    return plan_scene(weier.load_scene(scene_file), loads, tolerance, quantity)
-
-
-def _of_profile(series: dict[str, Any], loads: Array | None, tolerance: float | None, quantity: str | None) -> Plan:
-    from weier.pipeline.plan import plan as plan_profile
-    from weier.scene.case import Case
-
-    missing = [option for option, name in NEEDED.items() if series[name] is None]
-    if missing:
-        raise click.UsageError(f"a profile takes -D, --gamma and -m, got no {' and no '.join(missing)}")
-    case = Case(parameters(**series), (PLANNED,), {})
-    case.check()
-    pressures = parse_loads(LOADS) if loads is None else loads
-    check_range(pressures)
-    return plan_profile(case.profile, pressures, tolerance, quantity)

@@ -26,8 +26,7 @@ def _solved(
     return single.solve_one(profile, loads, methods or single.applicable(profile, default), settings)
 
 
-@click.command(cls=SolvingCommand)
-@of_one_profile(LOADS)
+@click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row a load.")
 def solve(output: Path | None, csv: bool, **options: Any) -> None:
@@ -54,8 +53,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     result.check_solved(data)
 
 
-@click.command(cls=SolvingCommand)
-@of_one_profile(PLOTTED_LOADS)
+@click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path", "", ".pdf", ".svg", ".png")
 def plot(path: Path, quantity: str, **options: Any) -> None:

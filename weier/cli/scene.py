@@ -26,7 +26,7 @@ def compile(methods: Sequence[str]) -> None:
         compile_kernels(methods)
 
 
-@click.command()
+@click.command(hidden=True)
 @click.argument("description", type=FILE)
 @output("data")
 def batch(description: Path, data: Path) -> None:
@@ -46,7 +46,7 @@ def batch(description: Path, data: Path) -> None:
         dataset.write(curves, data, wanted.title, "solved")
 
 
-@click.command()
+@click.command(hidden=True)
 @SCENE
 @BATCHES
 @click.argument("folder", type=FILE)
@@ -70,7 +70,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
             draw(one.draw, studies, one.title, path, one.grouping, one.x, one.y, one.size, one.interface)
 
 
-@click.command()
+@click.command(hidden=True)
 @SCENE
 @BATCHES
 @output("path")
@@ -87,7 +87,7 @@ def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
         claim.write(Solutions(weier.load_scene(scene_file), batches), path, table)
 
 
-@click.command()
+@click.command(hidden=True)
 @SCENE
 @BATCHES
 @click.argument("contact", type=FILE)

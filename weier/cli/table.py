@@ -10,12 +10,13 @@ import click
 import numpy as np
 
 from weier.cli.options import FILE, STDOUT, output
+from weier.data.files import write_text
+from weier.data.yaml import parse_yaml
+from weier.theory.conduction import Interface, at_scale_of
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
     import xarray as xr
-
-    from weier.theory.conduction import Interface
 
 
 @click.command()
@@ -39,7 +40,6 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
     weier table curve.nc --si bodies.yaml
     """  # noqa: D301 - click wants the character
     from weier.data import dataset  # xarray takes half a second, and the help of the command needs none of it
-    from weier.data.files import write_text
 
     with dataset.open(contact) as data:
         frame = data.weier.table() if bodies is None else _table_in_si(data, bodies)
@@ -55,7 +55,6 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
     import pandas as pd
 
     from weier.data.selection import as_cases
-    from weier.theory.conduction import at_scale_of
 
     data = as_cases(data)
     trace = data["trace_digest"].values if "trace_digest" in data.coords else np.full(data.sizes["case"], "")
@@ -72,9 +71,6 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
 
 def _read_interface(path: Path, scaled: bool) -> Interface:
     """The bodies of a file; the size of the roughness may be missing where it stands in no unit."""
-    from weier.data.yaml import parse_yaml
-    from weier.theory.conduction import Interface
-
     given = parse_yaml(path.read_text(encoding="utf-8"))
     names = [field.name for field in fields(Interface)]
     scale = {} if scaled else {"lambda_0": 1.0, "g_0": 1.0}
