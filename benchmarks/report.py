@@ -107,11 +107,11 @@ def write_table(data: xr.Dataset, path: Path) -> None:
 def draw(data: xr.Dataset, path: Path) -> None:
     """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG beside each other."""
     with matplotlib.style.context(style.SHEET, after_reset=True):
-        figure, (time, pairs, accuracy) = style.column(3, HEIGHT)
+        figure, (time, pairs, accuracy) = style.column("", ["", "", ""], HEIGHT)
         data = data.assign(time=median(data), pairs=_pairs(data))
-        _panel(time, 0, data, "points", "time")
-        _panel(pairs, 1, data, "points", "pairs")
-        _panel(accuracy, 2, data, "time", "error")
+        _panel(time, data, "points", "time")
+        _panel(pairs, data, "points", "pairs")
+        _panel(accuracy, data, "time", "error")
         _mark_patches(accuracy, data)
         figure.legend(*time.get_legend_handles_labels(), loc="outside upper center", ncols=2, handlelength=3.2)
         save(figure, path)
@@ -121,12 +121,11 @@ def _pairs(data: xr.Dataset) -> xr.DataArray:
     return data["work"].mean("mean_pressure").where(data["work_unit"] == PAIRS)
 
 
-def _panel(axes: Axes, number: int, data: xr.Dataset, x: str, y: str) -> None:
+def _panel(axes: Axes, data: xr.Dataset, x: str, y: str) -> None:
     """A line for each program, a mark for each size."""
     axes.set(xscale="log", yscale="log", xlabel=WORDS[x], ylabel=WORDS[y])
     if x == "points":
         axes.set_xscale("log", base=2)
-    style.name_panel(axes, number, 3, "")
     for program in data["program"].values:
         row = data.sel({"program": program})
         there = row[x].notnull() & row[y].notnull()

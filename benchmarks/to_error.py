@@ -222,11 +222,10 @@ def _words(reference: Exact) -> str:
 def draw(programs: Sequence[str], reference: Exact, path: Path) -> None:
     """How the largest errors fall with the nodes, as PDF, SVG and PNG beside each other."""
     with matplotlib.style.context(style.SHEET, after_reset=True):
-        figure, panels = style.column(2, HEIGHT)
-        for number, (axes, quantity) in enumerate(zip(panels, TARGETS, strict=True)):
+        figure, panels = style.column("", ["", ""], HEIGHT)
+        for axes, quantity in zip(panels, TARGETS, strict=True):
             axes.set(xscale="log", yscale="log", xlabel=WORDS["points"], ylabel=f"largest error of ${quantity}$")
             axes.set_xscale("log", base=2)
-            style.name_panel(axes, number, 2, "")
             for name in programs:
                 sizes = [size for size in SIZES if size <= DRAWN.get(name, 0)][:: 2 if name == "tamaas" else 1]
                 residual = DRAWN_RESIDUALS[name not in EDGES]

@@ -204,7 +204,7 @@ def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict
         h = curves.numerical(case, "compliance")
         assert h is not None
         whole = 1 / (1 - 3**-0.75)  # G for D = 1.25, gamma = 3 (22)
-        gap = whole - truncation.from_one_datum(case, "compliance", h)
+        gap = whole - (h + truncation.datum(case, "compliance"))
         assert np.all(np.diff(gap) < 0)
         assert np.all(gap > -1e-9)  # the surfaces do not overlap
         assert gap[0] < case["total_amplitude"]  # they touch no earlier than the highest crest does

@@ -21,7 +21,7 @@ MAX_STIFFNESS = 4.0  # k/k_H, where the axis ends: the upper bound grows without
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Both bounds on kappa = k/k_H over the roughness epsilon: the curve of (B.16), (B.19) for a parameter x."""
-    figure, (axes,) = style.column(1)
+    figure, (axes,) = style.column(title, [""])
     # With x = 1/(2 sin t), even steps of t are fine where the bounds are steep. The bounds meet at t = pi/6.
     lower, upper = (0.5 / np.sin(np.linspace(np.pi / 6, end, 400)) for end in (1e-6, np.pi / 3 - 1e-6))
     for x, label, color, dash in (
@@ -35,5 +35,4 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     axes.set_xlabel(r"roughness $\epsilon$")
     axes.set_ylabel(r"stiffness and conductance $\kappa = k/k_H$")
     axes.legend(loc="upper left")
-    style.set_title(figure, title)
     return figure

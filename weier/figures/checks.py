@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from weier import scene
-from weier.figures import MAX_PANELS, FigureKind, kinds
+from weier.figures import MAX_PANELS, kinds
 from weier.pipeline import claims
 from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
 from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
@@ -52,17 +52,9 @@ def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
 
 def check_figures(loaded: Scene) -> Iterator[Mistake]:
     """What keeps the figures of a scene from being drawn, or would draw curves that cannot be told apart."""
-    known = kinds()
-    choice = [name for name, kind in known.items() if not kind.command]
     for name, figure in loaded.figures.items():
-        wrong: Iterator[tuple[str, str]] = iter(())
-        if figure.draw in choice:
-            wrong = _wrong_keys(figure, known[figure.draw], loaded)
-        elif figure.draw:  # else that is a mistake of its own
-            what = f"there is no figure {figure.draw!r} of studies, only {', '.join(choice)}"
-            wrong = iter([("draw", f"{what}{suggestion(figure.draw, choice)}")])
-        yield from (Mistake(("figures", name, *([key] if key else [])), text) for key, text in wrong)
-        yield from (Mistake(("figures", name, "title"), text) for text in _wrong_formula(figure.title))
+        for key, text in [*_wrong_keys(figure, loaded), *_wrong_formula(figure.title)]:
+            yield Mistake(("figures", name, *([key] if key else [])), text)
 
 
 def check_claims(loaded: Scene) -> Iterator[Mistake]:
@@ -76,8 +68,15 @@ def check_claims(loaded: Scene) -> Iterator[Mistake]:
 CHECKS = check_figures, claims.check_names, check_claims
 
 
-def _wrong_keys(figure: Figure, kind: FigureKind, loaded: Scene) -> Iterator[tuple[str, str]]:
-    """Mistakes of a figure of this kind, each with its key, which is empty for the whole figure."""
+def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
+    """Mistakes of a figure, each with its key, which is empty for the whole figure."""
+    known = {name: kind for name, kind in kinds().items() if not kind.command}
+    if figure.draw not in known:
+        if figure.draw:  # else that is a mistake of its own
+            what = f"there is no figure {figure.draw!r} of studies, only {', '.join(known)}"
+            yield "draw", f"{what}{suggestion(figure.draw, known)}"
+        return
+    kind = known[figure.draw]
     if kind.needs_studies and not figure.studies:
         yield "studies", "this key is missing: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
@@ -86,7 +85,7 @@ def _wrong_keys(figure: Figure, kind: FigureKind, loaded: Scene) -> Iterator[tup
                 for product in loaded.studies[name].products]  # fmt: skip
     if kind.grouped:
         yield from (("", text) for text in _hidden(figure, products))
-    others = " or ".join(name for name, each in kinds().items() if each.grouped)
+    others = " or ".join(name for name, each in known.items() if each.grouped)
     if not kind.grouped and any("trace" in product.axes for product in products):
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"
     if figure.interface and not kind.units:
@@ -129,14 +128,12 @@ def _varying(products: Sequence[CaseProduct]) -> list[str]:
     return several + [PHASES[by_seed]] * any(len(values) > 1 for values in phases.values())
 
 
-def _wrong_formula(title: str) -> list[str]:
+def _wrong_formula(title: str) -> Iterator[tuple[str, str]]:
     """Why matplotlib cannot typeset a title, if it cannot."""
-    if "$" not in title:
-        return []
-    from matplotlib.mathtext import MathTextParser  # takes as long as all the rest, and few titles need it
+    if "$" in title:
+        from matplotlib.mathtext import MathTextParser  # takes as long as all the rest, and few titles need it
 
-    try:
-        MathTextParser("path").parse(title)
-    except ValueError as error:
-        return [f"the formula cannot be typeset: {str(error).strip().splitlines()[-1]}"]
-    return []
+        try:
+            MathTextParser("path").parse(title)
+        except ValueError as error:
+            yield "title", f"the formula cannot be typeset: {str(error).strip().splitlines()[-1]}"

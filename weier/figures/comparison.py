@@ -51,24 +51,19 @@ class Curve(NamedTuple):
     points: bool
     parameters: Mapping[str, Hashable]
 
-    @property
-    def look(self) -> dict[str, Any]:
-        """Keywords of Axes.plot, where its colour shows the method."""
-        return style.points(self.method) if self.points else style.line(self.method)
-
-
-class Comparison(NamedTuple):
-    """A figure with its panels, which share their axes; limits and scales are left to the caller, by the cases."""
-
-    figure: Figure
-    panels: Sequence[Axes]
-    cases: Sequence[xr.Dataset]
-
 
 def compare(
     studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Interface | None = None
-) -> Comparison:
+) -> tuple[Figure, Sequence[Axes], Sequence[xr.Dataset]]:
     """The quantity in panels, colours and medians as a scene asks for them; in SI units if there is an interface.
+
+    Returns
+    -------
+    figure : Figure
+    panels : sequence of Axes
+        They share their axes, whose limits and scales are left to the caller.
+    cases : sequence of Dataset
+        What is drawn.
 
     Raises
     ------
@@ -81,8 +76,7 @@ def compare(
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
     if grouping == BY_DEFAULT:
         grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
-    bodies = [interface and at_scale_of(case, interface) for case in cases]
-    drawn = _curves(cases, quantity, grouping, bodies)
+    drawn = _curves(cases, quantity, grouping, interface)
     of_each = [_values(drawn, name) for name in grouping.facet]
     columns = len(of_each[1]) if len(of_each) == 2 else None
     noun = " and ".join(grouping.facet) or "curves"
@@ -107,15 +101,16 @@ def compare(
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + TITLE_ROW * len(above))
     style.set_title(figure, "\n".join(above))
-    return Comparison(figure, panels, list({id(curve.case): curve.case for curve in drawn}.values()))
+    return figure, panels, list({id(curve.case): curve.case for curve in drawn}.values())
 
 
 def _curves(
-    cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, bodies: Sequence[Interface | None]
+    cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, interface: Interface | None
 ) -> list[Curve]:
     """All curves there are, in the units of their bodies and in the order in which they are drawn."""
     numerical, found = numerical_names(), []
-    for position, (case, of) in enumerate(zip(cases, bodies, strict=True)):
+    for position, case in enumerate(cases):
+        of = interface and at_scale_of(case, interface)
         units = (of.pressure(1.0), getattr(of, quantity)(1.0)) if of else (1.0, 1.0)
         shown = of.in_si(case) if of else case
         parameters = _parameters(case, position)
@@ -181,7 +176,7 @@ def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
 def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:
     """How a curve is drawn: its colour by the parameter of the scene, its dashes by the method if these differ."""
     if grouping.colour in ("", "method"):
-        return curve.look
+        return style.points(curve.method) if curve.points else style.line(curve.method)
     values = _values(drawn, grouping.colour)
     own = style.family(len(values))[values.index(curve.parameters[grouping.colour])]
     dashes = {"linestyle": style.line(curve.method)["linestyle"]} if _by_dash(drawn, grouping) else {}

@@ -36,17 +36,15 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     if not found:
         raise ValueError("there are no estimates to compare in these data: resolve more terms")
     title, cases = style.limit_panels(title, found, "cases")
-    figure, axes = style.column(len(cases) + 1, height=HEIGHT)
+    names = [*(style.describe(case, *PARAMETERS) for case in cases), "largest over the loads"]
+    figure, axes = style.column(title, names, HEIGHT)
     figure.set_figheight(figure.get_figheight() + LEGEND_ROW * len(cases))
-    for number, case in enumerate(cases):
-        _draw_bounds(axes[number], case)
-        style.name_panel(axes[number], number, len(axes), style.describe(case, *PARAMETERS))
-        _draw_convergence(axes[-1], case, COLORS[number])
-    style.name_panel(axes[-1], len(cases), len(axes), "largest over the loads")
+    for panel, case, color in zip(axes, cases, COLORS, strict=False):
+        _draw_bounds(panel, case)
+        _draw_convergence(axes[-1], case, color)
     axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     axes[-1].set(yscale="log", xlabel="resolved terms $k$", ylabel=r"error of $h/g_0$")
     figure.legend(*axes[-1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    style.set_title(figure, title)
     return figure
 
 

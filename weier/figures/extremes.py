@@ -37,12 +37,9 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     if not np.isfinite(data["compliance_digits"]).any():
         raise ValueError("there are no digits to draw in these data")
     case = data.isel(case=_widest(data))
-    figure, axes = style.column(2)
-    _digits(axes[0], case)
-    _conditions(axes[1], data)
-    style.name_panel(axes[0], 0, 2, style.describe(case, *PARAMETERS))
-    style.name_panel(axes[1], 1, 2, "boundary elements")
-    style.set_title(figure, title)
+    figure, (digits, conditions) = style.column(title, [style.describe(case, *PARAMETERS), "boundary elements"])
+    _digits(digits, case)
+    _conditions(conditions, data)
     return figure
 
 
@@ -81,11 +78,8 @@ def _look(variant: str, name: str) -> dict[str, Any]:
 
 
 def _conditions(axes: Axes, data: xr.Dataset) -> None:
-    for number, (name, label) in enumerate(CONDITIONS.items()):
-        look: dict[str, Any] = {
-            "linestyle": style.DASHES[number],
-            "color": (style.BLACK, style.BLUE, style.VERMILLION)[number],
-        }
-        axes.plot(data["nodes"].values, data[name].values, label=label, **look)
+    colors = style.BLACK, style.BLUE, style.VERMILLION
+    for (name, label), color, dashes in zip(CONDITIONS.items(), colors, style.DASHES, strict=False):
+        axes.plot(data["nodes"].values, data[name].values, label=label, color=color, linestyle=dashes)
     axes.set(xscale="log", yscale="log", xlabel="nodes $N$", ylabel="condition number")
     axes.legend(loc="upper left")

@@ -23,18 +23,12 @@ CAPTION = (
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Compliance over mean pressure for each phase, one panel a series, with the average as a solid line."""
-    solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
-    title, series = style.limit_panels(title, curves.groups(solved, *PARAMETERS), "series")
-    figure, panels = style.column(len(series))
-    for number, (axes, cases) in enumerate(zip(panels, series, strict=True)):
+    figure, panels = style.column_of_series(studies, title, "compliance", *PARAMETERS)
+    for axes, cases in panels:
         _draw_phases(axes, cases)
-        style.name_panel(axes, number, len(series), style.describe(cases[0], *PARAMETERS))
-        axes.set_ylabel(style.LABELS["compliance"])
-    panels[-1].set_xlabel(style.LABELS["mean_pressure"])
     colors = ScalarMappable(Normalize(0, np.pi), ListedColormap(style.shade(np.linspace(0, 1, 256))))
-    bar = figure.colorbar(colors, ax=panels, label=r"phase $|\phi|$", aspect=30)
+    bar = figure.colorbar(colors, ax=figure.axes, label=r"phase $|\phi|$", aspect=30)
     bar.set_ticks([0, np.pi / 2, np.pi], labels=["0", r"$\pi/2$", r"$\pi$"])
-    style.set_title(figure, title)
     return figure
 
 
@@ -47,8 +41,7 @@ def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
         axes.plot(fine, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
     axes.plot(fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=average, zorder=3)
     axes.plot([], [], color=style.GREY, linewidth=0.7, linestyle=style.DASHES[1], label="one phase")
-    checks = [curves.less_accurate(case, "compliance") for case in cases]
-    style.draw_sparse_points(axes, cases[0]["mean_pressure"].values, zip(checks, colors, strict=True))
+    style.draw_sparse_points(axes, "compliance", zip(cases, [0.0] * len(cases), colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

@@ -23,15 +23,13 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Heights of each profile, in g_0, over x, in lambda_0, to one scale."""
     finite = [case for case in curves.cases(studies) if np.isfinite(case["m"])]
     title, cases = style.limit_panels(title, finite, "profiles")
-    figure, panels = style.column(len(cases), height=1.35, sharex=True, sharey=True)
-    for number, (axes, case) in enumerate(zip(panels, cases, strict=True)):
+    figure, panels = style.column(title, list(map(style.describe, cases)), 1.35, sharex=True, sharey=True)
+    for axes, case in zip(panels, cases, strict=True):
         x, z = _samples(curves.profile(case))
         axes.plot(x, z, color=style.BLACK, linewidth=0.7)
         axes.set_ylabel(style.LABELS["height"])
-        style.name_panel(axes, number, len(cases), style.describe(case))
     panels[-1].set_xlabel(style.LABELS["x"])
     panels[-1].set_xlim(0, LENGTH)
-    style.set_title(figure, title)
     return figure
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeVar
@@ -91,22 +91,22 @@ def _label_and_style(method: str) -> tuple[str, Style]:
     )
 
 
-def draw_sparse_points(axes: Axes, loads: np.ndarray, rows: Iterable[tuple[Mapping[str, np.ndarray], Color]]) -> None:
+def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Dataset, float, Color]]) -> None:
     """A few points by further numerical methods beside each of many curves.
 
     Parameters
     ----------
     axes : Axes
-    loads : array, shape (loads,)
-    rows : iterable of (mapping, colour)
-        For each curve, the values of shape (loads,) by method, and the colour of the curve. The legend names each
-        method once, in black.
+    quantity : str
+    rows : iterable of (case, datum, colour)
+        For each curve, what its values are raised by, and its colour. The legend names each method once, in black.
 
     """
     drawn: dict[str, None] = {}
-    for values_by_method, color in rows:
-        for method, values in values_by_method.items():
-            axes.plot(loads, values, **points(method) | SPARSE_POINTS | {"color": color, "label": None})
+    for case, datum, color in rows:
+        for method, values in curves.less_accurate(case, quantity).items():
+            look = points(method) | SPARSE_POINTS | {"color": color, "label": None}
+            axes.plot(case["mean_pressure"].values, values + datum, **look)
             drawn[method] = None
     for method in drawn:
         axes.plot([], [], **points(method) | SPARSE_POINTS | {"color": BLACK})
@@ -125,14 +125,30 @@ def shade(fractions: Iterable[float]) -> list[Color]:
     return [colormap(0.2 + 0.75 * fraction) for fraction in fractions]
 
 
-def column(panels: int, height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure of one column with its panels below each other, of a height in inches each.
+def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
+    """A figure of one column with a title, and a panel of each name below each other, of a height in inches each.
 
     It does not go through pyplot, which would keep it in memory.
     """
-    figure = Figure(figsize=(WIDTH, height * panels), layout="constrained")
-    axes = figure.subplots(panels, 1, squeeze=False, **options)[:, 0].tolist()
+    figure = Figure(figsize=(WIDTH, height * len(names)), layout="constrained")
+    axes = figure.subplots(len(names), 1, squeeze=False, **options)[:, 0].tolist()
+    for number, (panel, name) in enumerate(zip(axes, names, strict=True)):
+        name_panel(panel, number, len(names), name)
+    set_title(figure, title)
     return figure, axes
+
+
+def column_of_series(
+    studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
+) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
+    """A figure of one column over the load: each panel with the solved cases that share these parameters."""
+    solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
+    title, series = limit_panels(title, curves.groups(solved, *names), "series")
+    figure, panels = column(title, [describe(cases[0], *names) for cases in series])
+    for axes in panels:
+        axes.set_ylabel(LABELS[quantity])
+    panels[-1].set_xlabel(LABELS["mean_pressure"])
+    return figure, list(zip(panels, series, strict=True))
 
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
@@ -199,24 +215,16 @@ def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
 def set_logarithmic_axes(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     """Logarithmic axes from the first load to full contact; a curve that falls to 0 leaves through the lower edge."""
     low, high = curves.first_load(cases), curves.full_contact_load(cases)
+    shown = [case.sel(mean_pressure=slice(low, high)) for case in cases]
+    upper = np.concatenate([case[quantity].values.ravel() for case in shown])
     # An estimate may vanish long before the contact is full: the numerical curves set the lower end.
-    rows = [(case, row) for case in cases if (row := curves.numerical(case, quantity)) is not None]
-    curves_of_all = [(case, case[quantity].values) for case in cases]
-    lower, upper = (_between(low, high, values) for values in (rows or curves_of_all, curves_of_all))
+    rows = [row for case in shown if (row := curves.numerical(case, quantity)) is not None]
+    lower = np.concatenate(rows) if rows else upper
     axes.set(xscale="log", yscale="log")
     if low < high:
         axes.set_xlim(low, high)
     if (lower > 0).any():
         axes.set_ylim(lower[lower > 0].min() / LOGARITHMIC_MARGIN, upper[upper > 0].max() * LOGARITHMIC_MARGIN)
-
-
-def _between(low: float, high: float, of_cases: Sequence[tuple[xr.Dataset, np.ndarray]]) -> np.ndarray:
-    """All values of some cases, of shape (..., loads) each, at the loads between two ends."""
-    loads = [case["mean_pressure"].values for case, _ in of_cases]
-    inside = [
-        values[..., (own >= low) & (own <= high)].ravel() for own, (_, values) in zip(loads, of_cases, strict=True)
-    ]
-    return np.concatenate(inside)
 
 
 def set_title(figure: Figure, title: str) -> None:

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.figures import style, truncation
+from weier.figures import truncation
 from weier.methods import curves
 
 CAPTION = (
@@ -35,7 +35,6 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     for axes, cases in panels:
         axes.set_xlim(0, curves.full_contact_load(cases))
         axes.set_ylim(bottom=0)
-        axes.set_ylabel(style.LABELS["compliance"])
         axes.legend(loc="lower right")
         _draw_zoom(axes, cases)
     return figure
@@ -47,8 +46,7 @@ def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     if (h := curves.numerical(longest, "compliance")) is None:
         return
     load = ZOOM_AT * axes.get_xlim()[1]
-    drawn = truncation.from_one_datum(longest, "compliance", h)
-    value = np.interp(load, longest["mean_pressure"].values, drawn)
+    value = np.interp(load, longest["mean_pressure"].values, h + truncation.datum(longest, "compliance"))
     across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
     inset = axes.inset_axes(INSET, xlim=(load - across, load + across), ylim=(value - up, value + up))
     truncation.draw_curves(inset, cases, "compliance")

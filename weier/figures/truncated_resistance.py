@@ -20,6 +20,5 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
         style.set_logarithmic_axes(axes, cases[-1:], "resistance")
-        axes.set_ylabel(style.LABELS["resistance"])
         axes.legend(loc="lower left")
     return figure

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.figures import lines, style
-from weier.kernels.arrays import Array
 from weier.methods import curves
 from weier.theory.profile import PARAMETERS
 
@@ -25,19 +24,14 @@ def compare(
     -------
     figure : Figure
     panels : list of (Axes, cases)
-        Limits, labels and the legend are left to the caller; the cases are in order of m.
+        Limits and the legend are left to the caller; the cases are in order of m.
 
     """
-    solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
-    title, series = style.limit_panels(title, curves.groups(solved, *BESIDE_TERMS), "series")
-    figure, axes = style.column(len(series))
-    ordered = [sorted(cases, key=lambda case: float(case["m"])) for cases in series]
-    for number, (panel, cases) in enumerate(zip(axes, ordered, strict=True)):
-        draw_curves(panel, cases, quantity)
-        style.name_panel(panel, number, len(series), style.describe(cases[-1], *BESIDE_TERMS))
-    axes[-1].set_xlabel(style.LABELS["mean_pressure"])
-    style.set_title(figure, title)
-    return figure, list(zip(axes, ordered, strict=True))
+    figure, panels = style.column_of_series(studies, title, quantity, *BESIDE_TERMS)
+    ordered = [(axes, sorted(cases, key=lambda case: float(case["m"]))) for axes, cases in panels]
+    for axes, cases in ordered:
+        draw_curves(axes, cases, quantity)
+    return figure, ordered
 
 
 def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
@@ -51,21 +45,14 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
             label = style.describe(case, "m") if number == 0 else None
             drawn = lines.line(case, quantity, curves.numerical_method(case))
             if drawn is not None:
-                axes.plot(drawn[0], from_one_datum(case, quantity, drawn[1]), label=label, **look | thin)
+                axes.plot(drawn[0], drawn[1] + datum(case, quantity), label=label, **look | thin)
     alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
-    checks = [(_less_accurate(case, quantity), color) for case, color in alone]
-    style.draw_sparse_points(axes, cases[0]["mean_pressure"].values, checks)
+    style.draw_sparse_points(axes, quantity, [(case, datum(case, quantity), color) for case, color in alone])
 
 
-def _less_accurate(case: xr.Dataset, quantity: str) -> dict[str, Array]:
-    """The curves by numerical methods beside the most accurate one, by method."""
-    found = curves.less_accurate(case, quantity)
-    return {method: from_one_datum(case, quantity, values) for method, values in found.items()}
-
-
-def from_one_datum(case: xr.Dataset, quantity: str, values: Array) -> Array:
-    """Values that are alike for all m: a compliance counts from where all waves of the infinite series peak."""
-    return values + float(case["tail_amplitude"]) if quantity == "compliance" else values
+def datum(case: xr.Dataset, quantity: str) -> float:
+    """What makes values alike for all m: a compliance counts from where all waves of the infinite series peak."""
+    return float(case["tail_amplitude"]) if quantity == "compliance" else 0.0
 
 
 def _draw_bounds(axes: Axes, longest: xr.Dataset, quantity: str) -> None:

@@ -36,16 +36,14 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     cost = seconds_per_load(data)
     if not np.isfinite(cost).any():
         raise ValueError("there are no times to draw in these data")
-    figure, axes = style.column(2, sharex=True)
-    for number, (panel, quantity) in enumerate(zip(axes, LABELS, strict=True)):
+    figure, axes = style.column(title, list(LABELS), sharex=True)
+    for panel, quantity in zip(axes, LABELS, strict=True):
         error = np.maximum(worst_over_loads(data, quantity), FLOOR)
         _panel(panel, data["solution_method"].values, 1e3 * cost, error)
         panel.set(xscale="log", yscale="log", ylabel=LABELS[quantity])
-        style.name_panel(panel, number, 2, quantity)
     axes[0].plot([], [], **PROFILES, color=style.GREY, label="one profile")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     axes[-1].set_xlabel("milliseconds a load, one core")
-    style.set_title(figure, title)
     return figure
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from time import thread_time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,18 +29,6 @@ METHOD_NAME = VARIABLES["planned_method"].dtype
 UNSOLVED = SegmentSolution(*(np.full(1, value) for value in (np.nan, np.nan, np.inf, np.inf)))
 
 
-class SolvedLoads(NamedTuple):
-    """What was solved over the loads: the fields of `Curve` that have the shape (loads,)."""
-
-    compliance: Array
-    resistance: Array
-    compliance_error: Array
-    resistance_error: Array
-    planned_method: NDArray[np.str_]
-    planned_terms: Array
-    planned_points: Array
-
-
 class Curve(NamedTuple):
     """Planned curves over the loads, each of shape (loads,), and what the plan expected before.
 
@@ -48,7 +36,8 @@ class Curve(NamedTuple):
     resistance : dh/dp, in g_0/p_0*
     compliance_error, resistance_error : estimated, in the same units
     planned_method, planned_terms, planned_points : what was taken at each load; no points where there is no grid
-    planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for, scalars
+    planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for: scalars,
+        NaN for a part of a plan
     """
 
     compliance: Array
@@ -58,8 +47,13 @@ class Curve(NamedTuple):
     planned_method: NDArray[np.str_]
     planned_terms: Array
     planned_points: Array
-    planned_seconds: float
-    planned_error: float
+    planned_seconds: float = np.nan
+    planned_error: float = np.nan
+
+    @property
+    def arrays(self) -> Sequence[Any]:
+        """All that has the shape (loads,)."""
+        return self[:-2]
 
 
 def curve(
@@ -101,10 +95,10 @@ def curve(
     solved again without what left that error: on a finer grid, by contact patches or with more terms.
     """
     made = plan(profile, mean_pressure, methods, tolerance, quantity)
-    return Curve(*_run_within(made, methods, ()), made.seconds, made.error)
+    return _run_within(made, methods, ())._replace(planned_seconds=made.seconds, planned_error=made.error)
 
 
-def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ...]) -> SolvedLoads:
+def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ...]) -> Curve:
     """Run a plan; where errors are found above the tolerance, plan and run again without what left them."""
     solved = []
     for segment in made.segments:
@@ -122,13 +116,13 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ..
                 again = _run_within(others, methods, without)
             except OutOfReachError as refusal:
                 raise OutOfReachError(f"{refusal}; {_excess_message(segment, error)}") from None
-            for old, new in zip(values, again, strict=True):
+            for old, new in zip(values.arrays, again.arrays, strict=True):
                 old[exceeding] = new
         solved.append(values)
     return _concatenated(solved)
 
 
-def _attempt_in_time(profile: Profile, segment: Segment) -> SolvedLoads:
+def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
     """Run a segment; TimeoutError, between two of its loads, if it takes far longer than planned."""
     allowed = max(MAX_OVERRUN * segment.seconds, MIN_OVERRUN_SECONDS)
     start, done, count = thread_time() - compiling_seconds(), 0, segment.mean_pressure.size
@@ -160,10 +154,10 @@ def _described(segment: Segment) -> str:
     return f"{segment.method} with {segment.terms:g} terms"
 
 
-def _attempt(profile: Profile, segment: Segment) -> SolvedLoads:
+def _attempt(profile: Profile, segment: Segment) -> Curve:
     """Run a segment; loads that its solver gives up have infinite errors, and the others are solved without them."""
     try:
-        return run(profile, (segment,))
+        return _solved_loads(segment, _solved(profile, segment))
     except ConvergenceError:
         count = segment.mean_pressure.size
         if count == 1:
@@ -178,24 +172,14 @@ def _excess_message(segment: Segment, error: Array) -> str:
     return f"{_described(segment)} was expected to do, and {left} at {segment.mean_pressure[worst]:g} p_0*"
 
 
-def run(profile: Profile, segments: Sequence[Segment]) -> SolvedLoads:
-    """Run segments that cover the loads one after the other."""
-    return _concatenated([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
+def _concatenated(curves: Sequence[Curve]) -> Curve:
+    return Curve(*map(np.concatenate, zip(*(each.arrays for each in curves), strict=True)))
 
 
-def _concatenated(curves: Sequence[SolvedLoads]) -> SolvedLoads:
-    return SolvedLoads(*(np.concatenate(columns) for columns in zip(*curves, strict=True)))
-
-
-def _solved_loads(segment: Segment, solved: SegmentSolution) -> SolvedLoads:
-    count = segment.mean_pressure.size
-    points = float(segment.settings.get("points", np.nan))
-    return SolvedLoads(
-        *solved,
-        np.full(count, segment.method, METHOD_NAME),
-        np.full(count, float(segment.terms)),
-        np.full(count, points),
-    )
+def _solved_loads(segment: Segment, solved: SegmentSolution) -> Curve:
+    count, points = segment.mean_pressure.size, segment.settings.get("points", np.nan)
+    method = np.full(count, segment.method, METHOD_NAME)
+    return Curve(*solved, method, np.full(count, float(segment.terms)), np.full(count, float(points)))
 
 
 def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
