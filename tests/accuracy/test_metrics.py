@@ -40,13 +40,12 @@ def test_what_was_not_run_on_all_cases_is_not_typical():
     np.testing.assert_array_equal(typical(np.array([[1, 1], [2, 1], [9, np.nan]])), [2, np.nan])
 
 
-def test_a_variant_without_resistances_has_no_error_of_them():
-    """In full contact alone its resistance is known, 0 as it should be: that makes it no exact variant."""
+def test_errors_of_the_resistance_are_relative_to_the_larger_of_itself_and_one():
     rows = ("case", "variant", "mean_pressure")
     data = xr.Dataset(
         {
-            "resistance_error": (rows, [[[0.2, 0.1, 0.0], [np.nan, np.nan, 0.0], [np.nan, 0.3, 0.0]]]),
+            "resistance_error": (rows, [[[0.2, 0.1, 0.0], [2.0, np.nan, 0.0], [np.nan, np.nan, np.nan]]]),
             "reference_resistance": (("case", "mean_pressure"), [[4.0, 0.5, 0.0]]),
         }
     )
-    assert worst_over_loads(data, "resistance")[0] == pytest.approx([0.1, np.nan, 0.3], nan_ok=True)
+    assert worst_over_loads(data, "resistance")[0] == pytest.approx([0.1, 0.5, np.nan], nan_ok=True)

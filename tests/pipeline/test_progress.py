@@ -39,7 +39,7 @@ def test_each_load_counts_once(name, settings):
 def test_loads_of_another_solve_are_not_told():
     counted = []
     with telling(lambda: counted.append(1)):
-        with telling(None):
+        with telling():
             count_load()
         count_load()
     count_load()

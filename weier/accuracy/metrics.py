@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 import xarray as xr
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array
 from weier.methods.multiprecision import DIGITS
 
 MAX_DIGITS = 16.0  # what an error of 0 counts as
@@ -46,16 +46,8 @@ def by_load(data: xr.Dataset, quantity: str) -> Array:
     """
     error = data[f"{quantity}_error"].values
     if quantity == "resistance":
-        right = data["reference_resistance"].values[:, None]
-        error = np.where(_has_none_in_partial_contact(error, right), np.nan, error / np.maximum(right, 1))
+        error = error / np.maximum(data["reference_resistance"].values[:, None], 1)
     return np.asarray(error)
-
-
-def _has_none_in_partial_contact(error: Array, right: Array) -> Flags:
-    """Which variants leave out the resistance: they have it in full contact alone, where it is 0 and never wrong."""
-    partial = right > 0
-    known = np.asarray((np.isfinite(error) & partial).any(axis=-1, keepdims=True))
-    return ~known & np.asarray(partial.any(axis=-1, keepdims=True))
 
 
 def worst_over_loads(data: xr.Dataset, quantity: str) -> Array:

@@ -6,35 +6,28 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-_TOLD: ContextVar[Callable[[], None] | None] = ContextVar("told", default=None)
+_TOLD: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("told", default=())
 
 
 def count_load() -> None:
     """One more load of a curve is done: for loops over the loads."""
-    told = _TOLD.get()
-    if told is not None:
+    for told in _TOLD.get():
         told()
 
 
+def all_told() -> tuple[Callable[[], None], ...]:
+    """What is told of each load."""
+    return _TOLD.get()
+
+
 @contextmanager
-def telling(told: Callable[[], None] | None) -> Iterator[None]:
-    """Call this for each load that is done in a `with` statement; None for loads that are part of another one."""
+def telling(*told: Callable[[], None]) -> Iterator[None]:
+    """Call these for each load that is done in a `with` statement; none for loads that are part of another one.
+
+    An error that one of them raises stops the solver between two loads.
+    """
     token = _TOLD.set(told)
     try:
         yield
     finally:
         _TOLD.reset(token)
-
-
-@contextmanager
-def also_telling(told: Callable[[], None]) -> Iterator[None]:
-    """Call this, too, after what is told already; an error that it raises stops the solver between two loads."""
-    before = _TOLD.get()
-
-    def both() -> None:
-        if before is not None:
-            before()
-        told()
-
-    with telling(both):
-        yield

@@ -10,19 +10,19 @@ import pytest
 from weier import ConvergenceError
 from weier.methods import layer
 from weier.methods.layer import fixed_point, solver, tables
+from weier.methods.layer.scales import Model
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, _may_be_infinite
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS
+from weier.methods.layer.wave import midpoints
 from weier.theory.series import tail_amplitude
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.02, 5, math.inf), (1.5, 3, 3), (1.75, 2, math.inf), (1.98, 4, 30)])
 def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
     """The lightest load of the ordinary tables, on these and on those that begin 650 e-folds lower."""
-    log_load = np.log([MIN_LOADS[0], 1e-12, 1.0])
-    settings = POINTS, ACCURACY, TOLERANCE
-    short, long = (
-        solver._solve(log_load, bottom, MAX_POSITION, (D, gamma, m), settings)[0] for bottom in BOTTOM_POSITIONS
-    )
+    loads = np.array([MIN_LOADS[0], 1e-12, 1.0])
+    model = Model(D, gamma, m, midpoints(POINTS), ACCURACY, TOLERANCE)
+    short, long = (solver._solve(loads, bottom, MAX_POSITION, model)[0] for bottom in BOTTOM_POSITIONS)
     np.testing.assert_allclose(short, long, rtol=ACCURACY)
 
 
@@ -38,7 +38,8 @@ def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, limit, least, 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.75, 2, 110), (1.9, 3, 140)])
 def test_scales_one_by_one_reach_the_infinite_series(D, gamma, m):
     """So many terms that the tail is below the accuracy, and too few to be taken for infinite."""
-    assert not _may_be_infinite(BOTTOM_POSITIONS[0], (D, gamma, m), ACCURACY)
+    model = Model(D, gamma, m, midpoints(POINTS), ACCURACY, TOLERANCE)
+    assert not _may_be_infinite(BOTTOM_POSITIONS[0], model)
     loads = np.array([1e-12, 1e-6, 1e-3, 0.1, 1.0, 3.6])
     tail = tail_amplitude(m, D, gamma)
     finite, infinite = (layer.compliance(loads, D, gamma, terms) for terms in (m, math.inf))

@@ -9,7 +9,7 @@ from weier import ConvergenceError
 from weier.methods import layer, westergaard
 from weier.methods.layer.closure import POSITION_SCALE, Closure
 from weier.methods.layer.conditions import violations
-from weier.methods.layer.scales import Scaling, coarser_units, finest_wave
+from weier.methods.layer.scales import Model, coarser_units, finest_wave
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE
 from weier.methods.layer.tables import BOTTOM_POSITIONS
 from weier.methods.layer.wave import midpoints, solve_waves
@@ -36,7 +36,7 @@ def test_a_wave_that_misses_the_tolerance_is_refused():
 
 def test_the_contact_conditions_see_a_wrong_state():
     finer, log_load = finest_wave(BOTTOM_POSITIONS[0], 0.0, ACCURACY).rows.closure, np.log([0.1])
-    closure = coarser_units(finer, Scaling.of(1.25, 5))
+    closure = coarser_units(finer, Model(1.25, 5, 2, midpoints(POINTS), ACCURACY, TOLERANCE))
     solved = solve_waves(log_load, closure, midpoints(POINTS), TOLERANCE)
     assert violations(solved.state, log_load, closure, solved.compliance) < 1e-12
     for component in (0, POINTS // 2, POINTS):

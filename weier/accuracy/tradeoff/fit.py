@@ -21,14 +21,13 @@ from weier.theory.profile import Profile
 class Constant(NamedTuple):
     """A constant of an error or cost model: its name, the value shipped, and the one measured, NaN if it was not.
 
-    The constant of an error (`bounds_error`) is the largest over profiles, settings and loads, which a shipped one
+    The constant of an error is the largest over profiles, settings and loads, which a shipped one
     must not fall below; that of seconds is the least squares of the relative misfit.
     """
 
     name: str
     shipped: float
     measured: float
-    bounds_error: bool
 
 
 class Sample(NamedTuple):
@@ -82,9 +81,9 @@ def constants(data: xr.Dataset) -> list[Constant]:
     found = []
     for fit in FITS:
         samples = [sample for sample in _samples(data, fit.method) if fit.used(sample)]
-        found += [Constant(term.name, term.shipped, _largest(term, samples), True) for term in fit.errors]
+        found += [Constant(term.name, term.shipped, _largest(term, samples)) for term in fit.errors]
         fitted = zip(fit.seconds, _least_squares(fit, samples), strict=True)
-        found += [Constant(term.name, term.shipped, float(value), False) for term, value in fitted]
+        found += [Constant(term.name, term.shipped, float(value)) for term, value in fitted]
     return found
 
 

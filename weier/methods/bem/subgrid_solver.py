@@ -181,7 +181,7 @@ def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
     from weier.methods import patches  # which begins with boundary elements itself
 
     try:
-        with telling(None):
+        with telling():
             solution = patches.solve_load(profile, load, PATCHES_TOLERANCE)
             left, right = solution.edges.T
             contacts = ContactList(left, right, forces_of(solution), _shares(profile, solution))

@@ -22,7 +22,7 @@ from weier.kernels.arrays import Array
 from weier.methods import archard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import position_in
-from weier.methods.layer.scales import ComplianceTable, Scale, Scaling, coarser_units
+from weier.methods.layer.scales import ComplianceTable, Model, Scale, coarser_units
 from weier.methods.layer.tables import (
     MAX_HALVINGS,
     MAX_ROWS,
@@ -34,7 +34,7 @@ from weier.methods.layer.tables import (
     merge,
     position_of,
 )
-from weier.methods.layer.wave import Mesh, shares
+from weier.methods.layer.wave import shares
 
 TABLE_SHARE = 0.5  # of the accuracy is for the errors of the table, the rest for the residuals of the waves
 MIN_ESTIMATED_LOAD = -8.0  # ln xi: the first guess takes heavier loads from Archard, lighter ones from these
@@ -44,23 +44,14 @@ MAX_STEP = 10.0  # of ln W in Newton's method: beyond it the tangents mislead
 
 
 class FixedPoint(NamedTuple):
-    """The infinite series of one D and gamma, on one mesh."""
+    """The infinite series of the D and gamma of a model, whatever its m."""
 
-    D: float
-    gamma: float
-    mesh: Mesh
-    accuracy: float
-    tolerance: float
-
-    @property
-    def scaling(self) -> Scaling:
-        """The units of the next finer wave in those of this one."""
-        return Scaling.of(self.D, self.gamma)
+    model: Model
 
     @property
     def amplitude(self) -> float:
         """The sum of all amplitudes."""
-        return -1 / math.expm1(self.scaling.log_height)
+        return -1 / math.expm1(self.model.log_height)
 
     def waves(self, bottom: float, top: float) -> ComplianceTable:
         """The waves on a table between these positions."""
@@ -72,7 +63,7 @@ class FixedPoint(NamedTuple):
             limit, left, right = self._limit(over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
             between, errors = evaluate_midpoints(self._scale(rows).rows, rows, left, right)
             beside = np.maximum(np.append(errors, 0), np.append(0, errors))  # of the cells on either side of a row
-            if np.max(over_scales @ beside) <= TABLE_SHARE * self.accuracy:
+            if np.max(over_scales @ beside) <= TABLE_SHARE * self.model.accuracy:
                 return ComplianceTable(rows, self.amplitude, math.inf)
             rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
             if rows.position.size > MAX_ROWS:
@@ -81,19 +72,20 @@ class FixedPoint(NamedTuple):
 
     def _limit(self, gain: Array) -> float:
         """The relative error of a table that adds up to its part of the accuracy."""
-        limit = TABLE_SHARE * self.accuracy / (1 + float(np.max(gain)))
-        if not limit >= self.tolerance:
+        accuracy, tolerance = self.model.accuracy, self.model.tolerance
+        limit = TABLE_SHARE * accuracy / (1 + float(np.max(gain)))
+        if not limit >= tolerance:
             raise ConvergenceError(
                 f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the "
-                f"accuracy {self.accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
-                self.accuracy * self.tolerance / limit,
+                f"accuracy {accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
+                accuracy * tolerance / limit,
             )
         return limit
 
     def _scale(self, rows: Rows) -> Scale:
         """A wave on the layer that this table stands for."""
-        closure = coarser_units(rows.closure, self.scaling)
-        return Scale(closure, self.amplitude, math.inf, self.mesh, self.tolerance)
+        model = self.model
+        return Scale(coarser_units(rows.closure, model), self.amplitude, math.inf, model.mesh, model.tolerance)
 
     def _guess(self, position: Array) -> Rows:
         """A table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
@@ -102,8 +94,9 @@ class FixedPoint(NamedTuple):
         follows from the heavier ones.
         """
         heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
-        log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), self.D, self.gamma, math.inf))
-        unknown = np.full((heavy.size, self.mesh.rise.size + 1), np.nan)
+        D, gamma, _, mesh, *_ = self.model
+        log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), D, gamma, math.inf))
+        unknown = np.full((heavy.size, mesh.rise.size + 1), np.nan)
         rows, _ = self._converge(Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
         for one in position[position < heavy[0]][::-1]:
             rows = merge(self._scale(rows).rows(np.array([one]), None), rows)

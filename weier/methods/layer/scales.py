@@ -27,16 +27,25 @@ from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, solv
 ROUNDING = 1e-13  # of the freshly applied operator
 
 
-class Scaling(NamedTuple):
-    """Logarithms of p* and g of the next finer wave, in units of this one: ln gamma^(D-1) and ln gamma^(D-2)."""
+class Model(NamedTuple):
+    """A series, and how its waves are solved: on which mesh, with tables of which accuracy, to which tolerance."""
 
-    log_pressure: float
-    log_height: float
+    D: float
+    gamma: float
+    m: float
+    mesh: Mesh
+    accuracy: float
+    tolerance: float
 
-    @staticmethod
-    def of(D: float, gamma: float) -> Scaling:
-        """The scaling of a series."""
-        return Scaling((D - 1) * math.log(gamma), (D - 2) * math.log(gamma))
+    @property
+    def log_pressure(self) -> float:
+        """Logarithm of p* of the next finer wave, in units of this one: ln gamma^(D-1)."""
+        return (self.D - 1) * math.log(self.gamma)
+
+    @property
+    def log_height(self) -> float:
+        """Logarithm of g of the next finer wave: ln gamma^(D-2)."""
+        return (self.D - 2) * math.log(self.gamma)
 
 
 class ComplianceTable(NamedTuple):
@@ -45,15 +54,6 @@ class ComplianceTable(NamedTuple):
     rows: Rows
     amplitude: float
     log_full: float
-
-
-class Solution(NamedTuple):
-    """h, dh/d ln xi, residual in g and Newton steps of a wave under each load, of shape (loads,)."""
-
-    compliance: Array
-    rate: Array
-    residual: Array
-    work: Indices
 
 
 class Scale(NamedTuple):
@@ -77,21 +77,22 @@ class Scale(NamedTuple):
             position, np.log(h), solutions.rate / h * stretch, solutions.state, solutions.tangent * stretch[:, None]
         )
 
-    def solve(self, log_load: Array) -> Solution:
-        """The wave under loads of any order. Its contact conditions are checked on a freshly applied operator."""
-        n = log_load.size
-        solution = Solution(np.full(n, self.amplitude), np.zeros(n), np.zeros(n), np.zeros(n, np.int64))
+    def solve(self, log_load: Array) -> tuple[Array, Array, Array, Indices]:
+        """h, dh/d ln xi, residual in g and Newton steps under loads of any order, each of shape (loads,).
+
+        The contact conditions are checked on a freshly applied operator.
+        """
+        h, (rate, residual) = np.full(log_load.size, self.amplitude), np.zeros((2, log_load.size))
+        work = np.zeros(log_load.size, np.int64)
         partial = log_load < self.log_full  # beyond: full contact, exactly
         if partial.any():
             loads = log_load[partial]
             waves = self._solved(loads, None)
             breach = violations(waves.state, loads, self.closure, waves.compliance)
             self._check_residual(loads, breach, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
-            solution.compliance[partial] = np.minimum(waves.compliance, self.amplitude)
-            solution.rate[partial] = waves.rate
-            solution.residual[partial] = breach * depth_of(waves.state[:, -1]).total
-            solution.work[partial] = waves.work
-        return solution
+            h[partial], rate[partial] = np.minimum(waves.compliance, self.amplitude), waves.rate
+            residual[partial], work[partial] = breach * depth_of(waves.state[:, -1]).total, waves.work
+        return h, rate, residual, work
 
     def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
         solutions = solve_waves(log_load, self.closure, self.mesh, self.tolerance, guess)
@@ -110,16 +111,16 @@ class Scale(NamedTuple):
             )
 
 
-def scale_on(finer: ComplianceTable, scaling: Scaling, mesh: Mesh, tolerance: float) -> Scale:
+def scale_on(finer: ComplianceTable, model: Model) -> Scale:
     """The next coarser wave on these."""
-    amplitude = 1 + math.exp(scaling.log_height) * finer.amplitude
-    log_full = float(np.logaddexp(0, scaling.log_pressure + finer.log_full))  # trough pressure xi - 1 is enough
-    return Scale(coarser_units(finer.rows.closure, scaling), amplitude, log_full, mesh, tolerance)
+    amplitude = 1 + math.exp(model.log_height) * finer.amplitude
+    log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))  # trough pressure xi - 1 is enough
+    return Scale(coarser_units(finer.rows.closure, model), amplitude, log_full, model.mesh, model.tolerance)
 
 
-def coarser_units(closure: Closure, scaling: Scaling) -> Closure:
+def coarser_units(closure: Closure, model: Model) -> Closure:
     """W of a wave as the closure of the layer under the next coarser one, in the units of that one."""
-    log_compression, origin = closure.log_compression + scaling.log_height, closure.origin + scaling.log_pressure
+    log_compression, origin = closure.log_compression + model.log_height, closure.origin + model.log_pressure
     return closure._replace(log_compression=log_compression, origin=origin)
 
 
@@ -134,14 +135,12 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
     return ComplianceTable(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
 
 
-def finer_waves(
-    m: int, bottom: float, top: float, scaling: Scaling, mesh: Mesh, accuracy: float, tolerance: float
-) -> ComplianceTable:
+def finer_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
     """The waves finer than the first of m, in the units of the second, on tables between these positions."""
-    share = accuracy / (m - 1)
+    share = model.accuracy / (model.m - 1)
     waves = finest_wave(bottom, top, share)
-    for _ in range(m - 2):
-        scale = scale_on(waves, scaling, mesh, tolerance)
+    for _ in range(int(model.m) - 2):
+        scale = scale_on(waves, model)
         rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
         waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
     return waves

@@ -14,9 +14,9 @@ from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import FixedPoint
-from weier.methods.layer.scales import ComplianceTable, Scaling, Solution, finer_waves, scale_on
+from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
-from weier.methods.layer.wave import midpoints
+from weier.methods.layer.wave import Mesh, midpoints
 from weier.theory.arguments import checked_count, checked_number, checked_numbers
 from weier.theory.series import checked_dimension, checked_terms, tail_amplitude
 
@@ -30,10 +30,6 @@ RESIDUAL_SHARE = 1e-5  # of the accuracy, for the waves of a table: their residu
 MAX_SCALES = 1000  # of a finite series that differs from the infinite one
 TAIL_SHARE = 0.1  # of the accuracy: a series that is taken for infinite may differ from it by as much
 FLAT_MARGIN = 1.0  # of ln xi, beyond the least load at which a wave is as good as flat
-
-
-Series = tuple[float, float, float]  # D, gamma, m
-Settings = tuple[int, float, float]  # points, accuracy, tolerance
 
 
 class Curve(NamedTuple):
@@ -107,8 +103,7 @@ def curve(
 
     """
     ratio = checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
-    series = checked_dimension(D), ratio, checked_terms(m)
-    settings = _checked_settings(points, accuracy, tolerance)
+    model = Model(checked_dimension(D), ratio, checked_terms(m), *_checked_settings(points, accuracy, tolerance))
     given = _checked_loads(mean_pressure)
     loads, position = np.unique(given, return_inverse=True)
     if m == 1:
@@ -116,16 +111,15 @@ def curve(
         solution = Curve(h, R, np.zeros(loads.size), np.zeros(loads.size, np.int64))
     else:
         # Light loads have tables that begin lower, and heavy ones on a finite series tables up to full contact.
-        top = _top(series, accuracy)
+        top = _top(model)
         parts = zip(
             np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),
             (BOTTOM_POSITIONS[1], BOTTOM_POSITIONS[0], BOTTOM_POSITIONS[0]),
             (position_of(top), position_of(top), MAX_POSITION),
             strict=True,
         )
-        solved = [_solve(np.log(some), bottom, end, series, settings) for some, bottom, end in parts if some.size]
-        wave = Solution(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
-        solution = Curve(wave.compliance, wave.rate / loads, wave.residual, wave.work)
+        solved = [_solve(some, bottom, end, model) for some, bottom, end in parts if some.size]
+        solution = Curve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
     columns: tuple[Any, ...] = solution
     return Curve(*(np.asarray(column[position.reshape(given.shape)]) for column in columns))
 
@@ -142,53 +136,45 @@ def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Ar
 
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
     """The closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
-    waves = _finer_waves(BOTTOM_POSITIONS[0], MAX_POSITION, (D, gamma, math.inf), (POINTS, ACCURACY, TOLERANCE))
-    flat = _flat_waves(log_load, waves, Scaling.of(D, gamma))
-    log_W, power = log_compression(waves.rows.closure, flat.log_load)
-    W = flat.height + flat.scale * np.exp(log_W)
-    return np.log(W), power * flat.scale * np.exp(log_W) / W
+    model = Model(D, gamma, math.inf, midpoints(POINTS), ACCURACY, TOLERANCE)
+    waves = _finer_waves(BOTTOM_POSITIONS[0], MAX_POSITION, model)
+    carried, height, scale = _flat_waves(log_load, waves, model)
+    log_W, power = log_compression(waves.rows.closure, carried)
+    W = height + scale * np.exp(log_W)
+    return np.log(W), power * scale * np.exp(log_W) / W
 
 
-class FlatWaves(NamedTuple):
-    """The waves that loads press flat, and what the others carry: h = height + scale * h of these."""
+def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[Array, Array, Array]:
+    """So many waves of the infinite series are pressed flat that its table reaches ln xi that the others carry.
 
-    log_load: Array
-    height: Array
-    scale: Array
-
-
-def _flat_waves(log_load: Array, waves: ComplianceTable, scaling: Scaling) -> FlatWaves:
-    """So many of the infinite series that its table reaches what the others carry.
+    Returned are this ln xi, and height and scale of h = height + scale * h of the others.
 
     At the end of the table the pressure along a wave varies by so little that w(p) is straight.
     """
     if math.isfinite(waves.log_full):
-        return FlatWaves(log_load, np.zeros(log_load.size), np.ones(log_load.size))
+        return log_load, np.zeros(log_load.size), np.ones(log_load.size)
     beyond = log_load - log_load_at(waves.rows.position[-1])
-    number = np.maximum(np.ceil(beyond / scaling.log_pressure), 0.0)
-    scale = np.exp(number * scaling.log_height)
-    return FlatWaves(log_load - number * scaling.log_pressure, (1 - scale) * waves.amplitude, scale)
+    number = np.maximum(np.ceil(beyond / model.log_pressure), 0.0)
+    scale = np.exp(number * model.log_height)
+    return log_load - number * model.log_pressure, (1 - scale) * waves.amplitude, scale
 
 
 @one_thread
-def _solve(log_load: Array, bottom: float, top: float, series: Series, settings: Settings) -> Solution:
+def _solve(loads: Array, bottom: float, top: float, model: Model) -> Curve:
     """The coarsest wave under these loads, on the layer of all finer ones."""
-    D, gamma, _ = series
-    points, _, tolerance = settings
-    scaling, waves = Scaling.of(D, gamma), _finer_waves(bottom, top, series, settings)
-    flat = _flat_waves(log_load, waves, scaling)
-    h, rate, residual, work = scale_on(waves, scaling, midpoints(points), tolerance).solve(flat.log_load)
-    return Solution(flat.height + flat.scale * h, flat.scale * rate, flat.scale * residual, work)
+    waves = _finer_waves(bottom, top, model)
+    carried, height, scale = _flat_waves(np.log(loads), waves, model)
+    h, rate, residual, work = scale_on(waves, model).solve(carried)
+    return Curve(height + scale * h, scale * rate / loads, scale * residual, work)
 
 
 @one_thread
-def _finer_waves(bottom: float, top: float, series: Series, settings: Settings) -> ComplianceTable:
+def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
     """The waves finer than the first, on tables that depend on no load."""
-    (D, gamma, m), (points, accuracy, tolerance) = series, settings
-    scaling, mesh = Scaling.of(D, gamma), midpoints(points)
-    tolerance = max(min(tolerance, RESIDUAL_SHARE * accuracy), MIN_TOLERANCE)
-    if _may_be_infinite(bottom, series, accuracy):
-        waves = FixedPoint(D, gamma, mesh, accuracy, tolerance).waves(bottom, position_of(_top(series, accuracy)))
+    D, gamma, m, _, accuracy, tolerance = model
+    model = model._replace(tolerance=max(min(tolerance, RESIDUAL_SHARE * accuracy), MIN_TOLERANCE))
+    if _may_be_infinite(bottom, model):
+        waves = FixedPoint(model).waves(bottom, position_of(_top(model)))
         tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
         if tail <= TAIL_SHARE * accuracy * math.exp(waves.rows.log_compliance[0]):
             return waves
@@ -198,25 +184,23 @@ def _finer_waves(bottom: float, top: float, series: Series, settings: Settings) 
             f"{MAX_SCALES} scales one by one: choose a smaller m, or m = inf",
             float(tail_amplitude(m, D, gamma) / tail_amplitude(0, D, gamma)),
         )
-    return finer_waves(int(m), bottom, top, scaling, mesh, accuracy, tolerance)
+    return finer_waves(model, bottom, top)
 
 
-def _top(series: Series, accuracy: float) -> float:
+def _top(model: Model) -> float:
     """The ln xi at which tables end: from here on the first wave is as good as flat.
 
     No pressure in a wave exceeds 1 + xi, and so the table that a wave at the end rests on ends no later.
     """
-    step = Scaling.of(*series[:2]).log_pressure
+    step = model.log_pressure
     self_contained = -step - math.log(-math.expm1(-step))
-    return max(self_contained, -0.5 * math.log(accuracy)) + FLAT_MARGIN
+    return max(self_contained, -0.5 * math.log(model.accuracy)) + FLAT_MARGIN
 
 
-def _may_be_infinite(bottom: float, series: Series, accuracy: float) -> bool:
+def _may_be_infinite(bottom: float, model: Model) -> bool:
     """Whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
-    D, gamma, m = series
-    decay = -Scaling.of(D, gamma).log_height
-    lightest = 2 * math.sqrt(decay * -log_load_at(bottom))
-    return m * decay >= lightest - math.log(TAIL_SHARE * accuracy)
+    lightest = 2 * math.sqrt(-model.log_height * -log_load_at(bottom))
+    return model.m * -model.log_height >= lightest - math.log(TAIL_SHARE * model.accuracy)
 
 
 def _checked_loads(mean_pressure: ArrayLike) -> Array:
@@ -227,10 +211,10 @@ def _checked_loads(mean_pressure: ArrayLike) -> Array:
     return loads
 
 
-def _checked_settings(points: int, accuracy: float, tolerance: float) -> Settings:
+def _checked_settings(points: int, accuracy: float, tolerance: float) -> tuple[Mesh, float, float]:
     points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
     within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
     accuracy = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
     within = f"lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy"
     held = checked_number("residual_tolerance", tolerance, within, lambda value: MIN_TOLERANCE <= value <= accuracy)
-    return points, accuracy, held
+    return midpoints(points), accuracy, held

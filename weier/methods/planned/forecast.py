@@ -75,7 +75,7 @@ def _counted(kept: Profile) -> CountedContacts:
     """The contacts of a short series in one period, and their share of its length."""
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
-        with telling(None):
+        with telling():
             found = bem.contacts(kept, loads, points, COUNTED_RESIDUAL)
     except ConvergenceError:  # the most that there can be
         return CountedContacts(np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS)

@@ -16,7 +16,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.plan import Plan, plan
-from weier.methods.progress import also_telling
+from weier.methods.progress import all_told, telling
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
@@ -136,7 +136,7 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
                 f"{seconds:.0f} s with {done} of {count} loads solved"
             )
 
-    with also_telling(look_at_clock):
+    with telling(*all_told(), look_at_clock):
         return _attempt(profile, segment)
 
 
@@ -157,7 +157,7 @@ def _described(segment: Segment) -> str:
 def _attempt(profile: Profile, segment: Segment) -> Curve:
     """Run a segment; loads that its solver gives up have infinite errors, and the others are solved without them."""
     try:
-        return _solved_loads(segment, _solved(profile, segment))
+        return run(profile, (segment,))
     except ConvergenceError:
         count = segment.mean_pressure.size
         if count == 1:
@@ -172,8 +172,14 @@ def _excess_message(segment: Segment, error: Array) -> str:
     return f"{_described(segment)} was expected to do, and {left} at {segment.mean_pressure[worst]:g} p_0*"
 
 
+def run(profile: Profile, segments: Sequence[Segment]) -> Curve:
+    """Run segments that cover the loads one after the other."""
+    return _concatenated([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
+
+
 def _concatenated(curves: Sequence[Curve]) -> Curve:
-    return Curve(*map(np.concatenate, zip(*(each.arrays for each in curves), strict=True)))
+    columns: Any = map(np.concatenate, zip(*(each.arrays for each in curves), strict=True))
+    return Curve(*columns)
 
 
 def _solved_loads(segment: Segment, solved: SegmentSolution) -> Curve:
