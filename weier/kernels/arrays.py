@@ -1,6 +1,8 @@
-"""The kinds of arrays that annotations name."""
+"""The kinds of arrays that annotations name, and arrays of records, which kernels take and make as well."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,3 +10,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
+Records = NDArray[np.record]
+Record = Any  # one of them, whose fields are attributes
+
+
+def record_type(*fields: tuple[str, type, tuple[int, ...]]) -> np.dtype[np.record]:
+    """The type of records of these fields: names with spaces between them, their type, and the shape of each."""
+    named = [(name, kind, shape) for names, kind, shape in fields for name in names.split()]
+    records: Any = np.record, named
+    return np.dtype(records)

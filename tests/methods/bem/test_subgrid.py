@@ -214,7 +214,7 @@ def test_a_thousand_contacts_between_narrow_gaps_stand_on_one_plane():
     """The last step of their forces is all rounding, in which conjugate gradients do not converge."""
     profile, points = Profile(1.25, 5, 6), 16 * 5**5
     found = GridSolver(profile, points, 1e-10).solve(10.0)
-    assert found.contacts.left.size > 900
+    assert found.contacts.size > 900
     assert found.verified
 
 

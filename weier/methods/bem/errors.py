@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Record, Records
 from weier.kernels.jit import kernel
 from weier.methods.bem import factors
-from weier.methods.bem.contacts import WIDE, GridContacts
+from weier.methods.bem.contacts import WIDE
 from weier.methods.bem.edges import Steps
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.local_fit import DEGREE, shift, slopes, value
@@ -41,7 +41,7 @@ class Errors(NamedTuple):
 
 @kernel
 def estimate_errors(
-    solution: GridSolution, steps: Steps, polynomial: Flags, gaps: Gaps, contacts: GridContacts,
+    solution: GridSolution, steps: Steps, polynomial: Flags, gaps: Gaps, contacts: Records,
     forces: Redistribution, continuum: Continuum,
 ) -> Errors:  # fmt: skip
     """How far off a corrected solution is expected to be."""
@@ -49,32 +49,33 @@ def estimate_errors(
     compliance, resistance = _errors_of_edges(solution, steps, polynomial, angle, load)
     compliance += _error_of_the_solver(solution, load)
     resistance += factors.RATE_ROUNDING / angle**2 * solution.rate
-    for at in range(contacts.kind.size):
-        if forces.touching[at]:
-            compliance += factors.MOMENTS * forces.second[at]
-            resistance += factors.MOMENTS * forces.rate_second[at]
-            if contacts.kind[at] != WIDE:
-                of_rest = _errors_of_the_polynomial(contacts, forces, at, abs(solution.plane), period)
+    for at in range(contacts.size):
+        contact, each = contacts[at], forces.contacts[at]
+        if each.touching:
+            compliance += factors.MOMENTS * each.second
+            resistance += factors.MOMENTS * each.rate_second
+            if contact.kind != WIDE:
+                of_rest = _errors_of_the_polynomial(contact, each, abs(solution.plane), period)
                 compliance += factors.REST * of_rest[0]
                 resistance += factors.REST * of_rest[1]
     birth_compliance = birth_resistance = 0.0
     uncertain, judged = False, True
-    for at in range(contacts.kind.size):
-        if contacts.kind[at] == WIDE:
+    for at in range(contacts.size):
+        contact, each = contacts[at], forces.contacts[at]
+        if contact.kind == WIDE:
             continue
-        rest = factors.REST * _size(contacts.height_rest[at], forces.centre[at])
-        displaced, relief = _effects_of_others(contacts, forces, at, solution.contact.size, period)
+        rest = factors.REST * _size(contact.height_rest, each.centre)
+        displaced, relief = _effects_of_others(contacts, forces.contacts, at, solution.contact.size, period)
         height = factors.HEIGHT_SHARE * compliance + rest + displaced
-        if forces.touching[at]:  # the more of the load it takes, the less another can take from it
-            height *= max(1 - (contacts.share[at] + forces.share_change[at]) / period, 0.0)
+        if each.touching:  # the more of the load it takes, the less another can take from it
+            height *= max(1 - each.share / period, 0.0)
         else:
-            judged &= forces.penetration[at] <= height
-        uncertain |= abs(forces.penetration[at]) <= height
-        drop = _drop(contacts, forces, at, height, relief, period)
-        drop -= _drop(contacts, forces, at, -height, relief, period)
+            judged &= each.penetration <= height
+        uncertain |= abs(each.penetration) <= height
+        drop = _drop(contact, each, height, relief, period) - _drop(contact, each, -height, relief, period)
         birth_resistance += drop
-        if forces.closing[at] > 0:  # the load between where it is born and where it seems to be, times the drop
-            birth_compliance += drop * height / forces.closing[at]
+        if each.closing > 0:  # the load between where it is born and where it seems to be, times the drop
+            birth_compliance += drop * height / each.closing
     compliance += gaps.error[0] + birth_compliance
     return Errors(compliance, gaps.error[1] + resistance + birth_resistance, uncertain, judged)
 
@@ -139,47 +140,46 @@ def _size(polynomials: Array, s: float) -> float:
 
 
 @kernel
-def _errors_of_the_polynomial(
-    contacts: GridContacts, forces: Redistribution, at: int, height: float, period: float
-) -> tuple[float, float]:
+def _errors_of_the_polynomial(contact: Record, each: Record, height: float, period: float) -> tuple[float, float]:
     """What the next two terms of its polynomials change of compliance and resistance, and rounding of heights.
 
     A height delta z in contact raises the plane by its mean over the Chebyshev nodes; that mean changes with the half
     width a, and a with the force, which is -(a/2) times the mean of t z'. A slope moves the contact by slope/z'', to
     where its curvature is another.
     """
-    force, share = contacts.force[at] + forces.change[at], contacts.share[at] + forces.share_change[at]
-    centre, half_width = forces.centre[at], forces.half_width[at]
-    odd, odd_change = _means_of_the_rest(contacts.height_rest[at, 0], centre, half_width)
-    even, even_change = _means_of_the_rest(contacts.height_rest[at, 1], centre, half_width)
-    odd_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 0], centre, half_width)
-    even_rate, _ = _means_of_the_rest(contacts.rate_rest[at, 1], centre, half_width)
-    compliance = abs(share) * (abs(odd) + abs(even)) + abs(force) * (abs(odd_rate) + abs(even_rate))
-    resistance = 2 * abs(share) * (abs(odd_rate) + abs(even_rate))
-    wider = force_per_half_width(contacts.height[at], centre, half_width)
+    centre, share = each.centre, each.share
+    mean, change = _means_of_the_rest(contact.height_rest, centre, each.half_width)
+    mean_rate, _ = _means_of_the_rest(contact.rate_rest, centre, each.half_width)
+    compliance = abs(share) * mean + abs(each.force) * mean_rate
+    resistance = 2 * abs(share) * mean_rate
+    wider = force_per_half_width(contact.height, centre, each.half_width)
     if wider > 0:
-        resistance += share**2 * (abs(odd_change) + abs(even_change)) / wider
-    _, bend, twist = slopes(contacts.height[at], centre)
+        resistance += share**2 * change / wider
+    _, bend, twist = slopes(contact.height, centre)
     if bend < 0:
-        slope = abs(forces.tilt[at]) * contacts.scale[at]
-        for j in range(2):
-            slope += abs(slopes(contacts.height_rest[at, j], centre)[0])
+        slope = abs(each.tilt) * contact.scale
+        for rest in contact.height_rest:
+            slope += abs(slopes(rest, centre)[0])
         resistance += share**2 * (abs(twist) * slope / bend**2 - factors.ROUNDING * MAX_BEND * height / bend)
     return compliance / period, resistance / period
 
 
 @kernel
 def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[float, float]:
-    """Mean of a term over the Chebyshev nodes t of a contact, and that of t times its slope."""
-    moved = rest.copy()
-    shift(moved, centre)
-    mean, _, _, slope_t, _ = means(moved, half_width)
-    return mean, slope_t
+    """Sizes of means over the Chebyshev nodes t of a contact: of two terms, and of t times their slopes."""
+    size = size_of_slopes = 0.0
+    for term in rest:
+        moved = term.copy()
+        shift(moved, centre)
+        mean, _, _, slope_t, _ = means(moved, half_width)
+        size += abs(mean)
+        size_of_slopes += abs(slope_t)
+    return size, size_of_slopes
 
 
 @kernel
 def _effects_of_others(
-    contacts: GridContacts, forces: Redistribution, at: int, points: int, period: float
+    contacts: Records, corrected: Records, at: int, points: int, period: float
 ) -> tuple[float, float]:
     """How far others may displace a crest by moments that are not corrected, and how much they relieve its force.
 
@@ -190,37 +190,36 @@ def _effects_of_others(
     f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
     displacement = relief = 0.0
-    for other in range(contacts.kind.size):
-        if other == at:
+    for i in range(contacts.size):
+        if i == at:
             continue
-        apart = abs(np.sin(np.pi / period * (contacts.position[at] - contacts.position[other])))
-        near, yielding = np.pi / period / apart, contacts.self_compliance[other]
-        if contacts.kind[other] == WIDE:
-            displacement += factors.MOMENT * contacts.force[other] * (near * period / points) ** 2
-        elif forces.touching[other]:
-            first, second = abs(forces.moments[other, 1]), abs(forces.moments[other, 2])
-            half_width = forces.half_width[other] * contacts.scale[other]
+        contact, other = contacts[i], corrected[i]
+        apart = abs(np.sin(np.pi / period * (contacts[at].position - contact.position)))
+        near, yielding = np.pi / period / apart, contact.self_compliance
+        if contact.kind == WIDE:
+            displacement += factors.MOMENT * contact.force * (near * period / points) ** 2
+        elif other.touching:
+            change, first, second = abs(other.moments[0]), abs(other.moments[1]), abs(other.moments[2])
+            half_width = other.half_width * contact.scale
             displacement += factors.MOMENTS * near * (near * half_width) ** 2 * (2 * first + near * second)
-            widths = half_width**2 + (forces.half_width[at] * contacts.scale[at]) ** 2
-            displacement += near**2 / 2 * widths * abs(forces.change[other])
+            widths = half_width**2 + (corrected[at].half_width * contacts[at].scale) ** 2
+            displacement += near**2 / 2 * widths * change
             yielding = punch_compliance(half_width, period)
-        if forces.touching[other]:
+        if other.touching:
             relief = min(relief, yielding + 4 * np.log(2 * apart))
     return displacement, relief
 
 
 @kernel
-def _drop(
-    contacts: GridContacts, forces: Redistribution, at: int, higher: float, relief: float, period: float
-) -> float:
+def _drop(contact: Record, each: Record, higher: float, relief: float, period: float) -> float:
     """What a contact takes off the resistance that a crest makes by penetrating so much farther.
 
     One that is hollow in its middle is taken for the parabola that would be as wide.
     """
-    penetration, bend = forces.penetration[at] + higher, -slopes(contacts.height[at], forces.centre[at])[1]
-    if bend <= 0 and forces.touching[at]:
-        bend = 2 * forces.penetration[at] / forces.half_width[at] ** 2
+    penetration, bend = each.penetration + higher, -slopes(contact.height, each.centre)[1]
+    if bend <= 0 and each.touching:
+        bend = 2 * each.penetration / each.half_width**2
     if penetration <= 0 or bend <= 0:
         return 0.0
-    half_width = min(np.sqrt(2 * penetration / bend) * contacts.scale[at], period / 4)
-    return forces.closing[at] ** 2 / max(1 + punch_compliance(half_width, period) + relief, 1.0) / period
+    half_width = min(np.sqrt(2 * penetration / bend) * contact.scale, period / 4)
+    return each.closing**2 / max(1 + punch_compliance(half_width, period) + relief, 1.0) / period

@@ -27,8 +27,8 @@ class Interaction(NamedTuple):
     """What is needed to let contacts displace each other.
 
     mutual : displacement of one contact per force on another, 0 on the diagonal; empty where there are many contacts
-    node, beside : the first of the nodes about the middle of each, and how far the middle is beside the second one,
-        in nodes
+    node : the first of the four nodes about the middle of each
+    weights : of these nodes for moments about the middle, shape (contacts, nodes, moments)
     eigenvalue : of the influence matrix of the grid
     own : displacement of nodes at increasing distances from a unit force, on a line without images
     spacing : of the nodes, in lambda_0
@@ -37,7 +37,7 @@ class Interaction(NamedTuple):
 
     mutual: Array
     node: Indices
-    beside: Array
+    weights: Array
     eigenvalue: Array
     own: Array
     spacing: float
@@ -50,14 +50,15 @@ class Interaction(NamedTuple):
 def make_interaction(position: Array, continuum: Continuum) -> Interaction:
     """The interaction of contacts with these middles."""
     points, contacts = continuum.grid.height.size, position.size
-    node, beside = np.empty(contacts, np.int64), np.empty(contacts)
+    spacing = continuum.period / points
+    node, weights = np.empty(contacts, np.int64), np.empty((contacts, MOMENTS, MOMENTS))
     for i in range(contacts):
-        in_nodes = position[i] * points / continuum.period
-        before = int(np.floor(in_nodes))
-        node[i], beside[i] = before - 1, in_nodes - before
+        before = int(np.floor(position[i] / spacing))
+        node[i] = before - 1
+        _weigh_nodes(position[i] / spacing - before, spacing, weights[i])
     return Interaction(
-        _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, beside,
-        continuum.grid.influence, continuum.influence, continuum.period / points, np.zeros(points), np.zeros(points),
+        _mutual(position, contacts if contacts <= MAX_DENSE else 0, continuum.period), node, weights,
+        continuum.grid.influence, continuum.influence, spacing, np.zeros(points), np.zeros(points),
         np.zeros(points // 2 + 1, np.complex128),
     )  # fmt: skip
 
@@ -83,35 +84,34 @@ def displace(moments: Array, interaction: Interaction) -> Array:
 
     `moments` are zeroth to third ones about the middles of the contacts, of the same shape.
     """
-    points, spacing, own = interaction.pressure.size, interaction.spacing, interaction.own
+    points, weights = interaction.pressure.size, interaction.weights
     forces, effects = np.zeros(moments.shape), np.zeros(moments.shape)
     interaction.pressure[:] = 0.0
     for i in range(moments.shape[0]):
-        weights = _weights_of_nodes(interaction.beside[i], spacing, HATS)
         for a in range(MOMENTS):
             for k in range(MOMENTS):
-                forces[i, a] += weights[a, k] * moments[i, k]
-            interaction.pressure[(interaction.node[i] + a) % points] += forces[i, a] / spacing
+                forces[i, a] += weights[i, a, k] * moments[i, k]
+            interaction.pressure[(interaction.node[i] + a) % points] += forces[i, a] / interaction.spacing
     circulant_product(interaction.eigenvalue, interaction.pressure, interaction.spectrum, interaction.displacement)
     for i in range(moments.shape[0]):
-        weights = _weights_of_nodes(interaction.beside[i], spacing, 0.0)
         for a in range(MOMENTS):
             displacement = interaction.displacement[(interaction.node[i] + a) % points]
             for b in range(MOMENTS):
-                displacement -= own[abs(a - b)] * forces[i, b]
+                displacement -= interaction.own[abs(a - b)] * forces[i, b]
             for k in range(MOMENTS):
-                effects[i, k] += weights[a, k] * displacement
+                effects[i, k] += weights[i, a, k] * displacement
     return effects
 
 
 @kernel
-def _weights_of_nodes(beside: float, spacing: float, spread: float) -> Array:
+def _weigh_nodes(beside: float, spacing: float, weights: Array) -> None:
     """Weights of four nodes in a row for moments about a point so far beside the second one, shape (nodes, moments).
 
-    They are forces with these moments, where that on each node is spread by a second moment of its own, in squares of
-    the spacing. Without it they interpolate values at the nodes, and their derivatives over factorials, by a cubic.
+    They are forces with these moments, and they interpolate values at the nodes, and their derivatives over
+    factorials, by a cubic. A nodal pressure is a triangle: half of its second moment is taken off either way, so that
+    contacts act on each other by a symmetric matrix.
     """
-    weights, o = np.empty((MOMENTS, MOMENTS)), beside
+    o, spread = beside, HATS / 2
     powers = (
         (1.0, o, o * o - spread, o**3 - 3 * spread * o),
         (0.0, 1.0, 2 * o, 3 * (o * o - spread)),
@@ -125,26 +125,21 @@ def _weights_of_nodes(beside: float, spacing: float, spread: float) -> Array:
         weights[2, k] = (second - third) / 2 + first
         weights[3, k] = (third - first) / 6
         weights[:, k] /= spacing**k
-    return weights
 
 
 @kernel
 def press(force: Array, interaction: Interaction) -> Array:
     """Displacement of each contact by forces in the middle of the others."""
     n = force.size
-    displacement = np.zeros(n)
     if interaction.mutual.shape[0] == n:
+        displacement = np.zeros(n)
         for i in range(n):
             for j in range(n):
                 displacement[i] += interaction.mutual[i, j] * force[j]
         return displacement
     moments = np.zeros((n, MOMENTS))
-    for i in range(n):
-        moments[i, 0] = force[i]
-    effects = displace(moments, interaction)
-    for i in range(n):
-        displacement[i] = effects[i, 0]
-    return displacement
+    moments[:, 0] = force
+    return displace(moments, interaction)[:, 0].copy()
 
 
 @kernel

@@ -52,29 +52,6 @@ def next_terms(s: Array, degree: int) -> Array:
 
 
 @kernel
-def remainder(polynomial: Array, fitted_next: Array, degree: int, ratio: float, rest: Array) -> None:
-    """Write what a fit of this degree leaves of an odd and an even term beyond it, polynomials, into `rest`.
-
-    The terms are of T_(degree + 1) and T_(degree + 2), less what the fit makes of them, `fitted_next`. Their
-    coefficients are those of a wave: they alternate, and fall by `ratio`^2/(4 k (k + 1)) from one of a parity to the
-    next; where they fell more slowly so far, they go on like that. A last one that is smaller than the one before
-    tells, as where waves cancel in it, counts as large as that.
-    """
-    coefficients = expansion(polynomial, 0.0, 1.0)
-    for j in range(2):
-        last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
-        fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
-        ratio_of_falls = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
-        size = max(last, fall * before / ratio_of_falls) if ratio_of_falls > 0 else last
-        if ratio_of_falls * last > fall * before:
-            fall = min(ratio_of_falls * last / before, 1.0)
-        factor = -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
-        for k in range(TERMS + 2):
-            fitted = fitted_next[j, k] if k < TERMS else 0.0
-            rest[j, k] = (_CHEBYSHEV[degree + 1 + j, k] - fitted) * factor
-
-
-@kernel
 def value(polynomial: Array, s: float) -> float:
     """The polynomial at s."""
     total = 0.0
@@ -177,15 +154,54 @@ def scale_of(window: int) -> float:
 
 
 @kernel
-def fit_window(windows: Windows, window: int, values: Array) -> Array:
-    """Least-squares polynomials, shape (k, TERMS), of values at the nodes of a window, shape (k, fitted)."""
-    polynomials = np.zeros((values.shape[0], TERMS))
+def without_own(field: Array, own: Array, table: Array, start: int, offset: Indices) -> Array:
+    """The field at so many nodes from `start`, less what a run that begins there does by its `own` nodal values.
+
+    `table` tells what a value of 1 does to the field at 0, 1, 2, ... nodes from it.
+    """
+    values = np.empty(offset.size)
+    for i in range(offset.size):
+        values[i] = field[(start + offset[i]) % field.size]
+        for j in range(own.size):
+            values[i] -= table[abs(offset[i] - j)] * own[j]
+    return values
+
+
+@kernel
+def fit_without(field: Array, own: Array, table: Array, start: int, margin: int, windows: Windows) -> Array:
+    """The polynomial of what that leaves, fitted on the run and `margin` more nodes at both ends, shape (TERMS,)."""
+    window = own.size + 2 * margin
     coefficient = windows.coefficient[window]
-    for j in range(values.shape[0]):
-        for i in range(values.shape[1]):
-            for k in range(TERMS):
-                polynomials[j, k] += coefficient[i, k] * values[j, i]
-    return polynomials
+    values = without_own(field, own, table, start, windows.offset[window, : windows.fitted[window]] - margin)
+    polynomial = np.zeros(TERMS)
+    for i in range(values.size):
+        for k in range(TERMS):
+            polynomial[k] += coefficient[i, k] * values[i]
+    return polynomial
+
+
+@kernel
+def remainder(polynomial: Array, windows: Windows, window: int, angle: float, rest: Array) -> None:
+    """Write what the fit to a window leaves of an odd and an even term beyond its degree, polynomials, into `rest`.
+
+    The terms are of T_(degree + 1) and T_(degree + 2), less what the fit makes of them. Their coefficients are those
+    of a wave whose phase turns by `angle` from node to node and by `ratio` in one s: they alternate, and fall by
+    `ratio`^2/(4 k (k + 1)) from one of a parity to the next; where they fell more slowly so far, they go on like
+    that. A last one that is smaller than the one before tells, as where waves cancel in it, counts as large as that.
+    """
+    degree, ratio = windows.degree[window], scale_of(window) * angle
+    coefficients = expansion(polynomial, 0.0, 1.0)
+    for j in range(2):
+        last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
+        fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
+        ratio_of_falls = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
+        size = max(last, fall * before / ratio_of_falls) if ratio_of_falls > 0 else last
+        if ratio_of_falls * last > fall * before:
+            fall = min(ratio_of_falls * last / before, 1.0)
+        factor = -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
+        for k in range(TERMS + 2):
+            fitted = windows.following[window, j, k] if k < TERMS else 0.0
+            rest[j, k] = (_CHEBYSHEV[degree + 1 + j, k] - fitted) * factor
 
 
 @kernel

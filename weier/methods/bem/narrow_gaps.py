@@ -22,13 +22,14 @@ from weier.methods.bem.local_fit import (
     average_under_triangle,
     derivative,
     expansion,
-    fit_window,
+    fit_without,
     margin_of,
     remainder,
     scale_of,
     side_margin,
     slopes,
     value,
+    without_own,
 )
 from weier.methods.bem.narrow_contacts import gap_edges, gap_energy, highest
 
@@ -181,18 +182,11 @@ def correct_gap(
             gap[i] = solution.plane - solution.deformed[node]
             opening[i] = solution.displacement[node] - solution.rate  # per mean pressure
     window = nodes + 2 * margin
-    offset, scale = continuum.windows.offset[window], scale_of(window)
-    values = np.empty((3, continuum.windows.fitted[window]))  # pressure that closes this gap, its rate, and z
-    for i in range(values.shape[1]):
-        node = (start - margin + offset[i]) % points
-        values[0, i], values[1, i], values[2, i] = relaxed[node], solution.per_load[node], grid.height[node]
-        for j in range(nodes):
-            stiffness = continuum.stiffness[abs(offset[i] - margin - j)]
-            values[0, i] -= stiffness * gap[j]
-            values[1, i] -= stiffness * opening[j]
-    fitted = fit_window(continuum.windows, window, values)
-    nodal_pressure, profile = fitted[0], fitted[2]
-    pressure, rate = average_under_triangle(nodal_pressure, scale), average_under_triangle(fitted[1], scale)
+    scale, stiffness, windows = scale_of(window), continuum.stiffness, continuum.windows
+    nodal_pressure = fit_without(relaxed, gap, stiffness, start, margin, windows)  # the one that closes this gap
+    nodal_rate = fit_without(solution.per_load, opening, stiffness, start, margin, windows)
+    profile = fit_without(grid.height, np.zeros(nodes), stiffness, start, margin, windows)
+    pressure, rate = average_under_triangle(nodal_pressure, scale), average_under_triangle(nodal_rate, scale)
     fourth = derivative(derivative(derivative(derivative(profile))))
     for k in range(TERMS):
         pressure[k] += ALIAS / spacing * fourth[k] / scale**4
@@ -203,13 +197,11 @@ def correct_gap(
         nodal_pressure, pressure, rate, nodes, window, factor, grid.max_residual, continuum, spacing
     )
     grid_mixed = grid_energy = mixed = energy = 0.0
-    smoothing = added_by_triangles(rate, nodes, scale)
+    closing = without_own(solution.per_load, opening, stiffness, start, np.arange(nodes))
+    closing += added_by_triangles(rate, nodes, scale)
     for i in range(nodes):
-        own = solution.per_load[(start + i) % points]
-        for j in range(nodes):
-            own -= continuum.stiffness[abs(i - j)] * opening[j]
-        grid_mixed += spacing * gap[i] * (own + smoothing[i])
-        grid_energy += spacing * opening[i] * (own + smoothing[i])
+        grid_mixed += spacing * gap[i] * closing[i]
+        grid_energy += spacing * opening[i] * closing[i]
     half_length = half_width * scale * spacing
     if half_width > 0:
         mixed, energy = gap_energy(
@@ -232,9 +224,8 @@ def _errors_of_depth(
 
     They are much where few nodes are in the window, or an edge of contact is near it.
     """
-    scale, following = scale_of(window), continuum.windows.following[window]
-    rest = np.empty((2, TERMS + 2))
-    remainder(nodal_pressure, following, continuum.windows.degree[window], scale * continuum.angle, rest)
+    scale, rest = scale_of(window), np.empty((2, TERMS + 2))
+    remainder(nodal_pressure, continuum.windows, window, continuum.angle, rest)
     least, depth, bend = deepest(pressure, (nodes + 1) / 2 / scale)
     per_load = value(rate, least)
     if bend <= 0 or per_load <= 0:

@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Record, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.bem.contacts import CREST, NARROW, WIDE, GridContacts
+from weier.methods.bem.contacts import CREST, NARROW, WIDE
 from weier.methods.bem.factors import ROUNDING
-from weier.methods.bem.grid_solution import Continuum
+from weier.methods.bem.fft import dot
+from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.interaction import MOMENTS, Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
 from weier.methods.bem.narrow_contacts import contact_energies, plane_height, punch_compliance
@@ -23,37 +24,44 @@ CLOSE = 1e-12  # of the load: the last step, and the force of a contact that let
 MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 
+# A contact in the continuum, or a crest that may be one:
+#
+# touching : whether a contact of the grid still touches, or a crest does
+# force, share : per period, and its rate per mean pressure
+# centre, half_width : if it is a crest or has polynomials, in s
+# moments : of the force that it has more, or elsewhere than on the grid, shape (MOMENTS,)
+# tilt : slope of the displacement by these of all contacts
+# second, rate_second : sizes of what second moments change of compliance and resistance
+# penetration, closing : by how much one that is narrow, or a crest, stands above the plane that it does not touch, or
+#     would without its force, in g_0, and the rate of that per mean pressure
+CORRECTED = record_type(
+    ("touching", np.bool_, ()),
+    ("force share centre half_width tilt second rate_second penetration closing", np.float64, ()),
+    ("moments", np.float64, (MOMENTS,)),
+)
+# What reciprocity makes of a contact, with the shares of the grid as weights:
+#
+# slope : its compliance in the continuum
+# more : displacement that its share makes there more than on the grid, by itself and by `others`
+# others : displacement by the rates of others that it has more, since it is elsewhere
+# raised : displacement by these rates for more force, which does not change how the rates are spread
+# closing : rate of the plane towards a crest that the grid has not in contact
+WEIGHTS = record_type(("slope more others raised closing", np.float64, ()))
+
 
 class Redistribution(NamedTuple):
-    """What contacts carry in the continuum, each array of shape (contacts,).
+    """What contacts carry in the continuum.
 
     found : whether forces were found that are positive, of contacts within their polynomials
     compliance, resistance : what all this adds
-    touching : whether a contact of the grid still touches, or a crest does
-    change, share_change : how much more force each has, and of how much more share
-    centre, half_width : of contacts with polynomials and of crests, in s
-    moments : of the force that each has more, or elsewhere than on the grid, shape (contacts, MOMENTS)
-    tilt : slope of the displacement by these
-    second, rate_second : sizes of what second moments change of compliance and resistance
-    penetration, closing : by how much each that is narrow, or a crest, stands above the plane that it does not touch,
-        or would without its force, in g_0, and the rate of that per mean pressure
+    contacts : in the continuum, in the order of those on the grid, shape (contacts,)
     displacement : of all nodes, shape (N,), by all this
     """
 
     found: bool
     compliance: float
     resistance: float
-    touching: Flags
-    change: Array
-    share_change: Array
-    centre: Array
-    half_width: Array
-    moments: Array
-    tilt: Array
-    second: Array
-    rate_second: Array
-    penetration: Array
-    closing: Array
+    contacts: Records
     displacement: Array
 
 
@@ -74,71 +82,73 @@ class State(NamedTuple):
 
 
 @kernel
-def find_forces(contacts: GridContacts, plane: float, continuum: Continuum) -> tuple[bool, State, Interaction]:
-    """Find the forces of contacts that are to stand on one plane: whether they were found, and what they displace."""
-    period, interaction = continuum.period, make_interaction(contacts.position, continuum)
-    n = contacts.kind.size
-    state = State(
-        contacts.kind != CREST, np.zeros(n), contacts.centre.copy(), contacts.half_width.copy(), np.zeros(n),
-        np.ones(n),
-    )  # fmt: skip
+def redistribute(contacts: Records, solution: GridSolution, continuum: Continuum) -> Redistribution:
+    """Find the forces of contacts that are to stand on one plane, and what they change."""
+    period, interaction = continuum.period, make_interaction(contacts["position"].copy(), continuum)
+    n = contacts.size
+    state = State(np.zeros(n, np.bool_), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n))
+    for i in range(n):
+        state.touching[i] = contacts[i].kind != CREST
+        state.centre[i], state.half_width[i] = contacts[i].centre, contacts[i].half_width
+    total = solution.pressure.mean() * period
     for _ in range(MAX_ROUNDS):
-        lift = displace(_moments_of_force(contacts, state), interaction)
-        found = _equalise_heights(contacts, plane, period, lift, interaction, state)
-        if not (found and _touch_and_let_go(contacts, period, lift, interaction, state)):
+        lift = displace(_moments(False, contacts, state), interaction)
+        found = _equalise_heights(contacts, solution.plane, total, period, lift, interaction, state)
+        if not (found and _touch_and_let_go(contacts, total, period, lift, interaction, state)):
             break
     for i in range(n):
         if state.touching[i]:  # a wide contact has no law of its own that keeps its force positive
-            found &= contacts.force[i] + state.change[i] > 0
+            found &= contacts[i].force + state.change[i] > 0
             reach = abs(state.centre[i]) + state.half_width[i]
-            found &= contacts.kind[i] == WIDE or reach <= contacts.limit[i]
-    return found, state, interaction
+            found &= contacts[i].kind == WIDE or reach <= contacts[i].limit
+    return _sum_up(found, contacts, solution.plane, solution.rate, period, interaction, state)
 
 
 @kernel
-def _heights(contacts: GridContacts, plane: float, period: float, state: State) -> bool:
+def _heights(contacts: Records, plane: float, period: float, state: State) -> bool:
     """Height of the plane for each force, and its fall with the force; False if not found.
 
     On a wide contact the height falls by nothing but what other forces and its own compliance say: `excess` leaves
     these out for all contacts of the grid.
     """
-    for i in range(state.change.size):
-        if state.touching[i] and contacts.kind[i] == WIDE:
-            state.excess[i] = plane - contacts.edge_compliance[i] * period / contacts.share[i]
-            state.slope[i] = contacts.self_compliance[i]
+    for i in range(contacts.size):
+        contact = contacts[i]
+        if state.touching[i] and contact.kind == WIDE:
+            state.excess[i] = plane - contact.edge_compliance * period / contact.share
+            state.slope[i] = contact.self_compliance
         elif state.touching[i]:
+            force = contact.force + state.change[i]
             height, compliance, centre, half_width = plane_height(
-                contacts.height[i], contacts.force[i] + state.change[i], state.centre[i], state.half_width[i],
-                contacts.scale[i], period,
-            )  # fmt: skip
+                contact.height, force, state.centre[i], state.half_width[i], contact.scale, period
+            )
             if not height < np.inf:
                 return False
             state.centre[i], state.half_width[i], state.slope[i] = centre, half_width, compliance
-            state.excess[i] = height + contacts.self_compliance[i] * state.change[i]  # which is 0 of a crest
+            state.excess[i] = height + contact.self_compliance * state.change[i]  # which is 0 of a crest
     return True
 
 
 @kernel
 def _equalise_heights(
-    contacts: GridContacts, plane: float, period: float, lift: Array, interaction: Interaction, state: State
+    contacts: Records, plane: float, total: float, period: float, lift: Array, interaction: Interaction, state: State
 ) -> bool:
     """Newton's method for the change of each force that brings all touching contacts to one height.
 
-    `lift` is their displacement by moments of all that the grid has not, with its images, in the first column.
+    `lift` is their displacement by moments of all that the grid has not, with its images, in the first column; the
+    forces are `total` in all.
     """
-    n, total = state.change.size, contacts.force.sum()
     for _ in range(MAX_STEPS):
         if not _heights(contacts, plane, period, state):
             return False
         right = _asked_heights(contacts, lift, interaction, state)
-        step, _, found = solve_bordered(state.slope, right, state.touching, -state.change.sum(), interaction)
+        step, found = solve_bordered(state.slope, right, state.touching, -state.change.sum(), interaction)
         largest, done, released = 0.0, True, False
-        for i in range(n):
+        for i in range(contacts.size):
             if state.touching[i]:
-                if contacts.kind[i] != WIDE:
-                    step[i] = max(step[i], -MAX_LOSS * (contacts.force[i] + state.change[i]))
+                if contacts[i].kind != WIDE:
+                    step[i] = max(step[i], -MAX_LOSS * (contacts[i].force + state.change[i]))
                 state.change[i] += step[i]
-                released |= _has_let_go(contacts, i, state.change[i], total)
+                released |= _has_let_go(contacts[i], state.change[i], total)
                 largest = max(largest, abs(step[i]))
                 done &= (abs(step[i]) - CLOSE * total) * state.slope[i] <= ROUNDING * abs(state.excess[i])
         if not largest < np.inf:
@@ -153,11 +163,11 @@ def _equalise_heights(
 
 
 @kernel
-def _asked_heights(contacts: GridContacts, lift: Array, interaction: Interaction, state: State) -> Array:
+def _asked_heights(contacts: Records, lift: Array, interaction: Interaction, state: State) -> Array:
     """Height of the plane that each contact asks for, by all that displaces it."""
     heights = press(state.change, interaction)
     for i in range(heights.size):
-        own = contacts.self_compliance[i] * state.change[i]
+        own = contacts[i].self_compliance * state.change[i]
         heights[i] = state.excess[i] - own - heights[i] - lift[i, 0]
     return heights
 
@@ -165,207 +175,167 @@ def _asked_heights(contacts: GridContacts, lift: Array, interaction: Interaction
 @kernel
 def solve_bordered(
     slope: Array, right: Array, touching: Flags, total: float, interaction: Interaction
-) -> tuple[Array, float, bool]:
-    """Solve (slope + mutual) x + y = right for those touching, with the sum of x given: x, y, whether it went well.
+) -> tuple[Array, bool]:
+    """Solve (slope + mutual) x + y = right for those touching, with the sum of x given: x, and whether it went well.
 
     Conjugate gradients on changes that sum to 0, preconditioned by the slopes. Where not one step of them can be
     taken, x is infinite.
     """
-    n = right.size
-    x, direction, stiffness = np.zeros(n), np.zeros(n), np.zeros(n)  # 1/slope of those that touch
-    size = 0.0
-    for i in range(n):
+    unknown, stiffness, size = np.full(right.size, np.inf), np.zeros(right.size), 0.0
+    for i in range(right.size):
         if touching[i]:
             if not slope[i] > 0:
-                x[:] = np.inf
-                return x, 0.0, False
+                return unknown, False
             stiffness[i] = 1 / slope[i]
             size += right[i] ** 2 * stiffness[i]
     weight = stiffness.sum()
-    for i in range(n):
-        x[i] = total * stiffness[i] / weight
-    rest = press(x, interaction)
-    for i in range(n):
-        rest[i] = right[i] - slope[i] * x[i] - rest[i]
-    common = energy = first = 0.0
+    x, direction = total * stiffness / weight, np.zeros(right.size)
+    rest = right - slope * x - press(x, interaction)
+    energy, first = np.inf, 0.0
     for step in range(MAX_GRADIENTS):
-        last, common, energy = energy, 0.0, 0.0
-        for i in range(n):
-            common += rest[i] * stiffness[i] / weight
-        for i in range(n):
-            energy += (rest[i] - common) ** 2 * stiffness[i]
+        common, last = dot(rest, stiffness) / weight, energy
+        downhill = (rest - common) * stiffness
+        energy = dot(rest - common, downhill)
         first = energy if step == 0 else first
         if energy <= GRADIENT_TOLERANCE * first + ROUNDING**2 * size:
-            return x, common, True
-        for i in range(n):
-            direction[i] = (rest[i] - common) * stiffness[i] + (energy / last * direction[i] if step > 0 else 0.0)
-        product = press(direction, interaction)
-        curvature = 0.0
-        for i in range(n):
-            product[i] += slope[i] * direction[i]
-            curvature += product[i] * direction[i]
+            return x, True
+        direction = downhill + energy / last * direction
+        product = slope * direction + press(direction, interaction)
+        curvature = dot(product, direction)
         if not curvature > 0:
-            if step == 0:
-                x[:] = np.inf
-            return x, common, False
-        for i in range(n):
-            x[i] += energy / curvature * direction[i]
-            rest[i] -= energy / curvature * product[i]
-    return x, common, energy <= (10 * ROUNDING) ** 2 * size  # thousands of contacts add up their rounding
+            return x if step > 0 else unknown, False
+        x += energy / curvature * direction
+        rest -= energy / curvature * product
+    return x, energy <= (10 * ROUNDING) ** 2 * size  # thousands of contacts add up their rounding
 
 
 @kernel
-def _has_let_go(contacts: GridContacts, at: int, change: float, total: float) -> bool:
+def _has_let_go(contact: Record, change: float, total: float) -> bool:
     """Whether a contact with a polynomial carries nothing any more."""
-    return contacts.kind[at] != WIDE and contacts.force[at] + change <= CLOSE * total
+    return contact.kind != WIDE and contact.force + change <= CLOSE * total
 
 
 @kernel
 def _touch_and_let_go(
-    contacts: GridContacts, period: float, lift: Array, interaction: Interaction, state: State
+    contacts: Records, total: float, period: float, lift: Array, interaction: Interaction, state: State
 ) -> bool:
     """Release contacts without force, and let crests touch that stand above the plane; whether anything changed."""
-    asked, total = _asked_heights(contacts, lift, interaction, state), contacts.force.sum()
+    asked, displacement = _asked_heights(contacts, lift, interaction, state), press(state.change, interaction)
     plane = weight = 0.0
-    for i in range(state.change.size):
+    for i in range(contacts.size):
         if state.touching[i]:
-            plane += contacts.share[i] * asked[i]
-            weight += contacts.share[i]
+            plane += contacts[i].share * asked[i]
+            weight += contacts[i].share
     plane = plane / weight if weight > 0 else np.nan
     changed = False
-    displacement = press(state.change, interaction)
-    for i in range(state.change.size):
-        if state.touching[i] and _has_let_go(contacts, i, state.change[i], total):
+    for i in range(contacts.size):
+        contact = contacts[i]
+        if state.touching[i] and _has_let_go(contact, state.change[i], total):
             state.touching[i], changed = False, True
-            state.change[i] = -contacts.force[i]
-        elif not state.touching[i] and contacts.kind[i] == CREST:
-            top = state.centre[i] if state.half_width[i] == 0 else contacts.centre[i]
-            above = value(contacts.height[i], top) - displacement[i] - lift[i, 0] - plane
-            bend = -slopes(contacts.height[i], top)[1]
+            state.change[i] = -contact.force
+        elif not state.touching[i] and contact.kind == CREST:
+            top = state.centre[i] if state.half_width[i] == 0 else contact.centre
+            above = value(contact.height, top) - displacement[i] - lift[i, 0] - plane
+            bend = -slopes(contact.height, top)[1]
             if above > CLOSE * abs(plane) and bend > 0:
                 state.touching[i] = changed = True
                 half_width = np.sqrt(2 * above / bend)
-                state.change[i] = above / (1 + punch_compliance(half_width * contacts.scale[i], period))
+                state.change[i] = above / (1 + punch_compliance(half_width * contact.scale, period))
                 state.centre[i], state.half_width[i] = top, 2 * np.sqrt(state.change[i] / bend)
     return changed
 
 
 @kernel
-def _moments(
-    polynomial: Array, total: Array, sign: float, on_grid: Array, contacts: GridContacts, state: State
-) -> Array:
+def _moments(of_rate: bool, contacts: Records, state: State) -> Array:
     """First to third moments of the pressure that the continuum has more than the grid, shape (contacts, MOMENTS).
 
-    On each contact the pressure carries `total` and, with a sign of 1, displaces the surface by the polynomial but
-    for a constant; with one of -1 it takes it off: of shares, that of what the rates of others have bent.
+    On each contact the pressure carries the force and displaces the surface by the polynomial but for a constant. Its
+    rate carries the share, and takes off what the rates of others have bent.
     """
-    moments = np.zeros((total.size, MOMENTS))
-    for i in range(total.size):
-        if state.touching[i] and contacts.kind[i] == NARROW:
-            coefficient = expansion(polynomial[i], state.centre[i], state.half_width[i])
-            middle = contacts.scale[i] * (state.centre[i] - contacts.centre[i])
-            reach = contacts.scale[i] * state.half_width[i]
-            first = reach * sign * coefficient[1] / 4  # about its own centre
-            second = reach**2 * (total[i] / 2 + sign * coefficient[2] / 4)
-            third = reach**3 * sign * 3 / 16 * (coefficient[1] + coefficient[3])
-            moments[i, 1] = total[i] * middle + first - on_grid[i, 0]
-            moments[i, 2] = total[i] * middle**2 + 2 * middle * first + second - on_grid[i, 1]
-            moments[i, 3] = total[i] * middle**3 + 3 * middle * (middle * first + second) + third - on_grid[i, 2]
+    moments = np.zeros((contacts.size, MOMENTS))
+    for i in range(contacts.size):
+        contact, centre, half_width = contacts[i], state.centre[i], state.half_width[i]
+        if state.touching[i] and contact.kind == NARROW:
+            if of_rate:
+                total, on_grid = contact.share, contact.share_moments
+                coefficient = -expansion(contact.rate, centre, half_width)
+            else:
+                total, on_grid = contact.force + state.change[i], contact.force_moments
+                coefficient = expansion(contact.height, centre, half_width)
+            middle, reach = contact.scale * (centre - contact.centre), contact.scale * half_width
+            first = reach * coefficient[1] / 4  # about its own centre
+            second = reach**2 * (total / 2 + coefficient[2] / 4)
+            third = reach**3 * 3 / 16 * (coefficient[1] + coefficient[3])
+            moments[i, 1] = total * middle + first - on_grid[0]
+            moments[i, 2] = total * middle**2 + 2 * middle * first + second - on_grid[1]
+            moments[i, 3] = total * middle**3 + 3 * middle * (middle * first + second) + third - on_grid[2]
     return moments
 
 
 @kernel
-def _moments_of_force(contacts: GridContacts, state: State) -> Array:
-    """First to third moments of all that the pressure of the continuum has more than that of the grid."""
-    return _moments(contacts.height, contacts.force + state.change, 1.0, contacts.force_moments, contacts, state)
-
-
-class _Weights(NamedTuple):
-    """What reciprocity makes of each contact, with the shares of the grid as weights; each of shape (contacts,).
-
-    own : compliance that each has more than on the grid
-    others : displacement by the rates of others that each has more, since it is elsewhere
-    raised : displacement by these rates for more force, which does not change how the rates are spread
-    closing : rate of the plane towards a crest that the grid has not in contact
-    """
-
-    own: Array
-    others: Array
-    raised: Array
-    closing: Array
-
-
-@kernel
-def sum_up(
-    found: bool, contacts: GridContacts, plane: float, rate: float, period: float, interaction: Interaction,
-    state: State,
-) -> Redistribution:  # fmt: skip
+def _sum_up(
+    found: bool, contacts: Records, plane: float, rate: float, period: float, interaction: Interaction, state: State
+) -> Redistribution:
     """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact."""
-    n = state.change.size
-    touching, change = state.touching, state.change
-    weights, shape = _weigh(contacts, rate, period, state)
-    of_share = _moments(contacts.rate, contacts.share, -1.0, contacts.share_moments, contacts, state)
+    weights, compliance = _weigh(contacts, rate, period, state)
+    of_force, of_share = _moments(False, contacts, state), _moments(True, contacts, state)
     by_shares = displace(of_share, interaction)
-    share_change, released, solved = _changes_of_shares(contacts, period, state, weights, by_shares, interaction)
-    of_force = _moments_of_force(contacts, state)
-    for i in range(n):
-        of_force[i, 0], of_share[i, 0] = change[i], share_change[i]
+    share_change, released, solved = _changes_of_shares(contacts, weights, by_shares, state, interaction)
+    for i in range(contacts.size):
+        of_force[i, 0], of_share[i, 0] = state.change[i], share_change[i]
     moved_shares = displace(of_share, interaction)
     moved = displace(of_force, interaction)  # the last product: its displacement of all nodes is looked at later
-    compliance, resistance = shape / period, 0.0
-    second, rate_second, closing = np.zeros(n), np.zeros(n), np.zeros(n)
-    penetration, tilt = np.zeros(n), np.zeros(n)
-    for i in range(n):
-        share, own, tilted = contacts.share[i], contacts.self_compliance[i], by_shares[i, 0]
+    corrected, resistance = np.zeros(contacts.size, CORRECTED), 0.0
+    for i in range(contacts.size):
+        contact, each, weight, change = contacts[i], corrected[i], weights[i], state.change[i]
+        each.touching, each.centre, each.half_width = state.touching[i], state.centre[i], state.half_width[i]
+        each.force, each.share = contact.force + change, contact.share + share_change[i]
+        each.tilt, tilted = moved[i, 1], by_shares[i, 0] - weight.closing
+        each.moments[0] = change
         for k in range(1, MOMENTS):
+            each.moments[k] = of_force[i, k]
             compliance += of_force[i, k] * by_shares[i, k] / period
             resistance += of_share[i, k] * by_shares[i, k] / period
-        tilt[i] = moved[i, 1]
-        force_spread = _spread(of_force[i], contacts.force[i] + change[i])
-        share_spread = _spread(of_share[i], share + share_change[i])
+        force_spread = _spread(of_force[i], each.force)
+        share_spread = _spread(of_share[i], each.share)
         images = 2 / 15 * (np.pi / period) ** 4
         by_share = abs(moved_shares[i, 2]) + images * share_spread
-        second[i] = (force_spread * by_share + share_spread * abs(moved[i, 2])) / period
-        rate_second[i] = 2 * share_spread * by_share / period
-        if touching[i] and contacts.kind[i] != WIDE:  # a contact that is tilted presses elsewhere, and tilts others
-            tilts = (state.half_width[i] * contacts.scale[i]) ** 2 * abs(moved_shares[i, 1]) / (4 * period)
-            second[i] += tilts * abs(tilt[i])
-            rate_second[i] += tilts * abs(moved_shares[i, 1])
-            rate_slope = slopes(contacts.rate[i], state.centre[i])[0] / contacts.scale[i] + moved_shares[i, 1]
-            bend = slopes(contacts.height[i], state.centre[i])[1] / contacts.scale[i] ** 2
+        each.second = (force_spread * by_share + share_spread * abs(moved[i, 2])) / period
+        each.rate_second = 2 * share_spread * by_share / period
+        if each.touching and contact.kind != WIDE:  # a contact that is tilted presses elsewhere, and tilts others
+            tilts = (each.half_width * contact.scale) ** 2 * abs(moved_shares[i, 1]) / (4 * period)
+            each.second += tilts * abs(each.tilt)
+            each.rate_second += tilts * abs(moved_shares[i, 1])
+            rate_slope = slopes(contact.rate, each.centre)[0] / contact.scale + moved_shares[i, 1]
+            bend = slopes(contact.height, each.centre)[1] / contact.scale**2
             if bend < 0:  # it moves by slope over curvature, to where the rate of others is another
-                resistance += 2 * (share + share_change[i]) * rate_slope * tilt[i] / bend / period
-        elif touching[i]:  # its edges move on with the force, by a step at most
-            yielded = contacts.edge_yield[i] * change[i]
-            yielded = min(max(yielded, -contacts.edge_drop[i]), contacts.edge_drop[i])
+                resistance += 2 * each.share * rate_slope * each.tilt / bend / period
+        elif each.touching:  # its edges move on with the force, by a step at most
+            yielded = min(max(contact.edge_yield * change, -contact.edge_drop), contact.edge_drop)
             resistance -= yielded
-            rate_second[i] += abs(yielded)
-        if touching[i]:
-            tilted -= weights.closing[i]
-            higher = share * (state.excess[i] - plane) - (weights.raised[i] + tilted) * change[i]
-            more = weights.own[i] * share + weights.others[i]
-            stiffer = -more * (share + share_change[i]) - weights.others[i] * share - tilted * share_change[i]
+            each.rate_second += abs(yielded)
+        if each.touching:
+            higher = contact.share * (state.excess[i] - plane) - (weight.raised + tilted) * change
+            stiffer = -weight.more * each.share - weight.others * contact.share - tilted * share_change[i]
         else:
-            higher = share * (moved[i, 0] + own * change[i]) - tilted * change[i]
-            stiffer = share * (moved_shares[i, 0] + tilted - own * share)
+            higher = contact.share * (moved[i, 0] + contact.self_compliance * change) - tilted * change
+            stiffer = contact.share * (moved_shares[i, 0] + tilted - contact.self_compliance * contact.share)
         compliance -= higher / (period - released)
         resistance -= stiffer / (period - released)
-    for i in range(n):
-        if contacts.kind[i] == WIDE:
+    for i in range(contacts.size):
+        contact, each = contacts[i], corrected[i]
+        if contact.kind == WIDE:
             continue
-        top = contacts.centre[i] if contacts.kind[i] == CREST else state.centre[i]
-        if touching[i]:
-            compliance_here = punch_compliance(state.half_width[i] * contacts.scale[i], period)
-            penetration[i] = (contacts.force[i] + change[i]) * compliance_here
-            closing[i] = weights.closing[i] if contacts.kind[i] == CREST else contacts.share[i] * compliance_here
+        if each.touching:
+            compliance_here = punch_compliance(each.half_width * contact.scale, period)
+            each.penetration = each.force * compliance_here
+            each.closing = weights[i].closing if contact.kind == CREST else contact.share * compliance_here
         else:
-            penetration[i] = value(contacts.height[i], top) - moved[i, 0] - (plane - compliance)
-            closing[i] = rate + resistance - value(contacts.rate[i], top) - moved_shares[i, 0]
+            top = contact.centre if contact.kind == CREST else each.centre
+            each.penetration = value(contact.height, top) - moved[i, 0] - (plane - compliance)
+            each.closing = rate + resistance - value(contact.rate, top) - moved_shares[i, 0]
     found &= solved and released <= MAX_RELEASED * period
-    return Redistribution(
-        found, compliance, resistance, touching, change, share_change, state.centre, state.half_width, of_force,
-        tilt, second, rate_second, penetration, closing, interaction.displacement,
-    )  # fmt: skip
+    return Redistribution(found, compliance, resistance, corrected, interaction.displacement)
 
 
 @kernel
@@ -375,57 +345,48 @@ def _spread(moments: Array, total: float) -> float:
 
 
 @kernel
-def _weigh(contacts: GridContacts, rate: float, period: float, state: State) -> tuple[_Weights, float]:
-    """Weights of all that touch, and what their shapes change of the compliance, times the period."""
-    n = state.change.size
-    weights = _Weights(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
-    shape = 0.0
-    for i in range(n):
-        share = contacts.share[i]
-        if state.touching[i] and contacts.kind[i] == WIDE:
-            weights.own[i] = contacts.edge_resistance[i] * period / share**2
-        elif state.touching[i]:
-            compliance = punch_compliance(state.half_width[i] * contacts.scale[i], period)
-            others = expansion(contacts.rate[i], state.centre[i], state.half_width[i])
-            if contacts.kind[i] == NARROW:
-                height = expansion(contacts.height[i], state.centre[i], state.half_width[i])
-                mixed, cross = contact_energies(height, others, contacts.force[i], share)
-                weights.others[i] = (cross - contacts.grid_cross[i]) / share
-                weights.raised[i] = others[0] - contacts.grid_cross[i] / share
-                weights.own[i] = compliance - contacts.self_compliance[i] + (others[0] - cross / share) / share
-                weights.own[i] += contacts.edge_resistance[i] * period / share**2
-                shape += mixed - contacts.grid_mixed[i] + contacts.edge_compliance[i] * period
-            else:
-                weights.closing[i] = rate - others[0]
+def _weigh(contacts: Records, rate: float, period: float, state: State) -> tuple[Records, float]:
+    """Weights of all that touch, and what their shapes change of the compliance."""
+    weights, shape = np.zeros(contacts.size, WEIGHTS), 0.0
+    for i in range(contacts.size):
+        contact, weight, centre, half_width = contacts[i], weights[i], state.centre[i], state.half_width[i]
+        if not state.touching[i]:
+            continue
+        if contact.kind == WIDE:
+            own = contact.edge_resistance * period / contact.share**2
+            weight.slope, weight.more = contact.self_compliance + own, own * contact.share
+            continue
+        others = expansion(contact.rate, centre, half_width)
+        weight.slope = punch_compliance(half_width * contact.scale, period)
+        if contact.kind == CREST:
+            weight.closing = rate - others[0]
+            continue
+        height = expansion(contact.height, centre, half_width)
+        mixed, cross = contact_energies(height, others, contact.force, contact.share)
+        weight.slope += (others[0] - cross / contact.share) / contact.share
+        weight.slope += contact.edge_resistance * period / contact.share**2
+        weight.others = (cross - contact.grid_cross) / contact.share
+        weight.raised = others[0] - contact.grid_cross / contact.share
+        weight.more = (weight.slope - contact.self_compliance) * contact.share + weight.others
+        shape += (mixed - contact.grid_mixed) / period + contact.edge_compliance
     return weights, shape
 
 
 @kernel
 def _changes_of_shares(
-    contacts: GridContacts,
-    period: float,
-    state: State,
-    weights: _Weights,
-    by_shares: Array,
-    interaction: Interaction,
+    contacts: Records, weights: Records, by_shares: Array, state: State, interaction: Interaction
 ) -> tuple[Array, float, bool]:
     """How much more of a load each carries, shares released, and whether these were found."""
-    n = state.change.size
+    n = contacts.size
     slope, right, on_released = np.ones(n), np.zeros(n), np.zeros(n)
-    released = 0.0
     for i in range(n):
-        share = contacts.share[i]
-        if not state.touching[i]:
-            released += share
-            on_released[i] = share
-            continue
-        slope[i] = contacts.self_compliance[i] + weights.own[i]
-        if contacts.kind[i] == CREST:
-            slope[i] = punch_compliance(state.half_width[i] * contacts.scale[i], period)
-        right[i] = weights.closing[i] - weights.own[i] * share - weights.others[i] - by_shares[i, 0]
+        if state.touching[i]:
+            slope[i] = weights[i].slope
+            right[i] = weights[i].closing - weights[i].more - by_shares[i, 0]
+        else:
+            on_released[i] = contacts[i].share
+    released = on_released.sum()
     if released > 0:  # what they carried on the grid is carried by the others
         right += press(on_released, interaction)
-    share_change, _, found = solve_bordered(slope, right, state.touching, released, interaction)
-    for i in range(n):
-        share_change[i] -= on_released[i]
-    return share_change, released, found
+    share_change, found = solve_bordered(slope, right, state.touching, released, interaction)
+    return share_change - on_released, released, found

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import direct, error_model, fft
+from weier.methods.bem.contact_list import LISTED
 from weier.methods.bem.grids import full_contact, inverse, nested_grids
 from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
@@ -193,10 +194,10 @@ def _subgrid_curve(profile: Waves, loads: Array, points: int, tolerance: float, 
 
 def _numbers(solution: LoadSolution) -> tuple[float, ...]:
     """One row of the curve."""
-    width = float((solution.contacts.right - solution.contacts.left).sum())
+    width = float((solution.contacts["right"] - solution.contacts["left"]).sum())
     return (
         solution.plane, solution.resistance, solution.compliance_error, solution.resistance_error, solution.residual,
-        solution.work, solution.contacts.left.size, width,
+        solution.work, solution.contacts.size, width,
     )  # fmt: skip
 
 
@@ -208,9 +209,10 @@ def _solve_subgrid(profile: Waves, loads: Array, points: int, tolerance: float) 
 
 def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:
     """Left and right edges of the contacts at each load, shape (loads, edges)."""
-    edge = np.full((loads, 2 * max((each.contacts.left.size for each in solutions), default=0)), np.nan)
+    edge = np.full((loads, 2 * max((each.contacts.size for each in solutions), default=0)), np.nan)
     for row, each in zip(edge, solutions, strict=False):  # full contact has none
-        row[: 2 * each.contacts.left.size] = np.column_stack([each.contacts.left, each.contacts.right]).ravel()
+        row[: 2 * each.contacts.size : 2] = each.contacts["left"]
+        row[1 : 2 * each.contacts.size : 2] = each.contacts["right"]
     return edge
 
 
@@ -224,13 +226,12 @@ def contacts(
     loads = checked_loads(mean_pressure)
     check_tolerance(tolerance)
     points = checked_points(profile, points, "subgrid")
-    none = np.empty(0)
-    found = [
-        Contacts((left + right) / 2, (right - left) / 2, force, share, each.uncertain)
-        for each in _solve_subgrid(profile, loads, points, tolerance)
-        for left, right, force, share in [each.contacts]
+    found, none = _solve_subgrid(profile, loads, points, tolerance), np.zeros(0, LISTED)
+    listed = [(each.contacts, each.uncertain) for each in found] + [(none, False)] * (loads.size - len(found))
+    return [
+        Contacts((at["left"] + at["right"]) / 2, (at["right"] - at["left"]) / 2, at["force"], at["share"], uncertain)
+        for at, uncertain in listed
     ]
-    return found + [Contacts(none, none, none, none, False)] * (loads.size - len(found))
 
 
 def _fill(loads: Array, values: NDArray[Any], at_full_contact: float) -> NDArray[Any]:

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Records
 from weier.kernels.jit import kernel
 from weier.methods.bem import fft
-from weier.methods.bem.contact_list import ContactList, list_contacts
+from weier.methods.bem.contact_list import LISTED, list_contacts
 from weier.methods.bem.contacts import find_contacts, find_crests
 from weier.methods.bem.edges import find_edges, find_steps
 from weier.methods.bem.errors import estimate_errors
 from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
 from weier.methods.bem.grids import full_contact, grid_of, nested_grids
 from weier.methods.bem.narrow_gaps import Gaps, find_gaps
-from weier.methods.bem.redistribution import find_forces, sum_up
+from weier.methods.bem.redistribution import redistribute
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
 from weier.theory.waves import MAX_POINTS, Waves
@@ -44,7 +44,7 @@ class LoadSolution(NamedTuple):
     plane : mean gap d, in g_0
     resistance : dh/dp, in g_0/p_0*
     compliance_error, resistance_error : estimates, in the same units
-    contacts : in the continuum
+    contacts : in the continuum, from left to right, LISTED each; none in full contact
     uncertain : whether a contact or a gap may be one too many or too few
     residual, work : of the solution on the grid
     """
@@ -54,7 +54,7 @@ class LoadSolution(NamedTuple):
     resistance: float
     compliance_error: float
     resistance_error: float
-    contacts: ContactList
+    contacts: Records
     uncertain: bool
     residual: float
     work: float
@@ -75,10 +75,9 @@ def correct_contacts(
     crests = find_crests(solution.plane, solution, np.zeros(points), crest)
     for _ in range(MAX_ROUNDS):
         contacts, polynomial = find_contacts(crest, crests, gaps, steps, solution, continuum)
-        found, state, interaction = find_forces(contacts, solution.plane, continuum)
-        forces = sum_up(found, contacts, solution.plane, solution.rate, continuum.period, interaction, state)
+        forces = redistribute(contacts, solution, continuum)
         plane, resistance = solution.plane - forces.compliance, solution.rate + forces.resistance
-        if contacts.kind.size == 0:  # all nodes touch
+        if contacts.size == 0:  # all nodes touch
             plane, resistance = plane - gaps.adds[0, 0], resistance + gaps.adds[0, 1]
         new = find_crests(plane, solution, forces.displacement, crest)
         if new == 0 or not forces.found:
@@ -93,7 +92,7 @@ def correct_contacts(
         max(resistance, 0.0),
         errors.compliance,
         errors.resistance,
-        list_contacts(contacts, forces, gaps.opened, solution, continuum.period),
+        list_contacts(contacts, forces.contacts, gaps.opened, solution, continuum.period),
         gaps.uncertain or errors.uncertain,
         residual,
         work,
@@ -158,8 +157,7 @@ class GridSolver:
 
 def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
     """A load that was not solved on the grid, or whose rate was not."""
-    none = ContactList(*np.empty((4, 0)))
-    return LoadSolution(False, plane, np.nan, np.nan, np.nan, none, True, residual, pairs)
+    return LoadSolution(False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED), True, residual, pairs)
 
 
 def solve_curve(profile: Waves, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
@@ -183,8 +181,8 @@ def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
     try:
         with telling():
             solution = patches.solve_load(profile, load, PATCHES_TOLERANCE)
-            left, right = solution.edges.T
-            contacts = ContactList(left, right, forces_of(solution), _shares(profile, solution))
+            carried = forces_of(solution), _shares(profile, solution)
+            contacts = np.rec.fromarrays([*solution.edges.T, *carried], LISTED)
     except (ConvergenceError, ValueError) as error:  # so many waves in so many contacts may not fit into memory
         raise ConvergenceError(
             f"neither boundary elements nor contact patches verify a solution under the mean pressure {load:.6g} "
