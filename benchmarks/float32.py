@@ -10,8 +10,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from weier import Profile
-from weier.methods.bem import fft
-from weier.methods.bem.solver import full_contact, nested_grids
+from weier.methods.bem.fft import NestedSolver
 from weier.theory.halfplane import eigenvalues
 
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -49,13 +48,14 @@ def _product(influence: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
 
 def _residuals(points: int) -> list[tuple[float, float]]:
     """Each load, with half the range of z - A p in contact: a solution to 1e-10 g_0, examined in single precision."""
-    grids, state = nested_grids(PROFILE, points, 1e-10), fft.make_grid_state(points)
+    grids = NestedSolver(PROFILE, points, 1e-10)
     influence, z = eigenvalues(points, 1).astype(np.float32), PROFILE.sampled_height(points).astype(np.float32)
     residuals = []
     for load in LOADS:
-        fft.cascade(load, grids, full_contact(grids, load), state)
-        deformed = z - _product(influence, state.pressure.astype(np.float32))
-        residuals.append((load, float(np.ptp(deformed[state.contact]) / 2)))
+        grids.forget()
+        grids.solve(load)
+        deformed = z - _product(influence, grids.state.pressure.astype(np.float32))
+        residuals.append((load, float(np.ptp(deformed[grids.state.contact]) / 2)))
     return residuals
 
 

@@ -8,32 +8,26 @@ from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array
 from weier.methods.bem import curve as solve_curve
 from weier.methods.bem import fft
-from weier.methods.bem.grids import Hierarchy, full_contact, grid_of, nested_grids
 
 
 class Descent(NamedTuple):
-    """The grids, the coarsest one's pressure, and the working arrays."""
+    """The grids, and whether they are to find the resistance."""
 
-    hierarchy: Hierarchy
-    coarse: Array
-    state: fft.State
+    grids: fft.NestedSolver
     with_resistance: bool
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """The grids keep their own start and tolerance."""
-        _, residual, pairs = fft.cascade(load, self.hierarchy, self.coarse, self.state)
-        pressure = self.state.pressure.copy()
+        _, residual, pairs = self.grids.solve(load)
+        pressure = self.grids.state.pressure.copy()
         if self.with_resistance:
-            finest = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
-            pairs += fft.solve_rate(fft.RATE_TOLERANCE, finest, self.state)[1]
-        return Step(pressure, pairs, residual <= self.hierarchy.max_residual[-1])
+            pairs += fft.solve_rate(fft.RATE_TOLERANCE, self.grids.grid, self.grids.state)[1]
+        return Step(pressure, pairs, residual <= self.grids.grid.max_residual)
 
 
 def begin(problem: Problem, with_resistance: bool = False) -> Descent:
     """Grids and arrays."""
-    hierarchy = nested_grids(problem.profile, problem.points, problem.tolerance)
-    start = full_contact(hierarchy, float(problem.loads[-1]))
-    return Descent(hierarchy, start, fft.make_grid_state(problem.points), with_resistance)
+    return Descent(fft.NestedSolver(problem.profile, problem.points, problem.tolerance), with_resistance)
 
 
 def begin_with_resistance(problem: Problem) -> Descent:

@@ -10,7 +10,8 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.blas import one_thread
 from weier.methods.bem.fft import DiscreteSolution, count_patches
-from weier.methods.progress import count_load
+from weier.theory.halfplane import influence_coefficients
+from weier.theory.waves import Waves
 
 MAX_ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
 
@@ -34,39 +35,25 @@ class ActiveSet(NamedTuple):
     converged: bool
 
 
-@one_thread
-def solve_loads(
-    height: Array, influence: Array, pressure: Array, loads: Array, max_residual: float
-) -> DiscreteSolution:
-    """Solve every load from the heaviest down, each from the contact of the one before.
+class DenseSolver:
+    """One profile on a grid: each load starts from the contact of the one before."""
 
-    Parameters
-    ----------
-    height, influence : array, shape (N,)
-        Profile in g_0, displacement per nodal pressure in g_0/p_0*.
-    pressure : array, shape (N,)
-        Where it is positive the search for the contact begins; overwritten with the last solution.
-    loads : array, shape (loads,)
-        Mean pressures, increasing, in p_0*.
-    max_residual : float
-        Largest penetration, and largest tension times the compliance of one node, in g_0.
+    def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
+        """Fill the matrix; all nodes are in contact at first."""
+        self._height, influence = profile.sampled_height(points), influence_coefficients(points, profile.period)
+        self._matrix, self._max_residual = scipy.linalg.circulant(influence), max_residual
+        self._contact = np.ones(points, bool)
 
-    Returns
-    -------
-    DiscreteSolution
-        Arrays over the loads, in their order; work counts dense solutions.
-
-    """
-    rows, matrix, contact = np.empty((loads.size, 6)), scipy.linalg.circulant(influence), pressure > 0
-    for load in range(loads.size - 1, -1, -1):
-        solved = solve_load(matrix, height, contact, loads[load], max_residual)
-        contact, pressure[:] = solved.contact, solved.pressure
-        gap = solved.plane - height + matrix @ pressure
-        residual = max(np.abs(gap[contact]).max(), -gap.min(), abs(pressure.mean() - loads[load]) * influence[0])
-        nodes, patches = contact.sum(), count_patches(contact)
-        rows[load] = solved.plane, solved.resistance, nodes, patches, residual, solved.rounds
-        count_load()
-    return DiscreteSolution(*rows.T)
+    @one_thread
+    def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:
+        """The contact as it stands on nodes, with its rate, which costs nothing; work counts dense solutions."""
+        solved = solve_load(self._matrix, self._height, self._contact, load, self._max_residual)
+        self._contact, pressure = solved.contact, solved.pressure
+        gap = solved.plane - self._height + self._matrix @ pressure
+        unbalanced = abs(pressure.mean() - load) * self._matrix[0, 0]
+        residual = max(np.abs(gap[solved.contact]).max(), -gap.min(), unbalanced)
+        fraction, patches = solved.contact.mean(), count_patches(solved.contact)
+        return DiscreteSolution(solved.plane, solved.resistance, fraction, patches, residual, solved.rounds)
 
 
 def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_residual: float) -> ActiveSet:

@@ -17,9 +17,18 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum, backward, forward
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
-from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, copy_values, grid_of, refine
+from weier.methods.bem.grids import (
+    Grid,
+    Hierarchy,
+    add_harmonic,
+    copy_values,
+    full_contact,
+    grid_of,
+    nested_grids,
+    refine,
+)
 from weier.methods.bem.local_fit import EDGE
-from weier.methods.progress import count_load
+from weier.theory.waves import Waves
 
 RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
 MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
@@ -27,21 +36,21 @@ MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundre
 
 
 class DiscreteSolution(NamedTuple):
-    """The discrete solution over the loads, each of shape (loads,).
+    """The discrete solution under one load.
 
     plane : height of the rigid plane above the mean plane (the mean gap d), in g_0
     resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
-    contact_nodes, patches : nodes in contact, and the number of unbroken runs of them
+    contact_fraction, patches : share of nodes in contact, and the number of unbroken runs of them
     residual : largest violation of a contact condition, as a length in g_0
     work : solver's own measure of cost
     """
 
-    plane: Array
-    resistance: Array
-    contact_nodes: Array
-    patches: Array
-    residual: Array
-    work: Array
+    plane: float
+    resistance: float
+    contact_fraction: float
+    patches: int
+    residual: float
+    work: float
 
 
 class GridState(NamedTuple):
@@ -333,40 +342,30 @@ def resume(load: float, heavier: float, pressure: Array, grid: Grid, state: Grid
     return plane, residual, float(pairs)
 
 
-def solve_loads(hierarchy: Hierarchy, pressure: Array, loads: Array, with_resistance: bool) -> DiscreteSolution:
-    """Solve every load from the heaviest down; on the coarsest grid each starts from the one before.
+class NestedSolver:
+    """One profile on nested grids: each load starts from the one before, on the coarsest grid."""
 
-    Parameters
-    ----------
-    hierarchy : Hierarchy
-        The grids; the last one carries the solution.
-    pressure : array, shape (points of the coarsest grid,)
-        Where it is positive the search for the contact begins; overwritten.
-    loads : array, shape (loads,)
-        Mean pressures, increasing, in p_0*.
-    with_resistance : bool
-        Whether to solve for the rate too, at about the cost of another load.
+    def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
+        """Make the grids, and room for a solution on the finest."""
+        self.hierarchy = nested_grids(profile, points, max_residual)
+        self.grid, self.state = grid_of(self.hierarchy, self.hierarchy.points.size - 1), make_grid_state(points)
+        self._start: Array | None = None
 
-    Returns
-    -------
-    DiscreteSolution
-        Arrays over the loads, in their order; work counts pairs of FFTs, those of coarser grids by their size.
+    def forget(self) -> None:
+        """Start the next load from full contact, as the first one."""
+        self._start = None
 
-    """
-    rows, state = np.empty((loads.size, 6)), make_grid_state(int(hierarchy.points[-1]))
-    for load in range(loads.size - 1, -1, -1):
-        rows[load] = _solve_one(float(loads[load]), hierarchy, pressure, with_resistance, state)
-        count_load()
-    return DiscreteSolution(*rows.T)
+    def solve(self, load: float) -> tuple[float, float, float]:
+        """Plane, residual and pairs of FFTs of a load, those of coarser grids by their size."""
+        if self._start is None:
+            self._start = full_contact(self.hierarchy, load)
+        return cascade(load, self.hierarchy, self._start, self.state)
 
-
-def _solve_one(
-    load: float, hierarchy: Hierarchy, pressure: Array, with_resistance: bool, state: GridState
-) -> tuple[float, ...]:
-    """Solve under one load: one row of the solution."""
-    plane, residual, pairs = cascade(load, hierarchy, pressure, state)
-    nodes, patches, rate = int(np.count_nonzero(state.contact)), count_patches(state.contact), np.nan
-    if with_resistance:
-        rate, more = solve_rate(RATE_TOLERANCE, grid_of(hierarchy, hierarchy.points.size - 1), state)
-        pairs += more
-    return plane, rate, nodes, patches, residual, pairs
+    def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:
+        """The contact as it stands on nodes, and its rate if asked for, at about the cost of another load."""
+        plane, residual, pairs = self.solve(load)
+        contact, rate = self.state.contact, np.nan
+        if with_resistance:
+            rate, more = solve_rate(RATE_TOLERANCE, self.grid, self.state)
+            pairs += more
+        return DiscreteSolution(plane, rate, contact.mean(), count_patches(contact), residual, pairs)

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.bem import fft
-from weier.methods.bem.grids import full_contact, nested_grids
+from weier.methods.bem.fft import NestedSolver
 from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load, full_contact_pressure
 from weier.methods.bem.subgrid_solver import check_residual
 from weier.theory.loads import checked_load
@@ -46,12 +45,11 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     if load >= full_contact_load(profile, points):
         return _full_contact(profile, load, x)
-    hierarchy = nested_grids(profile, points, tolerance)
-    state = fft.make_grid_state(points)
-    start = full_contact(hierarchy, load)
-    plane, residual, _ = fft.cascade(load, hierarchy, start, state)
+    grid = NestedSolver(profile, points, tolerance)
+    plane, residual, _ = grid.solve(load)
     check_residual(np.array([residual]), np.array([load]), points, tolerance)
-    return Field(x, state.pressure, plane - state.deformed, profile.sampled_height(points) - state.deformed)
+    deformed = grid.state.deformed
+    return Field(x, grid.state.pressure, plane - deformed, profile.sampled_height(points) - deformed)
 
 
 def _full_contact(profile: Waves, load: float, x: Array) -> Field:

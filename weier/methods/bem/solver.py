@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.contact_list import LISTED
-from weier.methods.bem.grids import full_contact, inverse, nested_grids
+from weier.methods.bem.grids import inverse
 from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
+from weier.methods.progress import count_load
 from weier.theory.arguments import checked_number, shown
-from weier.theory.halfplane import eigenvalues, influence_coefficients
+from weier.theory.halfplane import eigenvalues
 from weier.theory.limits import check_points, check_resolvable
 from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
@@ -140,64 +142,43 @@ def curve(
 
 def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, resistance: bool, solver: str) -> Curve:
     """The curve with the edges of contact on nodes."""
-    partial = loads[loads < full_contact_load(profile, points)]
-    if partial.size == 0:
-        solution = fft.DiscreteSolution(*np.empty((6, 0)))
-    elif solver == "fft":
-        hierarchy = nested_grids(profile, points, tolerance)
-        start = full_contact(hierarchy, float(partial[-1]))
-        solution = fft.solve_loads(hierarchy, start, partial, resistance)
-    else:
-        start = np.ones(points)
-        influence = influence_coefficients(points, profile.period)
-        solution = direct.solve_loads(profile.sampled_height(points), influence, start, partial, tolerance)
-    check_residual(solution.residual, partial, points, tolerance)
-    check_resistance(solution.resistance, partial, points)
-    residual = _fill(loads, solution.residual, 0.0)
-    return Curve(
-        _fill(loads, profile.total_amplitude - solution.plane, profile.total_amplitude),
-        _fill(loads, solution.resistance, 0.0),
-        _fill(loads, solution.contact_nodes / points, 1.0),
-        _fill(loads, solution.patches, 0).astype(np.int64),
-        residual,
-        _fill(loads, solution.work, 0),
-        error_model.solution_error(profile, points, residual),
-        np.full(loads.size, np.nan),
-        np.full((loads.size, 0), np.nan),
-        points,
-        "nodes",
-    )
+    grid = (fft.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
+    rows, partial = [], loads[loads < full_contact_load(profile, points)]
+    for load in map(float, partial[::-1]):
+        rows.append(grid.solve_discrete(load, resistance))
+        count_load()
+    curve = _as_curve(profile, loads, rows[::-1], [], np.full((loads.size, 0), np.nan), points, "nodes")
+    check_residual(curve.residual, loads, points, tolerance)
+    check_resistance(curve.resistance, loads, points)
+    error = error_model.solution_error(profile, points, curve.residual)
+    return curve._replace(compliance_error=error, resistance_error=np.full(loads.size, np.nan))
 
 
 def _subgrid_curve(profile: Waves, loads: Array, points: int, tolerance: float, resistance: bool) -> Curve:
     """The curve with the edges of contact between nodes."""
-    solutions = _solve_subgrid(profile, loads, points, tolerance)
-    plane, dh_dp, compliance_error, resistance_error, residual, work, count, width = (
-        np.array([_numbers(each) for each in solutions]).reshape(-1, 8).T
-    )
-    curve = Curve(
-        _fill(loads, profile.total_amplitude - plane, profile.total_amplitude),
-        _fill(loads, dh_dp, 0.0),
-        _fill(loads, width / profile.period, 1.0),
-        _fill(loads, count, 0).astype(np.int64),
-        _fill(loads, residual, 0.0),
-        _fill(loads, work, 0),
-        _fill(loads, compliance_error, 0.0),
-        _fill(loads, resistance_error, 0.0),
-        _padded_edges(solutions, loads.size),
-        points,
-        "subgrid",
-    )
+    found = _solve_subgrid(profile, loads, points, tolerance)
+    rows, errors = [], [(each.compliance_error, each.resistance_error) for each in found]
+    for each in found:
+        fraction = float((each.contacts["right"] - each.contacts["left"]).sum()) / profile.period
+        rows.append((each.plane, each.resistance, fraction, each.contacts.size, each.residual, each.work))
+    curve = _as_curve(profile, loads, rows, errors, _padded_edges(found, loads.size), points, "subgrid")
     unknown = np.full(loads.size, np.nan)
     return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
 
 
-def _numbers(solution: LoadSolution) -> tuple[float, ...]:
-    """One row of the curve."""
-    width = float((solution.contacts["right"] - solution.contacts["left"]).sum())
-    return (
-        solution.plane, solution.resistance, solution.compliance_error, solution.resistance_error, solution.residual,
-        solution.work, solution.contacts.size, width,
+def _as_curve(
+    profile: Waves, loads: Array, found: Sequence[tuple[float, ...]], errors: Sequence[tuple[float, ...]],
+    contact_edge: Array, points: int, edges: str,
+) -> Curve:  # fmt: skip
+    """The curve of what was found at the loads of partial contact; the heavier loads press all gaps shut."""
+    rows = np.tile([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (loads.size, 1))
+    rows[: len(found)] = np.reshape(found, (-1, 6))
+    plane, resistance, fraction, patches, residual, work = rows.T.copy()
+    stated = np.zeros((2, loads.size))
+    stated[:, : len(errors)] = np.reshape(errors, (-1, 2)).T
+    return Curve(
+        profile.total_amplitude - plane, resistance, fraction, patches.astype(np.int64), residual, work, stated[0],
+        stated[1], contact_edge, points, edges,
     )  # fmt: skip
 
 
@@ -232,11 +213,6 @@ def contacts(
         Contacts((at["left"] + at["right"]) / 2, (at["right"] - at["left"]) / 2, at["force"], at["share"], uncertain)
         for at, uncertain in listed
     ]
-
-
-def _fill(loads: Array, values: NDArray[Any], at_full_contact: float) -> NDArray[Any]:
-    """Values at the loads of partial contact, and this one at the heavier loads, which press all gaps shut."""
-    return np.concatenate([values, np.full(loads.size - values.size, at_full_contact)])
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

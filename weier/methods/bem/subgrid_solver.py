@@ -16,7 +16,6 @@ from weier.methods.bem.contacts import find_contacts, find_crests
 from weier.methods.bem.edges import find_edges, find_steps
 from weier.methods.bem.errors import estimate_errors
 from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
-from weier.methods.bem.grids import full_contact, grid_of, nested_grids
 from weier.methods.bem.narrow_gaps import Gaps, find_gaps
 from weier.methods.bem.redistribution import redistribute
 from weier.methods.errors import ConvergenceError
@@ -106,29 +105,28 @@ class GridSolver:
         self, profile: Waves, points: int, max_residual: float, rate_tolerance: float = RATE_TOLERANCE
     ) -> None:
         """Make the grids, and room for a solution."""
-        self.hierarchy, self.rate_tolerance = nested_grids(profile, points, max_residual), rate_tolerance
-        self._grid = grid_of(self.hierarchy, self.hierarchy.points.size - 1)
-        self.continuum = make_continuum(profile, self._grid)
-        self._state, self._carried = fft.make_grid_state(points), np.zeros(points)
-        self._start, self._heavier = np.empty(0), np.inf
+        self.nested, self._rate_tolerance = fft.NestedSolver(profile, points, max_residual), rate_tolerance
+        self._continuum = make_continuum(profile, self.nested.grid)
+        self._carried, self._heavier = np.zeros(points), np.inf
         # Beyond so many points the edges move by many of them from load to load.
         self._few = points <= MAX_PER_WAVE * profile.waves_per_period[-1]
 
     def solve(self, load: float) -> LoadSolution:
         """Solve the next lighter load: on the grid, its rate, and what the continuum adds to both."""
         plane, residual, pairs = self._solve_on_grid(load)
-        if not residual <= self._grid.max_residual:
+        grid, state = self.nested.grid, self.nested.state
+        if not residual <= grid.max_residual:
             return _unsolved(plane, residual, pairs)
-        state, deformed = self._state, self._state.deformed.copy()
-        rate, more = fft.solve_rate(self.rate_tolerance, self._grid, state)
+        deformed = state.deformed.copy()
+        rate, more = fft.solve_rate(self._rate_tolerance, grid, state)
         if not rate < np.inf:
             return _unsolved(plane, residual, pairs + more)
         edge = find_edges(state.contact, state.edge)
         solution = GridSolution(
             plane, rate, self._carried, deformed, state.pressure, -state.deformed, state.contact, edge
         )
-        gaps = find_gaps(solution, self.continuum)
-        return correct_contacts(gaps, solution, self.continuum, residual, pairs + more)
+        gaps = find_gaps(solution, self._continuum)
+        return correct_contacts(gaps, solution, self._continuum, residual, pairs + more)
 
     def _solve_on_grid(self, load: float) -> tuple[float, float, float]:
         """Plane, residual and pairs of FFTs of a load.
@@ -136,15 +134,15 @@ class GridSolver:
         Under a load near the heavier one before, the search begins with what that has left; else on the coarsest
         grid, with the pressure there of the load before, or of full contact.
         """
-        plane, residual, pairs = 0.0, np.inf, 0.0
+        plane, residual, pairs, nested = 0.0, np.inf, 0.0, self.nested
         if self._heavier == np.inf:
-            self._start = full_contact(self.hierarchy, load)
+            nested.forget()
         elif load > MIN_NEAR * self._heavier:
-            plane, residual, pairs = fft.resume(load, self._heavier, self._carried, self._grid, self._state)
-        if not residual <= self._grid.max_residual:
-            plane, residual, more = fft.cascade(load, self.hierarchy, self._start, self._state)
+            plane, residual, pairs = fft.resume(load, self._heavier, self._carried, nested.grid, nested.state)
+        if not residual <= nested.grid.max_residual:
+            plane, residual, more = nested.solve(load)
             pairs += more
-        self._carried[:] = self._state.pressure
+        self._carried[:] = nested.state.pressure
         if self._few:
             self._heavier = load
         return plane, residual, pairs

@@ -53,11 +53,11 @@ class Starts:
             if (lone := find(series, load)) is not None:
                 yield lone
         for per_wave in POINTS_PER_WAVE:
-            left, right, force, _ = self._grid(per_wave).solve_alone(load).contacts
-            wide = right > left
-            if wide.any():
-                middle, half_width = 0.5 * (left + right)[wide], 0.5 * (right - left)[wide]
-                yield contacts_guess(self.surface, middle, half_width, force[wide], self.tolerance)
+            found = self._grid(per_wave).solve_alone(load).contacts
+            found = found[found["right"] > found["left"]]
+            if found.size:
+                middle, half_width = 0.5 * (found["left"] + found["right"]), 0.5 * (found["right"] - found["left"])
+                yield contacts_guess(self.surface, middle, half_width, found["force"], self.tolerance)
 
 
 def segments_about(series: CosineSeries, middle: Array, half_width: Array) -> Segments:
