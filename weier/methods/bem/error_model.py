@@ -35,7 +35,7 @@ PLANNED_RESIDUAL = 1e-10  # g_0, at which boundary elements of a plan stop
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 8e-5
 SECONDS_NODE = 1.3e-8  # of each load and node, for a pair of FFTs, of which there are more for more contacts
-PAIRS = 14  # times the square root of the contacts
+PAIRS, MORE_PAIRS = 14, 0.2  # times the square root of the contacts, and times these, whose forces are equalised
 START_PAIRS = 15  # as many take as long as a start
 BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
 
@@ -93,7 +93,7 @@ def seconds(points: float, contacts: Array) -> tuple[float, Array]:
 
 def fft_pairs(contacts: Array) -> Array:
     """Pairs of FFTs that a load takes for both numbers."""
-    return np.asarray(PAIRS * np.sqrt(contacts))
+    return np.asarray(PAIRS * np.sqrt(contacts) + MORE_PAIRS * contacts)
 
 
 def memory(points: int) -> float:

@@ -19,7 +19,8 @@ from weier.methods.bem.narrow_contacts import contact_energies, plane_height, pu
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
 MAX_GRADIENTS = 400  # steps of conjugate gradients: some 250 of them are needed by 8 000 contacts
-GRADIENT_TOLERANCE = 1e-14  # square of the relative error at which they stop
+STEP_TOLERANCE = 1e-4  # square of the relative error at which they stop in a step of Newton's, which the next mends
+SHARE_TOLERANCE = 1e-14  # and for the shares, which nothing mends
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
 MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
@@ -141,7 +142,8 @@ def _equalise_heights(
         if not _heights(contacts, plane, period, state):
             return False
         right = _asked_heights(contacts, lift, interaction, state)
-        step, found = solve_bordered(state.slope, right, state.touching, -state.change.sum(), interaction)
+        rest = -state.change.sum()
+        step, found = solve_bordered(state.slope, right, state.touching, rest, STEP_TOLERANCE, interaction)
         largest, done, released = 0.0, True, False
         for i in range(contacts.size):
             if state.touching[i]:
@@ -174,12 +176,12 @@ def _asked_heights(contacts: Records, lift: Array, interaction: Interaction, sta
 
 @kernel
 def solve_bordered(
-    slope: Array, right: Array, touching: Flags, total: float, interaction: Interaction
+    slope: Array, right: Array, touching: Flags, total: float, tolerance: float, interaction: Interaction
 ) -> tuple[Array, bool]:
     """Solve (slope + mutual) x + y = right for those touching, with the sum of x given: x, and whether it went well.
 
-    Conjugate gradients on changes that sum to 0, preconditioned by the slopes. Where not one step of them can be
-    taken, x is infinite.
+    Conjugate gradients on changes that sum to 0, preconditioned by the slopes, until the square of the error is so
+    small a part of what it was. Where not one step of them can be taken, x is infinite.
     """
     unknown, stiffness, size = np.full(right.size, np.inf), np.zeros(right.size), 0.0
     for i in range(right.size):
@@ -197,7 +199,7 @@ def solve_bordered(
         downhill = (rest - common) * stiffness
         energy = dot(rest - common, downhill)
         first = energy if step == 0 else first
-        if energy <= GRADIENT_TOLERANCE * first + ROUNDING**2 * size:
+        if energy <= tolerance * first + ROUNDING**2 * size:
             return x, True
         direction = downhill + energy / last * direction
         product = slope * direction + press(direction, interaction)
@@ -388,5 +390,5 @@ def _changes_of_shares(
     released = on_released.sum()
     if released > 0:  # what they carried on the grid is carried by the others
         right += press(on_released, interaction)
-    share_change, found = solve_bordered(slope, right, state.touching, released, interaction)
+    share_change, found = solve_bordered(slope, right, state.touching, released, SHARE_TOLERANCE, interaction)
     return share_change - on_released, released, found
