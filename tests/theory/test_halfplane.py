@@ -2,15 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.special import zeta
 
-from weier.theory.halfplane import eigenvalues, hurwitz_zeta_3, influence_coefficients
-
-
-def test_zeta_is_that_of_scipy():
-    """To the rounding of some twenty sums, from the first wave of 10^7 nodes to the shortest."""
-    q = np.concatenate([np.geomspace(1e-7, 1.0, 2001), np.linspace(0.4, 1.0, 2001)])
-    np.testing.assert_allclose(hurwitz_zeta_3(q), zeta(3, q), rtol=4e-15)
+from weier.theory.halfplane import eigenvalues, influence_coefficients
 
 
 @pytest.mark.parametrize("points", [3, 8, 12, 101])

@@ -45,7 +45,9 @@ def curve(
         name: ((), value, variables.attributes(name, table)) for name, value in labels.items()
     }
     coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
-    plain = {name: _attribute(value) for name, value in {**settings, **scalars}.items() if value is not None}
+    known = {name: value for name, value in {**settings, **scalars}.items() if value is not None}
+    # netCDF knows no truth values.
+    plain = {name: json.dumps(value) if isinstance(value, bool) else value for name, value in known.items()}
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
     return data.assign_coords(coordinates).assign_attrs(provenance.of_results() | plain)
 
@@ -165,11 +167,6 @@ def open(path: str | Path) -> xr.Dataset:
     if not set(NEEDED) <= data.variables.keys():  # of other measurements than curves
         return data
     return name_cases(as_cases(data))
-
-
-def _attribute(value: Any) -> Any:
-    """A value as an attribute of a netCDF file, which knows no truth values."""
-    return json.dumps(value) if isinstance(value, bool) else value
 
 
 def _over_loads(name: str) -> tuple[str, ...]:

@@ -145,15 +145,11 @@ def _missing(file: netCDF4.Dataset, name: str, values: xr.Variable) -> bool:
 
 
 def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[Any]:
+    """The values as the file has them: of texts the characters, along a dimension of their own."""
     if values.dtype.kind not in "UO":
         return values.values
     file[name].set_auto_chartostring(False)
-    return _characters(values.values, file[name].shape[-1], name)
-
-
-def _characters(texts: NDArray[Any], width: int, name: str) -> NDArray[np.bytes_]:
-    """Texts of shape (...) as UTF-8 characters of shape (..., width)."""
-    encoded = _encoded(texts)
+    width, encoded = file[name].shape[-1], _encoded(values.values)
     if encoded.itemsize > width:
         raise ValueError(f"{name} must have at most {width} characters, got {encoded.itemsize}: shorten it")
     return encoded.astype(f"S{width}")[..., None].view("S1")

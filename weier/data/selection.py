@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from weier.data.variables import CURVE, RUN, VARIABLES, Status
+from weier.data.variables import CURVE, VARIABLES, Status
 from weier.kernels.arrays import Flags
 from weier.theory.arguments import checked_number, checked_numbers, shown
 from weier.theory.profile import PARAMETERS, checked_ratio
@@ -107,10 +107,11 @@ class Curves:
         data = as_cases(self._data)
         phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
         labels = [name for name in _labels(data) if name != "case"]
-        curves = data[[name for name, values in data.data_vars.items() if values.dims == CURVE]]
-        rows = curves.drop_vars("phases", errors="ignore").assign_coords(phases=("case", phases))
-        frame = rows.to_dataframe(dim_order=CURVE).reset_index()
-        frame = frame[_solved(data)][[*labels, "phases", *CURVE[1:], *curves.data_vars]]
+        quantities = [name for name, values in data.data_vars.items() if values.dims == CURVE]
+        rows = data[[*quantities, *(["status"] if "status" in data else [])]].drop_vars("phases", errors="ignore")
+        frame = rows.assign_coords(phases=("case", phases)).to_dataframe(dim_order=CURVE).reset_index()
+        solved = frame["status"] == Status.solved if "status" in data else slice(None)
+        frame = frame[solved][[*labels, "phases", *CURVE[1:], *quantities]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
 
@@ -252,11 +253,3 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 def _some(values: NDArray[Any]) -> str:
     texts = [text for value in np.unique(values) if (text := _text(value))] or ["none"]
     return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")
-
-
-def _solved(data: xr.Dataset) -> Flags:
-    """Whether there is a curve, for each row of the table."""
-    if "status" not in data:
-        return np.ones(int(np.prod([data.sizes[dim] for dim in CURVE])), bool)
-    solved = np.equal(data["status"].transpose(*RUN).values, Status.solved)
-    return np.repeat(solved.ravel(), data.sizes[CURVE[2]])

@@ -78,21 +78,13 @@ VARIABLES = {
         ("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL,
         axis=r"mean pressure $\bar{p}/p_0^{*}$", plot="mean pressure p/p_0*",
     ),
-    "key": Variable(
-        ("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL
-    ),
+    "key": Variable(("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL),
     "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL),
-    "gamma": Variable(
-        ("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL
-    ),
-    "m": Variable(
-        ("case",), "number of terms of the series", symbol="m", least=1, content=LABEL
-    ),
+    "gamma": Variable(("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL),
+    "m": Variable(("case",), "number of terms of the series", symbol="m", least=1, content=LABEL),
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
     "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL),
-    "trace": Variable(
-        ("case",), "name of the file of measured heights", dtype="U64", content=LABEL, optional=True
-    ),
+    "trace": Variable(("case",), "name of the file of measured heights", dtype="U64", content=LABEL, optional=True),
     "trace_digest": Variable(
         ("case",), "digest of the measured heights and of how they are continued", dtype="U12", content=LABEL,
         optional=True,
@@ -116,9 +108,7 @@ VARIABLES = {
     "tail_amplitude": Variable(
         ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=ALL_MEASURED
     ),
-    "first_contact": Variable(
-        ("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED
-    ),
+    "first_contact": Variable(("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED),
     "compliance": Variable(
         CURVE, "compliance", "g_0", "h", least=0, files=ALL_MEASURED,
         comment=f"{DATUM}; of a trace, from first contact.", axis="compliance $h/g_0$", plot="compliance h/g_0",
@@ -158,8 +148,7 @@ VARIABLES = {
     ),
     "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
     "settings": Variable(
-        RUN, "settings of the solution including defaults, as JSON", dtype="U240", content=AUXILIARY,
-        files=MEASURED,
+        RUN, "settings of the solution including defaults, as JSON", dtype="U240", content=AUXILIARY, files=MEASURED,
     ),
     "status": Variable(
         RUN, "whether and why there is a curve", dtype="i1", flags=Status, content=QUALITY,
@@ -173,8 +162,7 @@ VARIABLES = {
         LOAD_DIMS, "terms that the method chosen by the plan models", least=1, content=AUXILIARY, optional=True
     ),
     "planned_points": Variable(
-        LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1, content=AUXILIARY,
-        optional=True,
+        LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1, content=AUXILIARY, optional=True,
     ),
     "planned_seconds": Variable(
         ("case",), "time that the plan expects all loads to take on one core", "s", least=0, content=AUXILIARY,

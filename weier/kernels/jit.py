@@ -11,8 +11,8 @@ import os
 import shutil
 import threading
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from time import perf_counter, time
@@ -59,16 +59,12 @@ def announce_compiling(say: Callable[[str], None]) -> None:
     LISTENERS.append(say)
 
 
-class _Spent(threading.local):
-    seconds = 0.0
-
-
-_SPENT = _Spent()
+_SPENT = threading.local()
 
 
 def compiling_seconds() -> float:
     """What this thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve."""
-    return _SPENT.seconds
+    return getattr(_SPENT, "seconds", 0.0)
 
 
 class Kernel:
@@ -87,23 +83,34 @@ class Kernel:
             start = perf_counter()
             with LOCK:
                 self.compiled = self.compiled or self._compile(arguments)
-            _SPENT.seconds += perf_counter() - start
+            _SPENT.seconds = compiling_seconds() + perf_counter() - start
         return run_kernel(self.compiled, arguments)
 
     def _compile(self, arguments: tuple[Any, ...]) -> Any:
-        """The compiled kernel from the cache, or for it; where the cache cannot be used, for this process alone."""
+        """The kernel from its own folder in the cache, or compiled for it, by one process at a time.
+
+        Where the cache cannot be used, it is compiled for this process alone, and a torn folder is removed.
+        """
         import numba
 
         _introduce_kernels()
         config: Any = numba.config
-        types, base = tuple(map(numba.typeof, arguments)), config.CACHE_DIR
+        types, base, folder = tuple(map(numba.typeof, arguments)), config.CACHE_DIR, cache_folder() / self.name
         make = functools.partial(numba.njit, nogil=True, error_model="numpy")
         try:
-            with self._folder() as folder:
+            folder.mkdir(parents=True, exist_ok=True)
+            with (folder / "lock").open("w") as file:
+                fcntl.flock(file, fcntl.LOCK_EX)
+                os.utime(cache_folder())
+                if not any(folder.rglob("*.nbi")):
+                    _remove_earlier_caches()
+                    for say in LISTENERS:
+                        say(self.function.__module__)
                 config.CACHE_DIR = str(folder)
                 compiled = make(cache=True)(self.function)
                 compiled.compile(types)
         except Exception as error:  # a folder or disk that takes no files, or what pickle makes of torn ones
+            shutil.rmtree(folder, ignore_errors=True)
             compiled = make()(self.function)
             compiled.compile(types)  # which raises what is wrong with the kernel, if that was it
             why = f"kernels are compiled for this run alone ({type(error).__name__}: {error})"
@@ -111,24 +118,6 @@ class Kernel:
         finally:
             config.CACHE_DIR = base
         return compiled
-
-    @contextmanager
-    def _folder(self) -> Iterator[Path]:
-        """The own folder in the cache, for one process at a time; it is removed where it is torn."""
-        folder = cache_folder() / self.name
-        folder.mkdir(parents=True, exist_ok=True)
-        with (folder / "lock").open("w") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            os.utime(cache_folder())
-            if not any(folder.rglob("*.nbi")):
-                _remove_earlier_caches()
-                for say in LISTENERS:
-                    say(self.function.__module__)
-            try:
-                yield folder
-            except Exception:
-                shutil.rmtree(folder, ignore_errors=True)
-                raise
 
 
 def _introduce_kernels() -> None:
@@ -143,12 +132,9 @@ def _introduce_kernels() -> None:
 
 
 def _remove_earlier_caches() -> None:
-    def last_use(folder: Path) -> float:
-        return folder.stat().st_mtime
-
     with suppress(OSError):  # another process may be at it
-        for folder in sorted(cache_folder().parent.glob("weier-*"), key=last_use)[:-KEPT]:
-            if last_use(folder) < time() - A_DAY:
+        for folder in sorted(cache_folder().parent.glob("weier-*"), key=os.path.getmtime)[:-KEPT]:
+            if os.path.getmtime(folder) < time() - A_DAY:
                 shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -43,11 +43,6 @@ class Case:
         return cls(surface.parameters, methods, settings, surface)
 
     @property
-    def definition(self) -> str:
-        """All that the numbers depend on but the loads, as text."""
-        return json.dumps([self._identity, self.methods, self.settings], sort_keys=True)
-
-    @property
     def _identity(self) -> Mapping[str, Any]:
         """The parameters; of a trace what its file holds, not where it is."""
         if "trace" not in self.parameters:
@@ -57,8 +52,9 @@ class Case:
 
     @cached_property
     def key(self) -> str:
-        """A digest of the definition: the same case has the same name in every file."""
-        return hashlib.sha256(self.definition.encode()).hexdigest()[:12]
+        """A digest of all that the numbers depend on but the loads: the same case has the same name in every file."""
+        definition = json.dumps([self._identity, self.methods, self.settings], sort_keys=True)
+        return hashlib.sha256(definition.encode()).hexdigest()[:12]
 
     @cached_property
     def curves(self) -> dict[str, str]:

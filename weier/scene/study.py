@@ -37,11 +37,6 @@ class CaseProduct:
         return math.prod(map(len, self.axes.values()))
 
     @property
-    def kind(self) -> str:
-        """All but the parameters, as text."""
-        return json.dumps([self.methods, self.settings], sort_keys=True)
-
-    @property
     def definition(self) -> list[Any]:
         """All that tells the cases and their order, as plain values."""
         return [list(self.axes.items()), self.methods, self.settings]
@@ -121,8 +116,9 @@ def case_numbers(study: Study) -> Indices:
     Cases are the same if their parameters have the same names and values, and methods and settings are the same.
     """
     names = dict.fromkeys(name for product in study.products for name in product.axes)
-    kinds = np.unique([product.kind for product in study.products], return_inverse=True)[1]
-    numbers = np.repeat(kinds, [product.count for product in study.products])
+    solved_by = [json.dumps([product.methods, product.settings], sort_keys=True) for product in study.products]
+    numbers = np.unique(solved_by, return_inverse=True)[1]
+    numbers = np.repeat(numbers, [product.count for product in study.products])
     for name in names:
         values = _value_numbers(study, name)
         if (int(numbers.max(initial=0)) + 1) * (int(values.max(initial=0)) + 1) > MAX_NUMBER:

@@ -10,26 +10,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import scipy  # its parts load when they are used
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-
-ZETA_TERMS = 16  # summed one by one; the rest is a series in 1/ZETA_TERMS^2
-# (2k)!-th parts of Bernoulli's numbers B_2k times 3 4 ... (2k + 1), for k = 1 to 5: the next leaves 2e-17.
-ZETA_REST = (1 / 4, -1 / 12, 1 / 12, -3 / 20, 5 / 12)
-
-
-def hurwitz_zeta_3(q: Array) -> Array:
-    """Hurwitz' zeta function, the sum of (q + j)^-3 over j = 0, 1, ..., for q > 0, by Euler and Maclaurin's formula.
-
-    SciPy has it too, in a module that takes longer to import than all zeta functions of most programs.
-    """
-    head = np.zeros_like(q)
-    for j in range(ZETA_TERMS):
-        head += 1 / ((q + j) * (q + j) * (q + j))
-    end = q + ZETA_TERMS
-    rest = sum(factor * end ** -(2.0 * k + 4) for k, factor in enumerate(ZETA_REST))
-    return head + 1 / (2 * end**2) + 1 / (2 * end**3) + rest
 
 
 @lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again
@@ -56,7 +40,7 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
 
     """
     kappa = np.arange(1, points // 2 + 1) / points
-    aliases = hurwitz_zeta_3(kappa) + hurwitz_zeta_3(1 - kappa)
+    aliases = scipy.special.zeta(3, kappa) + scipy.special.zeta(3, 1 - kappa)
     values = np.concatenate([[0.0], period * np.sin(np.pi * kappa) ** 2 / (np.pi**2 * points) * aliases])
     values.flags.writeable = False
     return values
