@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.theory.arguments import checked_number, checked_numbers, shown
+from weier.theory.arguments import Condition, checked_number, checked_numbers, shown
 
 
 def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:
     """Composite modulus M of two bodies of shear modulus mu and Poisson's ratio nu, in the unit of mu (3)."""
-    moduli = (_checked(name, value) for name, value in (("mu_1", mu_1), ("mu_2", mu_2)))
-    ratios = (_checked(name, value) for name, value in (("nu_1", nu_1), ("nu_2", nu_2)))
-    softness = sum((1 - nu) / mu for mu, nu in zip(moduli, ratios, strict=True))
+    moduli = _checked("mu_1", mu_1), _checked("mu_2", mu_2)
+    softness = (1 - _checked("nu_1", nu_1)) / moduli[0] + (1 - _checked("nu_2", nu_2)) / moduli[1]
     if np.any(softness == 0):
         raise ValueError("mu_1 and mu_2 are both inf: two rigid bodies have no elastic contact, give one a modulus")
     return np.asarray(1 / softness)
@@ -69,19 +67,13 @@ def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     return np.asarray(_checked("rho_1", rho_1) + _checked("rho_2", rho_2))
 
 
-class _Range(NamedTuple):
-    """What the values of a quantity must do, and whether they do."""
-
-    condition: str
-    holds: Callable[[Any], Any]
-
-
-_MODULUS = _Range("be positive (inf for a rigid body)", lambda mu: mu > 0)
-_POISSON = _Range("lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5))
-_RESISTIVITY = _Range("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf))
-_LENGTH = _Range("be positive and finite", lambda length: (length > 0) & (length < math.inf))
-_RADIUS = _Range("be positive", lambda radius: radius > 0)
-RANGES = {
+# What the values of a quantity must do, and whether they do.
+_MODULUS = "be positive (inf for a rigid body)", lambda mu: mu > 0
+_POISSON = "lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5)
+_RESISTIVITY = "be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf)
+_LENGTH = "be positive and finite", lambda length: (length > 0) & (length < math.inf)
+_RADIUS = "be positive", lambda radius: radius > 0
+RANGES: dict[str, tuple[str, Condition]] = {
     "mu_1": _MODULUS, "mu_2": _MODULUS, "modulus": _MODULUS, "nu_1": _POISSON, "nu_2": _POISSON,
     "rho_1": _RESISTIVITY, "rho_2": _RESISTIVITY, "lambda_0": _LENGTH, "g_0": _LENGTH,
     "radii": _RADIUS, "contour_radius": _RADIUS,
@@ -139,8 +131,7 @@ class Interface:
 
     def __post_init__(self) -> None:
         # NumPy's own scalars would overflow, or keep all that is made of them to the digits of their type.
-        for name, value in vars(self).copy().items():
-            object.__setattr__(self, name, checked_number(name, value, *RANGES[name]))
+        vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in vars(self).items()})
         if not 0 < self.full_contact_pressure < math.inf:  # which refuses two rigid bodies
             raise ValueError(
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "

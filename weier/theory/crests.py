@@ -109,11 +109,9 @@ def crest_heights(
     import mpmath as mp  # which takes a tenth of a second, and few profiles need
 
     with mp.workdps(40):
-        k, phi = (
-            [2 * mp.pi * mp.mpf(int(n)) / mp.mpf(period) for n in waves_per_period],
-            [mp.mpf(float(p)) for p in phase],
-        )
-        a, heights = [mp.mpf(float(each)) for each in amplitude], []
+        k = [2 * mp.pi * mp.mpf(int(n)) / mp.mpf(period) for n in waves_per_period]
+        phi, a = [mp.mpf(float(p)) for p in phase], [mp.mpf(float(each)) for each in amplitude]
+        heights = []
         for x in position:
             theta = [k_n * mp.mpf(float(x)) + phi_n for k_n, phi_n in zip(k, phi, strict=True)]
             slope = -mp.fsum(a_n * k_n * mp.sin(t) for a_n, k_n, t in zip(a, k, theta, strict=True))

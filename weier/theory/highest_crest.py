@@ -122,7 +122,6 @@ class _Search:
             step = np.clip(-slope / np.minimum(curvature, -1e-300), -0.5, 0.5)
             theta, moved = theta + step[:, None] * k, moved + step
         height = np.cos(theta) @ self.amplitude
+        position = places.position + moved / (2 * np.pi * max(self.waves))
         highest = int(np.argmax(height))
-        return float(places.position[highest] + moved[highest] / (2 * np.pi * max(self.waves))), float(
-            height[highest]
-        )
+        return float(position[highest]), float(height[highest])

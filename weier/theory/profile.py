@@ -82,13 +82,8 @@ class Profile(Waves):
             if not (isinstance(phases, float) and phases == 0):
                 raise ValueError(f"phases must be left out where there is a seed, got {shown(phases)}")
             phases = random_phases(seed)
-        for name, value in (
-            ("D", series.checked_dimension(D)),
-            ("gamma", checked_ratio(gamma)),
-            ("m", series.checked_terms(m)),
-            ("phases", checked_phases(phases, m)),
-        ):
-            object.__setattr__(self, name, value)
+        fields = {"D": series.checked_dimension(D), "gamma": checked_ratio(gamma), "m": series.checked_terms(m)}
+        vars(self).update(fields, phases=checked_phases(phases, m))  # which a frozen dataclass lets nobody assign
 
     @property
     def terms(self) -> int:
@@ -173,14 +168,14 @@ class Profile(Waves):
     @property
     def labels(self) -> dict[str, Any]:
         """What tells this series from others, by the names of coordinates: the seed is NaN where there is none."""
-        drawn = isinstance(self.phases, RandomPhases)
-        short = not drawn or self.m <= MAX_PHASES_LISTED
-        phases = self.phase.tolist() if drawn and short else self.phases if short else None
-        return {
-            **{name: float(getattr(self, name)) for name in PARAMETERS},
-            "seed": float(self.phases.seed) if isinstance(self.phases, RandomPhases) else math.nan,
-            "phases": json.dumps(phases),
-        }
+        seed: float = math.nan
+        phases: Any = self.phases
+        if isinstance(self.phases, RandomPhases):
+            seed, phases = float(self.phases.seed), None
+            if self.m <= MAX_PHASES_LISTED:
+                phases = self.phase.tolist()
+        own = {name: float(getattr(self, name)) for name in PARAMETERS}
+        return own | {"seed": seed, "phases": json.dumps(phases)}
 
     def describe(self) -> str:
         """The parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
