@@ -235,7 +235,6 @@ class Interface:
             raise ValueError(
                 f"normalised must be in {unit}, got {normalised.name} in {own}: take in_si, or another one"
             )
-        checked_numbers("normalised", normalised)
         return self.in_si(normalised.assign_attrs(normalised_by=unit))
 
     def _converted(self, variable: Any) -> tuple[Any, Any, dict[str, Any]]:
