@@ -34,8 +34,11 @@ def list_contacts(
         contact, each = contacts[(first + i) % used], corrected[(first + i) % used]
         if each.touching:
             _enter(listed[count], contact, each)
-            if closed:
-                _join(listed[count - 1], listed[count])
+            if closed:  # the one before goes on
+                before, after = listed[count - 1], listed[count]
+                before.right += after.right - after.left
+                before.force += after.force
+                before.share += after.share
             else:
                 count += 1
         closed = contact.closed_after and count > 0
@@ -66,14 +69,6 @@ def _enter(entry: Record, contact: Record, each: Record) -> None:
         middle, reach = contact.origin + each.centre * contact.scale, each.half_width * contact.scale
         entry.left, entry.right = middle - reach, middle + reach
     entry.force, entry.share = each.force, each.share
-
-
-@kernel
-def _join(before: Record, after: Record) -> None:
-    """Make one of two contacts, at the place of the first."""
-    before.right += after.right - after.left
-    before.force += after.force
-    before.share += after.share
 
 
 @kernel

@@ -6,7 +6,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Record, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.bem.edges import Steps, correct_edge
+from weier.methods.bem.edges import correct_edge
+from weier.methods.bem.fft import dot
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import copy_values
 from weier.methods.bem.interaction import add_grid_moments
@@ -58,13 +59,13 @@ CONTACT = record_type(
 
 @kernel
 def find_contacts(
-    crest: Flags, crests: int, gaps: Gaps, steps: Steps, solution: GridSolution, continuum: Continuum
+    crest: Flags, gaps: Gaps, steps: Records, solution: GridSolution, continuum: Continuum
 ) -> tuple[Records, Flags]:
     """All contacts and the marked crests, from left to right, and which contacts and gaps have polynomials."""
     edge, points = solution.edge, solution.pressure.size
     runs = edge.size - 2
     polynomial = gaps.polynomial.copy()
-    contacts = np.zeros(runs // 2 + crests, CONTACT)
+    contacts = np.zeros(runs // 2 + np.count_nonzero(crest), CONTACT)
     contact_of = np.zeros(runs, np.int64)  # of a gap, the one before it
     used = 0
     for run in range(runs):
@@ -84,11 +85,10 @@ def find_contacts(
             contact_of[run] = contact_of[run - 1]
             before, after = run - 1, (run + 1) % runs
         for beside in (contact_of[before], contact_of[after]):
-            contacts[beside].edge_compliance += gaps.adds[run, 0] / 2
-            contacts[beside].edge_resistance += gaps.adds[run, 1] / 2
-    for run in range(runs):
+            contacts[beside].edge_compliance += gaps.runs[run].compliance / 2
+            contacts[beside].edge_resistance += gaps.runs[run].resistance / 2
         alone = not (polynomial[run] or polynomial[run - 1])  # else its edge belongs to a narrow contact or gap
-        place_edge(run, alone, steps, gaps.edge, solution, continuum, contacts[contact_of[run]])
+        place_edge(run, alone, steps[run], gaps.runs, solution, continuum, contacts[contact_of[run]])
     return contacts, polynomial
 
 
@@ -98,11 +98,8 @@ def enter_contact(run: int, polynomial: bool, solution: GridSolution, continuum:
     edge, points = solution.edge, solution.pressure.size
     start, nodes = edge[run + 1] % points, edge[run + 2] - edge[run + 1]
     spacing = continuum.period / points
-    force = np.empty(nodes)
-    share = np.empty(nodes)
-    for i in range(nodes):
-        force[i] = solution.pressure[(start + i) % points] * spacing
-        share[i] = solution.per_load[(start + i) % points] * spacing
+    run_nodes = np.arange(start, start + nodes) % points
+    force, share = spacing * solution.pressure[run_nodes], spacing * solution.per_load[run_nodes]
     half_width = ((nodes - 1) / 2 + EDGE) * spacing
     contact.kind = WIDE
     contact.position = (start + (nodes - 1) / 2) * spacing
@@ -121,23 +118,20 @@ def enter_contact(run: int, polynomial: bool, solution: GridSolution, continuum:
     contact.centre, contact.half_width = centre, width
     contact.position += centre * scale * spacing
     others = without_own(solution.displacement, share, continuum.influence, start, np.arange(nodes))
-    smoothing, own = added_by_triangles(contact.rate, nodes, scale), 0.0
+    smoothing = added_by_triangles(contact.rate, nodes, scale)
+    contact.grid_mixed, contact.grid_cross = dot(force, others + smoothing), dot(share, others + smoothing / 2)
+    contact.self_compliance = dot(share, solution.displacement[run_nodes] - others) / contact.share**2
     for i in range(nodes):
-        own += share[i] * (solution.displacement[(start + i) % points] - others[i])
-        contact.grid_mixed += force[i] * (others[i] + smoothing[i])
-        contact.grid_cross += share[i] * (others[i] + smoothing[i] / 2)
         x = (i - (nodes - 1) / 2 - centre * scale) * spacing
         add_grid_moments(force[i], x, spacing, contact.force_moments)
         add_grid_moments(share[i], x, spacing, contact.share_moments)
-    contact.self_compliance = own / contact.share**2
     return True
 
 
 @kernel
 def enter_crest(node: int, solution: GridSolution, continuum: Continuum, contact: Record) -> None:
     """Enter a crest, by the highest of its nodes."""
-    none = np.zeros(1)
-    margin = side_margin(node, solution.contact)
+    none, margin = np.zeros(1), side_margin(node, solution.contact)
     scale = enter_polynomials(node, margin, none, none, solution, continuum, contact)
     contact.kind, contact.limit, contact.centre = CREST, 1.0, highest(contact.height, 1 / scale)
     contact.position = contact.origin + contact.centre * contact.scale
@@ -166,22 +160,21 @@ def enter_polynomials(
 
 @kernel
 def place_edge(
-    run: int, alone: bool, steps: Steps, gap_edge: Array, solution: GridSolution, continuum: Continuum,
+    run: int, alone: bool, step: Record, gaps: Records, solution: GridSolution, continuum: Continuum,
     contact: Record,
 ) -> None:  # fmt: skip
     """Place the edge at which a run begins: at that of a narrow gap, or by itself if no narrow run has it."""
     points, node = solution.pressure.size, solution.edge[run + 1]
     begins = solution.contact[node % points]  # a contact begins here
-    gap = run - 1 if begins else run
-    position = gap_edge[gap, 1] if begins else gap_edge[gap, 0]
+    position = gaps[run - 1].right if begins else gaps[run].left
     if alone:
-        compliance, resistance = correct_edge(steps, run)
+        compliance, resistance = correct_edge(step)
         contact.edge_compliance += compliance
         contact.edge_resistance += resistance
-        contact.edge_drop += steps.drop[run]
-        if steps.load[run] > 0:
-            contact.edge_yield += steps.drop[run] / (steps.load[run] * contact.share)
-        beyond = steps.place[run] + EDGE
+        contact.edge_drop += step.drop
+        if step.load > 0:
+            contact.edge_yield += step.drop / (step.load * contact.share)
+        beyond = step.place + EDGE
         position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
     elif run == 0 and begins:  # the gap before it ends in the next period
         position -= continuum.period
@@ -191,18 +184,17 @@ def place_edge(
         contact.left = position
     else:
         contact.right = position
-        contact.closed_after = gap_edge[run, 0] == gap_edge[run, 1]
+        contact.closed_after = gaps[run].left == gaps[run].right
 
 
 @kernel
-def find_crests(plane: float, solution: GridSolution, displacement: Array, crest: Flags) -> int:
-    """Mark the crests in the gaps that may touch between two nodes, and return how many are new.
+def find_crests(plane: float, solution: GridSolution, displacement: Array, crest: Flags) -> bool:
+    """Mark the crests in the gaps that may touch between two nodes; whether any is new.
 
     The node of such a crest is the highest of three, and no farther below the plane than they bend. The surface is
     displaced by so much more than on the grid.
     """
-    points = crest.size
-    new = 0
+    points, new = crest.size, False
     for node in range(points):
         right = next_node(node, points)
         if solution.contact[node - 1] or solution.contact[node] or solution.contact[right]:
@@ -215,6 +207,5 @@ def find_crests(plane: float, solution: GridSolution, displacement: Array, crest
             for beside in range(-2, 3):
                 known |= crest[(node + beside) % points]
             if not known:
-                crest[node] = True
-                new += 1
+                crest[node] = new = True
     return new

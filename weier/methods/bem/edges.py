@@ -5,11 +5,9 @@ A step of an edge from one node to the next lowers the resistance by D, and take
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags, Indices, Record, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.grid_solution import GridSolution
 
@@ -18,6 +16,10 @@ from weier.methods.bem.grid_solution import GridSolution
 # condition number of the preconditioned matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
 REACH = 2
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
+
+# The step of an edge: `drop` is D of the resistance, `load` is a + b, and `place`, from -1/2 to 1/2, tells how far
+# the edge is in it.
+STEP = record_type(("drop load place", np.float64, ()))
 
 
 @kernel
@@ -70,25 +72,11 @@ def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
         values[node] += total / reach
 
 
-class Steps(NamedTuple):
-    """The steps of all edges, each of shape (edges,); 0 where one is not known.
-
-    drop, load : D of the resistance, and a + b
-    place : how far the edge is in its step, from -1/2 to 1/2
-    """
-
-    drop: Array
-    load: Array
-    place: Array
-
-
 @kernel
-def find_steps(solution: GridSolution) -> Steps:
-    """The steps of all edges; zeros where one is not known."""
-    edges = solution.edge.size - 2
-    points = solution.pressure.size
-    steps = Steps(np.zeros(edges), np.zeros(edges), np.zeros(edges))
-    for at in range(edges):
+def find_steps(solution: GridSolution) -> Records:
+    """The steps of all edges, of shape (edges,); zeros where one is not known."""
+    points, steps = solution.pressure.size, np.zeros(solution.edge.size - 2, STEP)
+    for at in range(steps.size):
         start = solution.edge[at + 1] % points
         outwards = -1 if solution.contact[start] else 1
         inside = start if solution.contact[start] else (start - 1) % points
@@ -101,13 +89,12 @@ def find_steps(solution: GridSolution) -> Steps:
         until = max(solution.plane - solution.deformed[outside], 0.0) / closing
         if not since + until > 0:
             continue
-        steps.drop[at], steps.load[at] = drop, since + until
-        steps.place[at] = since / (since + until) - 0.5
+        step = steps[at]
+        step.drop, step.load, step.place = drop, since + until, since / (since + until) - 0.5
     return steps
 
 
 @kernel
-def correct_edge(steps: Steps, at: int) -> tuple[float, float]:
+def correct_edge(step: Record) -> tuple[float, float]:
     """What a lone edge adds to compliance and resistance, by its place in the step."""
-    drop, x = steps.drop[at], steps.place[at]
-    return drop * steps.load[at] * ((0.25 - x * x) / 2 - CURVATURE), -x * drop
+    return step.drop * step.load * ((0.25 - step.place**2) / 2 - CURVATURE), -step.place * step.drop

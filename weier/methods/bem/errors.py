@@ -16,9 +16,8 @@ from weier.kernels.arrays import Array, Flags, Record, Records
 from weier.kernels.jit import kernel
 from weier.methods.bem import factors
 from weier.methods.bem.contacts import WIDE
-from weier.methods.bem.edges import Steps
 from weier.methods.bem.grid_solution import Continuum, GridSolution
-from weier.methods.bem.local_fit import DEGREE, shift, slopes, value
+from weier.methods.bem.local_fit import DEGREE, shift, size, slopes
 from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
 from weier.methods.bem.narrow_gaps import Gaps
 from weier.methods.bem.redistribution import Redistribution
@@ -41,7 +40,7 @@ class Errors(NamedTuple):
 
 @kernel
 def estimate_errors(
-    solution: GridSolution, steps: Steps, polynomial: Flags, gaps: Gaps, contacts: Records,
+    solution: GridSolution, steps: Records, polynomial: Flags, gaps: Gaps, contacts: Records,
     forces: Redistribution, continuum: Continuum,
 ) -> Errors:  # fmt: skip
     """How far off a corrected solution is expected to be."""
@@ -64,7 +63,7 @@ def estimate_errors(
         contact, each = contacts[at], forces.contacts[at]
         if contact.kind == WIDE:
             continue
-        rest = factors.REST * _size(contact.height_rest, each.centre)
+        rest = factors.REST * size(contact.height_rest, each.centre)
         displaced, relief = _effects_of_others(contacts, forces.contacts, at, solution.contact.size, period)
         height = factors.HEIGHT_SHARE * compliance + rest + displaced
         if each.touching:  # the more of the load it takes, the less another can take from it
@@ -76,8 +75,11 @@ def estimate_errors(
         birth_resistance += drop
         if each.closing > 0:  # the load between where it is born and where it seems to be, times the drop
             birth_compliance += drop * height / each.closing
-    compliance += gaps.error[0] + birth_compliance
-    return Errors(compliance, gaps.error[1] + resistance + birth_resistance, uncertain, judged)
+    for gap in gaps.runs:
+        birth_compliance += gap.compliance_error
+        birth_resistance += gap.resistance_error
+        uncertain |= gap.uncertain
+    return Errors(compliance + birth_compliance, resistance + birth_resistance, uncertain, judged)
 
 
 @kernel
@@ -98,32 +100,24 @@ def _error_of_the_solver(solution: GridSolution, load: float) -> float:
 
 
 @kernel
-def _is_lone_with_polynomial(solution: GridSolution, polynomial: Flags) -> bool:
-    """Whether one contact has the whole load, whatever the rate, and has had it from first touch on."""
-    edge = solution.edge
-    if edge.size != 4:
-        return False
-    return bool(polynomial[0] if solution.contact[edge[1] % solution.pressure.size] else polynomial[1])
-
-
-@kernel
 def _errors_of_edges(
-    solution: GridSolution, steps: Steps, polynomial: Flags, angle: float, mean_pressure: float
+    solution: GridSolution, steps: Records, polynomial: Flags, angle: float, mean_pressure: float
 ) -> tuple[float, float]:
     """What steps that are misjudged change of compliance and resistance at most."""
-    errors, edge = np.zeros(2), solution.edge
-    if _is_lone_with_polynomial(solution, polynomial):  # only its images bear on it
+    errors, edge, points = np.zeros(2), solution.edge, solution.pressure.size
+    # One contact has the whole load, whatever the rate, and has had it from first touch on: only images bear on it.
+    if edge.size == 4 and polynomial[0 if solution.contact[edge[1] % points] else 1]:
         nodes = min(edge[2] - edge[1], edge[3] - edge[2])
-        change = (nodes / solution.pressure.size) ** 4 * steps.drop.sum()
+        change = (nodes / points) ** 4 * steps["drop"].sum()
         return factors.IMAGES * change * mean_pressure, factors.IMAGES * change
     half_wave = np.pi / angle  # in nodes: the surface below a wider run bends as much
     for run in range(edge.size - 2):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
         narrower = min(here, before)
         near = (narrower / (here + before)) ** 2
-        gap = run - 1 if solution.contact[edge[run + 1] % solution.pressure.size] else run
+        gap = run - 1 if solution.contact[edge[run + 1] % points] else run
         contact = run - 1 if gap == run else run
-        change = steps.drop[run] * min(steps.load[run], mean_pressure), steps.drop[run]  # no older than the load
+        change = steps[run].drop * min(steps[run].load, mean_pressure), steps[run].drop  # no older than the load
         for quantity in range(2):
             if polynomial[gap]:
                 share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
@@ -131,12 +125,6 @@ def _errors_of_edges(
             elif not polynomial[contact]:
                 errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
     return errors[0], errors[1]
-
-
-@kernel
-def _size(polynomials: Array, s: float) -> float:
-    """The sizes of two terms at s, together."""
-    return abs(value(polynomials[0], s)) + abs(value(polynomials[1], s))
 
 
 @kernel

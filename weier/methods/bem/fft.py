@@ -22,7 +22,7 @@ from weier.methods.bem.grids import (
     Hierarchy,
     add_harmonic,
     copy_values,
-    full_contact,
+    full_contact_pressure,
     grid_of,
     nested_grids,
     refine,
@@ -140,20 +140,14 @@ def deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
 
 
 @kernel
-def _rescale_to_load(pressure: Array, load: float) -> None:
-    """Pressure without tension, scaled to the load."""
-    total = 0.0
-    for i in range(pressure.size):
-        pressure[i] = max(pressure[i], 0.0)
-        total += pressure[i]
-    for i in range(pressure.size):
-        pressure[i] *= load * pressure.size / total
-
-
-@kernel
 def _refresh(load: float, grid: Grid, state: GridState) -> None:
     """Free the pressure of tension, let it carry the load, and apply the operator afresh."""
-    _rescale_to_load(state.pressure, load)
+    total, points = 0.0, state.pressure.size
+    for i in range(points):
+        state.pressure[i] = max(state.pressure[i], 0.0)
+        total += state.pressure[i]
+    for i in range(points):
+        state.pressure[i] *= load * points / total
     deformed_surface(grid.height, grid, state)
 
 
@@ -349,6 +343,7 @@ class NestedSolver:
         """Make the grids, and room for a solution on the finest."""
         self.hierarchy = nested_grids(profile, points, max_residual)
         self.grid, self.state = grid_of(self.hierarchy, self.hierarchy.points.size - 1), make_grid_state(points)
+        self._flattening = full_contact_pressure(grid_of(self.hierarchy, 0).height, profile.period)
         self._start: Array | None = None
 
     def forget(self) -> None:
@@ -358,7 +353,7 @@ class NestedSolver:
     def solve(self, load: float) -> tuple[float, float, float]:
         """Plane, residual and pairs of FFTs of a load, those of coarser grids by their size."""
         if self._start is None:
-            self._start = full_contact(self.hierarchy, load)
+            self._start = load + self._flattening
         return cascade(load, self.hierarchy, self._start, self.state)
 
     def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:

@@ -8,7 +8,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem.fft import NestedSolver
-from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load, full_contact_pressure
+from weier.methods.bem.grids import full_contact_pressure
+from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load
 from weier.methods.bem.subgrid_solver import check_residual
 from weier.theory.loads import checked_load
 from weier.theory.waves import Waves
@@ -43,16 +44,11 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     points = checked_points(profile, points)
     check_tolerance(tolerance)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
-    if load >= full_contact_load(profile, points):
-        return _full_contact(profile, load, x)
+    height = profile.sampled_height(points)
+    if load >= full_contact_load(profile, points):  # pressed flat, however heavy: a solver would lose the waves
+        return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
     grid = NestedSolver(profile, points, tolerance)
     plane, residual, _ = grid.solve(load)
     check_residual(np.array([residual]), np.array([load]), points, tolerance)
     deformed = grid.state.deformed
-    return Field(x, grid.state.pressure, plane - deformed, profile.sampled_height(points) - deformed)
-
-
-def _full_contact(profile: Waves, load: float, x: Array) -> Field:
-    """The surface pressed flat, however heavy the load: a solver would lose the waves beside it."""
-    height = profile.sampled_height(x.size)
-    return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(x.size), height)
+    return Field(x, grid.state.pressure, plane - deformed, height - deformed)

@@ -122,11 +122,9 @@ def inverse(eigenvalue: Array) -> Array:
     return np.concatenate([[0.0], 1 / eigenvalue[1:]])
 
 
-def full_contact(hierarchy: Hierarchy, load: float) -> Array:
-    """Pressure that would flatten the coarsest grid under this load."""
-    points = int(hierarchy.points[0])
-    height, inverse = hierarchy.height[:points], hierarchy.inverse[: points // 2 + 1]
-    return load + np.fft.irfft(inverse * np.fft.rfft(height), points)
+def full_contact_pressure(height: Array, period: float) -> Array:
+    """The pressures, of mean 0, that press these heights at the nodes of a period flat."""
+    return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
 
 
 @kernel

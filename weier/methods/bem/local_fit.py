@@ -31,24 +31,9 @@ MEANS = np.array([0.0 if k % 2 else math.comb(k, k // 2) / 2**k for k in range(T
 _EXPANSION = np.cos(np.arange(TERMS)[:, None] * _ANGLES) * np.where(np.arange(TERMS) > 0, 2, 1)[:, None] / NODES.size
 
 
-_CHEBYSHEV = np.array(
-    [
-        np.pad(np.polynomial.chebyshev.cheb2poly(row[: k + 1]), (0, TERMS + 1 - k))
-        for k, row in enumerate(np.eye(TERMS + 2))
-    ]
-)  # T_0, T_1, ... in powers of s
-
-
-def fit_polynomials(s: Array, values: Array, degree: int) -> Array:
-    """Least-squares polynomials of this degree, shape (k, TERMS), for values at s, shapes (k, nodes) and (nodes,)."""
-    basis = np.polynomial.chebyshev.chebvander(s, degree)
-    coefficient = np.linalg.lstsq(basis, values.T, rcond=None)[0]
-    return np.asarray(coefficient.T @ _CHEBYSHEV[: degree + 1, :TERMS])
-
-
-def next_terms(s: Array, degree: int) -> Array:
-    """The two Chebyshev polynomials after `degree` at s, shape (2, nodes)."""
-    return np.asarray(np.polynomial.chebyshev.chebvander(s, degree + 2)[:, degree + 1 :].T)
+_CHEBYSHEV = np.eye(TERMS + 2)  # T_0, T_1, ... in powers of s
+for _k in range(2, TERMS + 2):
+    _CHEBYSHEV[_k] = 2 * np.roll(_CHEBYSHEV[_k - 1], 1) - _CHEBYSHEV[_k - 2]
 
 
 @kernel
@@ -58,6 +43,12 @@ def value(polynomial: Array, s: float) -> float:
     for k in range(polynomial.size - 1, -1, -1):
         total = total * s + polynomial[k]
     return total
+
+
+@kernel
+def size(terms: Array, s: float) -> float:
+    """The sizes of two polynomials at s, together."""
+    return abs(value(terms[0], s)) + abs(value(terms[1], s))
 
 
 @kernel
@@ -103,11 +94,9 @@ def expansion(polynomial: Array, centre: float, half_width: float) -> Array:
 @kernel
 def second_kind(coefficients: Array) -> Array:
     """Coefficients of U_0, U_1, ... from those of T_0, T_1, ...: 2 T_k = U_k - U_(k-2)."""
-    converted = coefficients.copy()
-    for k in range(coefficients.size):
-        converted[k] = coefficients[k] / (2 if k > 0 else 1)
-        if k + 2 < coefficients.size:
-            converted[k] -= coefficients[k + 2] / 2
+    converted = coefficients / 2
+    converted[0] = coefficients[0]
+    converted[:-2] -= coefficients[2:] / 2
     return converted
 
 
@@ -130,7 +119,7 @@ class Windows(NamedTuple):
 
 @lru_cache(maxsize=4)
 def make_windows(most: int) -> Windows:
-    """Fits for windows of up to so many nodes."""
+    """Fits for windows of up to so many nodes, by least squares in Chebyshev polynomials."""
     windows = Windows(
         np.zeros(most + 1, np.int64), np.zeros(most + 1, np.int64), np.zeros((most + 1, MAX_FITTED), np.int64),
         np.zeros((most + 1, MAX_FITTED, TERMS)), np.zeros((most + 1, 2, TERMS)),
@@ -142,8 +131,10 @@ def make_windows(most: int) -> Windows:
             windows.offset[window, i] = (i * (window - 1) + (fitted - 1) // 2) // (fitted - 1)
         s = windows.offset[window, :fitted] / scale_of(window) - 1
         windows.fitted[window], windows.degree[window] = fitted, degree
-        windows.coefficient[window, :fitted] = fit_polynomials(s, np.eye(fitted), degree)
-        windows.following[window] = fit_polynomials(s, next_terms(s, degree), degree)
+        basis = np.polynomial.chebyshev.chebvander(s, degree + 2)
+        fit = np.linalg.lstsq(basis[:, : degree + 1], np.eye(fitted), rcond=None)[0]
+        windows.coefficient[window, :fitted] = fit.T @ _CHEBYSHEV[: degree + 1, :TERMS]
+        windows.following[window] = basis[:, degree + 1 :].T @ windows.coefficient[window, :fitted]
     return windows
 
 
@@ -159,9 +150,8 @@ def without_own(field: Array, own: Array, table: Array, start: int, offset: Indi
 
     `table` tells what a value of 1 does to the field at 0, 1, 2, ... nodes from it.
     """
-    values = np.empty(offset.size)
+    values = field[(start + offset) % field.size]
     for i in range(offset.size):
-        values[i] = field[(start + offset[i]) % field.size]
         for j in range(own.size):
             values[i] -= table[abs(offset[i] - j)] * own[j]
     return values
@@ -217,10 +207,7 @@ def average_under_triangle(polynomial: Array, scale: float) -> Array:
     """The moving average of a polynomial under a triangle of the nodes' spacing."""
     second = derivative(derivative(polynomial))
     fourth = derivative(derivative(second))
-    average = polynomial.copy()
-    for k in range(polynomial.size):
-        average[k] += second[k] / (12 * scale**2) + fourth[k] / (360 * scale**4)
-    return average
+    return polynomial + second / (12 * scale**2) + fourth / (360 * scale**4)
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.bem.local_fit import MEANS, NODES, derivative, second_kind, shift, slopes, value
+from weier.methods.bem.local_fit import MEANS, derivative, expansion, second_kind, shift, slopes
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
 CLOSE = 1e-13  # relative size of the last of them
@@ -24,43 +24,39 @@ def contact_edges(height: Array, force: float, centre: float, half_width: float)
     The pressure is bounded at both ends where the mean of z' over the Chebyshev nodes t is 0, and the force is
     -(half width/2) times the mean of t z'. The two arguments are where the search begins.
     """
-    slope = derivative(height)
-    shift(slope, centre)
-    for _ in range(MAX_STEPS):
-        tilt, tilt_t, bend, bend_t, bend_tt = means(slope, half_width)
-        excess = -half_width / 2 * tilt_t - force
-        down, across = -half_width / 2 * bend_t, -(tilt_t + half_width * bend_tt) / 2
-        along, wider = _step(tilt, excess, bend, bend_t, down, across, half_width)
-        centre, half_width = centre + along, half_width + wider
-        shift(slope, along)
-        if abs(along) + abs(wider) <= CLOSE * (1 + half_width):
-            if half_width < HERTZ:
-                half_width = _hertz(-slope[1], force)
-            return centre, half_width, half_width > 0
-    return centre, half_width, False
-
-
-@kernel
-def _hertz(curvature: float, force: float) -> float:
-    """Half width on a parabola; 0 without force."""
-    return 2 * np.sqrt(force / curvature) if force > 0 and curvature > 0 else 0.0
+    centre, half_width, found = _balance(derivative(height), force, centre, half_width)
+    if found and half_width < HERTZ:
+        curvature = -slopes(height, centre)[1]
+        half_width = 2 * np.sqrt(force / curvature) if force > 0 and curvature > 0 else 0.0
+    return centre, half_width, found and half_width > 0
 
 
 @kernel
 def gap_edges(pressure: Array, centre: float, half_width: float) -> tuple[float, float, bool]:
     """Centre and half width of a gap, and whether they were found.
 
-    The pressure that would close the gap, times 1 and t, has no mean over the Chebyshev nodes t.
+    The pressure that would close the gap, times 1 and t, has no mean over the Chebyshev nodes t; nor would z'
+    under a contact without force.
     """
-    here = pressure.copy()
+    centre, half_width, found = _balance(pressure, 0.0, centre, half_width)
+    return centre, half_width, found and half_width > 0
+
+
+@kernel
+def _balance(polynomial: Array, force: float, centre: float, half_width: float) -> tuple[float, float, bool]:
+    """Where a polynomial has no mean, and t times it one of -2 force/half width, by Newton's method; if it ended."""
+    here = polynomial.copy()
     shift(here, centre)
     for _ in range(MAX_STEPS):
         mean, mean_t, bend, bend_t, bend_tt = means(here, half_width)
-        along, wider = _step(mean_t, mean, bend_t, bend_tt, bend, bend_t, half_width)
+        excess = -half_width / 2 * mean_t - force
+        down = -half_width / 2 * bend_t
+        across = -half_width / 2 * bend_tt - (mean_t / 2 if force > 0 else 0.0)  # the factor matters beside a force
+        along, wider = _step(mean, excess, bend, bend_t, down, across, half_width)
         centre, half_width = centre + along, half_width + wider
         shift(here, along)
         if abs(along) + abs(wider) <= CLOSE * (1 + half_width):
-            return centre, half_width, half_width > 0
+            return centre, half_width, True
     return centre, half_width, False
 
 
@@ -168,7 +164,4 @@ def plane_height(
     if not found:
         return np.nan, np.nan, centre, half_width
     compliance = punch_compliance(half_width * scale, period)
-    mean = 0.0
-    for t in NODES:
-        mean += value(height, centre + half_width * t) / NODES.size
-    return mean - force * compliance, compliance, centre, half_width
+    return expansion(height, centre, half_width)[0] - force * compliance, compliance, centre, half_width

@@ -86,11 +86,8 @@ class State(NamedTuple):
 def redistribute(contacts: Records, solution: GridSolution, continuum: Continuum) -> Redistribution:
     """Find the forces of contacts that are to stand on one plane, and what they change."""
     period, interaction = continuum.period, make_interaction(contacts["position"].copy(), continuum)
-    n = contacts.size
-    state = State(np.zeros(n, np.bool_), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n))
-    for i in range(n):
-        state.touching[i] = contacts[i].kind != CREST
-        state.centre[i], state.half_width[i] = contacts[i].centre, contacts[i].half_width
+    n, centre, half_width = contacts.size, contacts["centre"].copy(), contacts["half_width"].copy()
+    state = State(contacts["kind"] != CREST, np.zeros(n), centre, half_width, np.zeros(n), np.ones(n))
     total = solution.pressure.mean() * period
     for _ in range(MAX_ROUNDS):
         lift = displace(_moments(False, contacts, state), interaction)

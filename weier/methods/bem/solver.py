@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import direct, error_model, fft
 from weier.methods.bem.contact_list import LISTED
-from weier.methods.bem.grids import inverse
+from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load
 from weier.theory.arguments import checked_number, shown
-from weier.theory.halfplane import eigenvalues
 from weier.theory.limits import check_points, check_resolvable
 from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
@@ -156,7 +155,7 @@ def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, re
 
 def _subgrid_curve(profile: Waves, loads: Array, points: int, tolerance: float, resistance: bool) -> Curve:
     """The curve with the edges of contact between nodes."""
-    found = _solve_subgrid(profile, loads, points, tolerance)
+    found = solve_curve(profile, points, tolerance, loads)
     rows, errors = [], [(each.compliance_error, each.resistance_error) for each in found]
     for each in found:
         fraction = float((each.contacts["right"] - each.contacts["left"]).sum()) / profile.period
@@ -182,12 +181,6 @@ def _as_curve(
     )  # fmt: skip
 
 
-def _solve_subgrid(profile: Waves, loads: Array, points: int, tolerance: float) -> list[LoadSolution]:
-    """All loads of partial contact."""
-    partial = loads[loads < profile.full_contact_load]
-    return solve_curve(profile, points, tolerance, partial) if partial.size else []
-
-
 def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:
     """Left and right edges of the contacts at each load, shape (loads, edges)."""
     edge = np.full((loads, 2 * max((each.contacts.size for each in solutions), default=0)), np.nan)
@@ -207,7 +200,7 @@ def contacts(
     loads = checked_loads(mean_pressure)
     check_tolerance(tolerance)
     points = checked_points(profile, points, "subgrid")
-    found, none = _solve_subgrid(profile, loads, points, tolerance), np.zeros(0, LISTED)
+    found, none = solve_curve(profile, points, tolerance, loads), np.zeros(0, LISTED)
     listed = [(each.contacts, each.uncertain) for each in found] + [(none, False)] * (loads.size - len(found))
     return [
         Contacts((at["left"] + at["right"]) / 2, (at["right"] - at["left"]) / 2, at["force"], at["share"], uncertain)
@@ -218,11 +211,6 @@ def contacts(
 def full_contact_load(profile: Waves, points: int) -> float:
     """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
-
-
-def full_contact_pressure(height: Array, period: float) -> Array:
-    """The pressures, of mean 0, that press these heights at the nodes of a period flat."""
-    return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
 
 
 def checked_edges(edges: str | None, solver: str) -> str:

@@ -71,28 +71,27 @@ def correct_contacts(
     points = solution.pressure.size
     steps = find_steps(solution)
     crest = np.zeros(points, np.bool_)
-    crests = find_crests(solution.plane, solution, np.zeros(points), crest)
+    find_crests(solution.plane, solution, np.zeros(points), crest)
     for _ in range(MAX_ROUNDS):
-        contacts, polynomial = find_contacts(crest, crests, gaps, steps, solution, continuum)
+        contacts, polynomial = find_contacts(crest, gaps, steps, solution, continuum)
         forces = redistribute(contacts, solution, continuum)
         plane, resistance = solution.plane - forces.compliance, solution.rate + forces.resistance
         if contacts.size == 0:  # all nodes touch
-            plane, resistance = plane - gaps.adds[0, 0], resistance + gaps.adds[0, 1]
+            plane, resistance = plane - gaps.runs[0].compliance, resistance + gaps.runs[0].resistance
         new = find_crests(plane, solution, forces.displacement, crest)
-        if new == 0 or not forces.found:
+        if not (new and forces.found):
             break
-        crests += new
     errors = estimate_errors(solution, steps, polynomial, gaps, contacts, forces, continuum)
     finite = np.isfinite(plane + resistance + errors.compliance + errors.resistance)
     # A mean gap and a resistance are not below 0, where both are smaller than their errors.
     return LoadSolution(
-        new == 0 and gaps.found and forces.found and errors.judged and finite,
+        not new and gaps.found and forces.found and errors.judged and finite,
         max(plane, 0.0),
         max(resistance, 0.0),
         errors.compliance,
         errors.resistance,
         list_contacts(contacts, forces.contacts, gaps.opened, solution, continuum.period),
-        gaps.uncertain or errors.uncertain,
+        errors.uncertain,
         residual,
         work,
     )
@@ -159,9 +158,9 @@ def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
 
 
 def solve_curve(profile: Waves, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
-    """Solve loads of partial contact, which increase, from the heaviest down; finer grids are made if needed."""
+    """Solve those of increasing loads that leave a gap, from the heaviest down; finer grids are made if needed."""
     found, grid_on = [], cache(lambda count: GridSolver(profile, count, max_residual))
-    for load in map(float, loads[::-1]):
+    for load in map(float, loads[loads < profile.full_contact_load][::-1]):
         solution = grid_on(points).solve(load)
         check_residual(np.array([solution.residual]), np.array([load]), points, max_residual)
         for doubling in range(1, MAX_DOUBLINGS + 1):
