@@ -49,9 +49,3 @@ def test_each_value_stands_at_its_case_variant_and_load(comparisons):
 def test_all_variables_are_described(comparisons):
     data = comparison.blank(comparisons, ("compliance",), OWN)
     assert all({"long_name", "units"} <= set(data[name].attrs) for name in data.variables if name != "term")
-
-
-def test_variants_of_one_name_would_overwrite_each_other(comparisons):
-    twice = comparisons[0]._replace(variants=(SUM, SUM))
-    with pytest.raises(ValueError, match="must have names of their own, got demelio, demelio"):
-        comparison.blank([twice], ("compliance",), {})

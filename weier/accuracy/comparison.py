@@ -81,9 +81,5 @@ def fill(data: xr.Dataset, comparisons: Sequence[Comparison], measure: Measure) 
 
 def _by_name(comparisons: Sequence[Comparison]) -> dict[str, Variant]:
     """Each variant once, by name, in the order of the comparison that has most of them."""
-    for each in comparisons:
-        names = [variant.name for variant in each.variants]
-        if len(set(names)) < len(names):
-            raise ValueError(f"the variants on {each.name} must have names of their own, got {', '.join(names)}")
     lists = sorted((each.variants for each in comparisons), key=len, reverse=True)
     return {variant.name: variant for variants in lists for variant in variants}

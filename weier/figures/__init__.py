@@ -64,16 +64,12 @@ def kinds() -> dict[str, FigureKind]:
 @cache  # a scene asks for the caption of each of its figures
 def _kind(module: str) -> FigureKind | None:
     """The kind of figure that a module of this text draws, if it draws any."""
-    tree, constants = ast.parse(module), dict[str, str]()
-    for statement in tree.body:
-        match statement:
-            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant(value=str(text))):
-                constants[name] = text
+    tree, names = ast.parse(module), ("CAPTION", "COMMAND", "VARIABLE", "NEEDS")
+    assigned = {ast.unparse(each.targets[0]): each.value for each in tree.body if isinstance(each, ast.Assign)}
+    constants: list[Any] = [ast.literal_eval(assigned[name]) if name in assigned else "" for name in names]
     drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    words = (constants.get(name, "") for name in ("CAPTION", "COMMAND", "VARIABLE", "NEEDS"))
-    (caption, command, variable, needs), keywords = words, ("grouping", "interface", "studies")
-    kind = FigureKind(caption, command, variable, needs, *(name in drawn for name in keywords))
-    return kind if caption else None
+    keywords = (name in drawn for name in ("grouping", "interface", "studies"))
+    return FigureKind(*constants, *keywords) if "CAPTION" in assigned else None
 
 
 def draw(

@@ -42,9 +42,9 @@ def test_resistance_is_the_slope_of_the_estimate():
 
 
 def test_what_is_not_infinite_or_too_long_is_refused():
-    with pytest.raises(ValueError, match="m must be inf, got 3"):
+    with pytest.raises(ValueError, match="m = inf, got m = 3"):
         hybrid.curve(Profile(1.5, 5, 3), LOADS, 1)
-    with pytest.raises(ValueError, match="m must be inf, got 3"):
+    with pytest.raises(ValueError, match="m = inf, got m = 3"):
         hybrid.bounds(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="terms must be fewer, got 7"):
         hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 7)

@@ -14,7 +14,7 @@ from weier.accuracy.metrics import by_load
 from weier.kernels.arrays import Array
 from weier.methods import bem, curves, demelio, error_model, layer, patches
 from weier.methods.registry import find_method
-from weier.methods.settings import all_settings
+from weier.methods.settings import all_settings, defaults
 from weier.theory.profile import Profile
 
 
@@ -61,10 +61,13 @@ class Term(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """The constants of a method, and which samples they are measured on; seconds count from those of a start."""
+    """The constants of a method, and what they are measured on; seconds count from those of a start.
+
+    settings : the values that a setting of the samples may have, empty for any; the others are at their defaults
+    """
 
     method: str
-    used: Callable[[Sample], bool]
+    settings: Mapping[str, Sequence[Any]] = {}
     errors: tuple[Term, ...] = ()
     seconds: tuple[Term, ...] = ()
     start: float = 0.0
@@ -80,11 +83,16 @@ def constants(data: xr.Dataset) -> list[Constant]:
     """
     found = []
     for fit in FITS:
-        samples = [sample for sample in _samples(data, fit.method) if fit.used(sample)]
+        samples = [sample for sample in _samples(data, fit.method) if _is_used(fit, sample)]
         found += [Constant(term.name, term.shipped, _largest(term, samples)) for term in fit.errors]
         fitted = zip(fit.seconds, _least_squares(fit, samples), strict=True)
         found += [Constant(term.name, term.shipped, float(value)) for term, value in fitted]
     return found
+
+
+def _is_used(fit: Fit, sample: Sample) -> bool:
+    values = {name: [value] for name, value in defaults(find_method(fit.method)).items()} | dict(fit.settings)
+    return all(sample.settings[name] in allowed for name, allowed in values.items() if allowed)
 
 
 def _samples(data: xr.Dataset, method: str) -> Iterator[Sample]:
@@ -109,16 +117,6 @@ def _least_squares(fit: Fit, samples: Sequence[Sample]) -> Array:
     seconds = np.array([sample.seconds - fit.start for sample in samples])
     factors = np.array([[term.of(sample) for term in fit.seconds] for sample in samples])
     return np.asarray(nnls(factors / seconds[:, None], np.ones(seconds.size))[0])
-
-
-def _has_settings(method: str, free: str = "", **settings: Any) -> Callable[[Sample], bool]:
-    """Whether a sample of a method has these settings, whatever the free one is, and its defaults otherwise."""
-
-    def used(sample: Sample) -> bool:
-        wanted = all_settings(find_method(method), settings)
-        return all(name == free or sample.settings[name] == value for name, value in wanted.items())
-
-    return used
 
 
 def _grid_compliance(sample: Sample) -> float:
@@ -151,12 +149,12 @@ GRID, CONTACTS = bem.error_model, patches.error_model
 FITS = (
     Fit(
         bem.METHOD.name,
-        _has_settings(bem.METHOD.name, "points", edges="nodes"),
+        {"points": (), "edges": ("nodes",)},
         (Term("BEM_COMPLIANCE", GRID.COMPLIANCE, _grid_compliance),),
     ),
     Fit(
         bem.METHOD.name,
-        _has_settings(bem.METHOD.name, "points"),
+        {"points": ()},
         seconds=(
             Term("SECONDS_LOAD bem", GRID.SECONDS_LOAD, lambda sample: sample.loads.size),
             Term("SECONDS_NODE bem", GRID.SECONDS_NODE, _grid_nodes),
@@ -165,7 +163,7 @@ FITS = (
     ),
     Fit(
         patches.METHOD.name,
-        lambda sample: sample.settings["residual_tolerance"] in CONTACTS.TOLERANCES,
+        {"residual_tolerance": CONTACTS.TOLERANCES},
         (
             Term("PATCHES_COMPLIANCE", CONTACTS.COMPLIANCE_FACTOR, lambda s: _in_tolerances(s.compliance_error, s)),
             Term("PATCHES_RESISTANCE", CONTACTS.RESISTANCE_FACTOR, lambda s: _in_tolerances(s.resistance_error, s)),
@@ -178,14 +176,6 @@ FITS = (
         ),
         CONTACTS.SECONDS_START,
     ),
-    Fit(
-        layer.METHOD.name,
-        _has_settings(layer.METHOD.name),
-        (Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),),
-    ),
-    Fit(
-        demelio.METHOD.name,
-        _has_settings(demelio.METHOD.name),
-        (Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),),
-    ),
+    Fit(layer.METHOD.name, errors=(Term("LAYER", layer.method.MAX_ERROR_SHARE, _estimate),)),
+    Fit(demelio.METHOD.name, errors=(Term("DEMELIO", demelio.MAX_ERROR_SHARE, _estimate),)),
 )

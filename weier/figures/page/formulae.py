@@ -11,8 +11,9 @@ LETTERS = {name: f"&{name};" for name in ("gamma", "lambda", "phi", "rho", "epsi
 SUBSCRIPTED = r"(?P<letter>gamma|lambda|phi|rho|epsilon|zeta|xi|\b[A-Za-z])_(?P<below>[0-9a-z](?![a-z]))(?P<star>\*?)"
 ALONE = r"\b(?P<greek>gamma|lambda|phi|epsilon)\b|\b(?P<symbol>[DmhkRpxG])(?= ?(?:=|&lt;|&gt;)| from \d)"
 POWER = r"(?<![\w.])(?P<number>[-+]?\d+(?:\.\d+)?)e(?P<sign>[-+])0*(?P<power>\d+)\b"
-WORDS = r"\b(?P<sum>sum(?= [a-z]_))|\b(?P<infinite>inf)\b|\b(?P<pi>pi)\b"
-PATTERN = re.compile("|".join((SUBSCRIPTED, POWER, WORDS, ALONE)))
+WORDS = {"sum": "&sum;", "inf": "&infin;", "pi": "&pi;"}
+WORD = r"\b(?P<word>sum(?= [a-z]_)|(?:inf|pi)\b)"
+PATTERN = re.compile("|".join((SUBSCRIPTED, POWER, WORD, ALONE)))
 EQUAL = re.compile(r"(</i>) = (?=[\d&])")  # no line ends between a symbol and its value
 
 
@@ -36,11 +37,7 @@ def _symbol(found: re.Match[str]) -> str:
     if part["number"]:
         sign = "&minus;" if part["sign"] == "-" else ""
         return f"{part['number']}&times;10<sup>{sign}{part['power']}</sup>"
-    if part["sum"]:
-        return "&sum;"
-    if part["infinite"]:
-        return "&infin;"
-    if part["pi"]:
-        return "&pi;"
+    if part["word"]:
+        return WORDS[part["word"]]
     name = part["greek"] or part["symbol"]
     return f"<i>{LETTERS.get(name, name)}</i>"

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 from weier.kernels.arrays import Array
-from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.candidates import candidates
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, Curve, curve
+from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Noise, Style
 from weier.theory.profile import Profile, terms_within
 
@@ -16,14 +14,6 @@ DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
     return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE), points)
-
-
-def _applies(profile: Profile) -> None:
-    if math.isfinite(profile.m):
-        raise NotApplicableError(
-            f"terms are resolved on a layer for the infinite series, m = inf, got m = {profile.m}: take a method for "
-            "finite series"
-        )
 
 
 def _solution_error(profile: Profile, solved: Curve) -> float:
@@ -39,7 +29,7 @@ METHOD = Method(
         "terms": "waves to resolve; by default as many as fit on the default grid",
         "points": "nodes in a period of these waves, by default 32 for each of the finest",
     },
-    applies=_applies,
+    applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
     solution_error=_solution_error,
     noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows

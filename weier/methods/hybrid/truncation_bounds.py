@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods import bem, error_model
+from weier.methods.errors import NotApplicableError
 from weier.methods.progress import telling
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
@@ -62,4 +63,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
 def check_infinite(profile: Profile) -> None:
     """Refuse a finite series."""
     if math.isfinite(profile.m):
-        raise ValueError(f"m must be inf, got {profile.m}: take a method for finite series")
+        raise NotApplicableError(
+            f"terms are resolved on a layer for the infinite series, m = inf, got m = {profile.m}: take a method for "
+            "finite series"
+        )

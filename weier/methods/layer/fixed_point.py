@@ -13,7 +13,6 @@ e, its own relative error is (I - J)^-1 e at most. The deviation is measured in 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
@@ -43,87 +42,80 @@ MAX_NEWTON_STEPS = 40  # 3 to 12 are usual
 MAX_STEP = 10.0  # of ln W in Newton's method: beyond it the tangents mislead
 
 
-class FixedPoint(NamedTuple):
-    """The infinite series of the D and gamma of a model, whatever its m."""
+def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
+    """The waves of the infinite series of a D and gamma, whatever the m, on a table between these positions."""
+    # At heavy loads errors of ln W add up to as many at least.
+    limit = _limit(model, np.array([model.infinite_amplitude]))
+    rows = _guess(model, lattice(bottom, top))
+    for _ in range(MAX_HALVINGS):
+        rows, size = _converge(model, rows, math.sqrt(limit))
+        over_scales = np.linalg.inv(np.eye(len(size)) - size)
+        limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
+        between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
+        beside = np.maximum(np.append(errors, 0), np.append(0, errors))  # of the cells on either side of a row
+        if np.max(over_scales @ beside) <= TABLE_SHARE * model.accuracy:
+            return ComplianceTable(rows, model.infinite_amplitude, math.inf)
+        rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
+        if rows.position.size > MAX_ROWS:
+            break
+    raise accuracy_error(float(np.max(errors)), rows, limit)
 
-    model: Model
 
-    @property
-    def amplitude(self) -> float:
-        """The sum of all amplitudes."""
-        return -1 / math.expm1(self.model.log_height)
-
-    def waves(self, bottom: float, top: float) -> ComplianceTable:
-        """The waves on a table between these positions."""
-        limit = self._limit(np.array([self.amplitude]))  # at heavy loads errors of ln W add up to as many at least
-        rows = self._guess(lattice(bottom, top))
-        for _ in range(MAX_HALVINGS):
-            rows, size = self._converge(rows, math.sqrt(limit))
-            over_scales = np.linalg.inv(np.eye(len(size)) - size)
-            limit, left, right = self._limit(over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
-            between, errors = evaluate_midpoints(self._scale(rows).rows, rows, left, right)
-            beside = np.maximum(np.append(errors, 0), np.append(0, errors))  # of the cells on either side of a row
-            if np.max(over_scales @ beside) <= TABLE_SHARE * self.model.accuracy:
-                return ComplianceTable(rows, self.amplitude, math.inf)
-            rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
-            if rows.position.size > MAX_ROWS:
-                break
-        raise accuracy_error(float(np.max(errors)), rows, limit)
-
-    def _limit(self, gain: Array) -> float:
-        """The relative error of a table that adds up to its part of the accuracy."""
-        accuracy, tolerance = self.model.accuracy, self.model.tolerance
-        limit = TABLE_SHARE * accuracy / (1 + float(np.max(gain)))
-        if not limit >= tolerance:
-            raise ConvergenceError(
-                f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the "
-                f"accuracy {accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
-                accuracy * tolerance / limit,
-            )
-        return limit
-
-    def _scale(self, rows: Rows) -> Scale:
-        """A wave on the layer that this table stands for."""
-        model = self.model
-        return Scale(coarser_units(rows.closure, model), self.amplitude, math.inf, model.mesh, model.tolerance)
-
-    def _guess(self, position: Array) -> Rows:
-        """A table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
-
-        Contacts under light loads are small, and their pressures are heavy loads to the next finer wave. So each row
-        follows from the heavier ones.
-        """
-        heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
-        D, gamma, _, mesh, *_ = self.model
-        log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), D, gamma, math.inf))
-        unknown = np.full((heavy.size, mesh.rise.size + 1), np.nan)
-        rows, _ = self._converge(Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
-        for one in position[position < heavy[0]][::-1]:
-            rows = merge(self._scale(rows).rows(np.array([one]), None), rows)
-        return rows
-
-    def _converge(self, rows: Rows, limit: float) -> tuple[Rows, Array]:
-        """The rows at the fixed point, and the largest effect of an error of one row on another, shape (rows, rows).
-
-        The last step is the limit at most, and the error that remains is of the order of its square.
-        """
-        change, basis = math.inf, scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
-        for _ in range(MAX_NEWTON_STEPS):
-            scale, known = self._scale(rows), np.isfinite(rows.state).all()
-            image = scale.rows(rows.position, rows.state if known else None)
-            derivative, size = _sensitivity(image, scale, basis)
-            step = np.linalg.solve(np.eye(len(size)) - derivative, image.log_compliance - rows.log_compliance)
-            change = float(np.max(np.abs(step)))
-            log_W = rows.log_compliance + np.clip(step, -MAX_STEP, MAX_STEP)
-            log_W = np.minimum(log_W, math.log(self.amplitude))
-            rows = Rows(rows.position, log_W, basis(rows.position, 1) @ log_W, image.state, image.tangent)
-            if change <= limit:
-                return rows, size
+def _limit(model: Model, gain: Array) -> float:
+    """The relative error of a table that adds up to its part of the accuracy."""
+    accuracy, tolerance = model.accuracy, model.tolerance
+    limit = TABLE_SHARE * accuracy / (1 + float(np.max(gain)))
+    if not limit >= tolerance:
         raise ConvergenceError(
-            f"the layer model of the infinite series still changes by {change:.1e} of itself after "
-            f"{MAX_NEWTON_STEPS} steps, above {limit:.1e}: choose a larger accuracy or other points",
-            change,
+            f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the "
+            f"accuracy {accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
+            accuracy * tolerance / limit,
         )
+    return limit
+
+
+def _scale(model: Model, rows: Rows) -> Scale:
+    """A wave on the layer that this table stands for."""
+    return Scale(coarser_units(rows.closure, model), model.infinite_amplitude, math.inf, model.mesh, model.tolerance)
+
+
+def _guess(model: Model, position: Array) -> Rows:
+    """A table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
+
+    Contacts under light loads are small, and their pressures are heavy loads to the next finer wave. So each row
+    follows from the heavier ones.
+    """
+    heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
+    log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
+    unknown = np.empty((heavy.size, 0))
+    rows, _ = _converge(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
+    for one in position[position < heavy[0]][::-1]:
+        rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
+    return rows
+
+
+def _converge(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
+    """The rows at the fixed point, and the largest effect of an error of one row on another, shape (rows, rows).
+
+    The last step is the limit at most, and the error that remains is of the order of its square.
+    """
+    change, basis = math.inf, scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
+    for _ in range(MAX_NEWTON_STEPS):
+        scale = _scale(model, rows)
+        image = scale.rows(rows.position, rows.state if rows.state.size else None)
+        derivative, size = _sensitivity(image, scale, basis)
+        step = np.linalg.solve(np.eye(len(size)) - derivative, image.log_compliance - rows.log_compliance)
+        change = float(np.max(np.abs(step)))
+        log_W = rows.log_compliance + np.clip(step, -MAX_STEP, MAX_STEP)
+        log_W = np.minimum(log_W, math.log(model.infinite_amplitude))
+        rows = Rows(rows.position, log_W, basis(rows.position, 1) @ log_W, image.state, image.tangent)
+        if change <= limit:
+            return rows, size
+    raise ConvergenceError(
+        f"the layer model of the infinite series still changes by {change:.1e} of itself after "
+        f"{MAX_NEWTON_STEPS} steps, above {limit:.1e}: choose a larger accuracy or other points",
+        change,
+    )
 
 
 def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline) -> tuple[Array, Array]:

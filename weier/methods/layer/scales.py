@@ -47,6 +47,11 @@ class Model(NamedTuple):
         """Logarithm of g of the next finer wave: ln gamma^(D-2)."""
         return (self.D - 2) * math.log(self.gamma)
 
+    @property
+    def infinite_amplitude(self) -> float:
+        """Sum of the amplitudes of the infinite series."""
+        return -1 / math.expm1(self.log_height)
+
 
 class ComplianceTable(NamedTuple):
     """The compliance W(xi) of a wave with all finer ones, its limit, and ln xi where it gets there."""

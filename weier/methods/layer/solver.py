@@ -13,7 +13,7 @@ from weier.kernels.blas import one_thread
 from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
-from weier.methods.layer.fixed_point import FixedPoint
+from weier.methods.layer.fixed_point import infinite_waves
 from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.methods.layer.wave import Mesh, midpoints
@@ -174,7 +174,7 @@ def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
     D, gamma, m, _, accuracy, tolerance = model
     model = model._replace(tolerance=max(min(tolerance, RESIDUAL_SHARE * accuracy), MIN_TOLERANCE))
     if _may_be_infinite(bottom, model):
-        waves = FixedPoint(model).waves(bottom, position_of(_top(model)))
+        waves = infinite_waves(model, bottom, position_of(_top(model)))
         tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
         if tail <= TAIL_SHARE * accuracy * math.exp(waves.rows.log_compliance[0]):
             return waves

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
@@ -21,13 +20,6 @@ COUNTED_POINTS, COUNTED_RESIDUAL = 16, 1e-4  # for each of the finest waves, and
 # In units of the load of full contact:
 COUNTED_LOADS = np.concatenate([np.geomspace(1e-9, 0.1, 17), np.arange(2, 10) / 10, [0.95, 0.98]])
 TABLE_LOADS = np.geomspace(1e-4, 1e5, 226)  # p_0*, on which a compliance is foreseen
-
-
-class CountedContacts(NamedTuple):
-    """Contacts, and the share of the length that they take, at the loads of `COUNTED_LOADS`."""
-
-    number: Array
-    share: Array
 
 
 def full_contact_load(kept: Profile) -> float:
@@ -71,22 +63,22 @@ def contacts(kept: Profile, loads: Array) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _counted(kept: Profile) -> CountedContacts:
-    """The contacts of a short series in one period, and their share of its length."""
+def _counted(kept: Profile) -> tuple[Array, Array]:
+    """The contacts of a short series in one period, and their share of its length, at the loads of the table."""
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
         with telling():
             found = bem.contacts(kept, loads, points, COUNTED_RESIDUAL)
     except ConvergenceError:  # the most that there can be
-        return CountedContacts(np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS)
+        return np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS
     number = np.array([max(each.centre.size, 1) for each in found], float)
-    return CountedContacts(number, np.array([2 * each.half_width.sum() for each in found]) / kept.period)
+    return number, np.array([2 * each.half_width.sum() for each in found]) / kept.period
 
 
-def _interpolated(counted: CountedContacts, share_of_full_contact: Array) -> tuple[Array, Array]:
+def _interpolated(counted: tuple[Array, Array], share_of_full_contact: Array) -> tuple[Array, Array]:
     """Contacts and their share of the length between the loads of the table, or at its ends."""
-    at = np.log(share_of_full_contact), np.log(COUNTED_LOADS)
-    return np.exp(np.interp(*at, np.log(counted.number))), np.interp(*at, counted.share)
+    at, (number, share) = (np.log(share_of_full_contact), np.log(COUNTED_LOADS)), counted
+    return np.exp(np.interp(*at, np.log(number))), np.interp(*at, share)
 
 
 def compliance(kept: Profile, loads: Array) -> Array:
