@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeVar
@@ -78,11 +78,6 @@ def points(method: str) -> dict[str, Any]:
     """Keywords of Axes.plot for the points of a numerical method beside the line of a more accurate one."""
     _, look = _label_and_style(method)
     return line(method) | POINTS | {"marker": look.marker}
-
-
-def drawn_as_points(methods: Collection[str]) -> list[str]:
-    """The numerical methods among these that are drawn as points, beside the line of the most accurate one."""
-    return [method for method in registry.numerical_names() if method in methods][1:]
 
 
 def _label_and_style(method: str) -> tuple[str, Style]:

@@ -32,14 +32,9 @@ def _word(name: str, value: Any) -> str:
     return str(value)
 
 
-KINDS: dict[str, Check] = {  # by the annotation of a solver's keyword
-    "int": _count,
-    "int | None": lambda name, value: None if value is None else _count(name, value),
-    "float": _fraction,
-    "bool": checked_flag,
-    "str": _word,
-    "str | None": lambda name, value: None if value is None else _word(name, value),
-}
+# By the annotation of a solver's keyword; one that may be None ends in `| None`.
+KINDS: dict[str, Check] = {"int": _count, "float": _fraction, "bool": checked_flag, "str": _word}
+NONE = " | None"
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:
@@ -55,11 +50,14 @@ def check_names(method: Method, settings: Iterable[str]) -> None:
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings, if the method takes them: of the right kind and within range."""
     check_names(method, settings)
-    keywords = _keywords(method.solve)
-    return {
-        name: KINDS[str(keywords[name].annotation)](f"{name} of {method.name}", value)
-        for name, value in settings.items()
-    }
+    return {name: _checked(method, name, value) for name, value in settings.items()}
+
+
+def _checked(method: Method, name: str, value: Any) -> Any:
+    kind = str(_keywords(method.solve)[name].annotation)
+    if value is None and kind.endswith(NONE):
+        return None
+    return KINDS[kind.removesuffix(NONE)](f"{name} of {method.name}", value)
 
 
 def all_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from bokeh.plotting import figure
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 from weier.figures.page.cells import coordinate_text
+from weier.methods.registry import numerical_names
 from weier.theory.profile import PARAMETERS
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
@@ -55,7 +56,8 @@ def curve_explorer(data: xr.Dataset) -> Column:
     all_curves = ColumnDataSource(table, name="all curves")
     sources = [_source(data, number, method) for number, method in enumerate(methods)]
     solved = [number for number in range(len(methods)) if np.isfinite(data["compliance"].values[:, number]).any()]
-    as_points = style.drawn_as_points([methods[number] for number in solved])
+    # Beside the line of the most accurate numerical method others are points.
+    as_points = [name for name in numerical_names() if name in [methods[number] for number in solved]][1:]
     plots = [_plot(quantity, methods, sources, as_points) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][0]) for name in LABELS]
     stretched: dict[str, Any] = {"sizing_mode": "stretch_width"}

@@ -73,28 +73,17 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     ConvergenceError
         If Newton's method stops short of 1e-9 g_0.
     """
-    loads = _checked_loads(mean_pressure)
-    kept, points = _checked(profile, terms, points)
-    closure = closure_at_nodes(kept, float(influence_coefficients(points, kept.period)[0]))
-    h, R, residual = solve_loads(kept, loads, points, closure)
-    return Curve(h, R, *bounds(profile, loads, terms), residual)
-
-
-def _checked(profile: Profile, terms: int, points: int | None) -> tuple[Profile, int]:
     check_infinite(profile)
-    kept = profile.truncated(terms)
+    kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
     points = checked_points(kept, points or POINTS_PER_WAVE * kept.waves_per_period[-1])
     if points > MAX_POINTS:
         raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
-    return kept, points
-
-
-def _checked_loads(mean_pressure: ArrayLike) -> Array:
-    loads = checked_loads(mean_pressure)
     outside = (loads < MIN_LOAD) | (loads > MAX_LOAD)
     if outside.any():
         raise NotApplicableError(
             f"mean_pressure must lie in [{MIN_LOAD:g}, {MAX_LOAD:g}] p_0* where terms are resolved on the layer, got "
             f"{loads[outside][0]:g}: take another method for the infinite series"
         )
-    return loads
+    closure = closure_at_nodes(kept, float(influence_coefficients(points, kept.period)[0]))
+    h, R, residual = solve_loads(kept, loads, points, closure)
+    return Curve(h, R, *bounds(profile, loads, terms), residual)

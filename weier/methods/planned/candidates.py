@@ -23,23 +23,18 @@ def candidates(
 ) -> Iterator[Segment]:
     """All that might do, each at its cheapest setting; their error is infinite where they say nothing."""
     lengths = resolvable_lengths(profile)
-    of_series = _series_task(profile, loads, tolerance, quantity, lengths)
+    first = forecast.first_contact(profile, lengths) if quantity == COMPLIANCE else math.inf
+    contacts = forecast.contacts(profile, loads) if profile.m in lengths else np.full(loads.size, np.inf)
+    of_series = Task(profile, loads, np.zeros(loads.size), tolerance, quantity, contacts, first)
     yield from _full_contact(of_series, lengths)
     yield from _offers(of_series, methods)
     if quantity == COMPLIANCE:
-        for task in truncation_tasks(profile, loads, tolerance, lengths, of_series.first_contact):
+        for task in truncation_tasks(profile, loads, tolerance, lengths, first):
             yield from _offers(task, methods)
     elif profile.m not in lengths:  # no bound holds a resistance tightly: all terms are better
         for task, other_loads in chord_tasks(profile, loads, lengths):
             for offer in _offers(task, methods):
                 yield _with_chords(offer, other_loads)
-
-
-def _series_task(profile: Profile, loads: Array, tolerance: float, quantity: str, lengths: Sequence[int]) -> Task:
-    first = forecast.first_contact(profile, lengths) if quantity == COMPLIANCE else math.inf
-    resolved = profile.m in lengths
-    contacts = forecast.contacts(profile, loads) if resolved else np.full(loads.size, np.inf)
-    return Task(profile, loads, np.zeros(loads.size), tolerance, quantity, contacts, first)
 
 
 def _offers(task: Task, methods: Sequence[Method]) -> Iterator[Segment]:
