@@ -46,7 +46,9 @@ def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping
     `kept` names variables of the common table; `own` are further ones, whose dimension of variants is called
     solution_method as in that table.
     """
-    variants = _by_name(comparisons)
+    # Each variant once, by name, in the order of the comparison that has most of them.
+    lists = sorted((each.variants for each in comparisons), key=len, reverse=True)
+    variants = {variant.name: variant for each in lists for variant in each}
     methods = [variant.method for variant in variants.values()]
     loads = np.unique(np.concatenate([each.loads for each in comparisons]))
     finite = [each.case.profile for each in comparisons if np.isfinite(each.case.profile.m)]
@@ -77,9 +79,3 @@ def fill(data: xr.Dataset, comparisons: Sequence[Comparison], measure: Measure) 
             for name, values in (settings | dict(measure(each, variant))).items():
                 if name in data.data_vars:
                     data[name].values[(*position, columns) if np.ndim(values) else position] = values
-
-
-def _by_name(comparisons: Sequence[Comparison]) -> dict[str, Variant]:
-    """Each variant once, by name, in the order of the comparison that has most of them."""
-    lists = sorted((each.variants for each in comparisons), key=len, reverse=True)
-    return {variant.name: variant for variants in lists for variant in variants}

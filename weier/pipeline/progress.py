@@ -17,26 +17,26 @@ class Loads:
     def __init__(self, total: int, each: int, pause: float, say: Callable[[str], None]) -> None:
         """Of `total` loads, `each` of a curve; say so after a pause of some seconds."""
         self.total, self.each, self.pause, self.say = total, each, pause, say
-        self.before, self.current = 0, 0  # loads of curves that are done, and of the one that is not
+        self.done, self.end = 0, each  # loads, and how many of them there are when this curve is done
         self.start = self.told = perf_counter()
 
     def __call__(self) -> None:
         """One load more: a curve may solve some twice."""
-        self.current = min(self.current + 1, self.each)
+        self.done = min(self.done + 1, self.end)
         self.tell()
 
     def end_curve(self) -> None:
         """All loads of a curve are done: a closed form counts none."""
-        self.before, self.current = self.before + self.each, 0
+        self.done, self.end = self.end, self.end + self.each
         self.tell()
 
     def tell(self) -> None:
         """Say how far it is, if it is time to."""
-        now, done = perf_counter(), self.before + self.current
-        if now - self.told > self.pause and done < self.total:
+        now = perf_counter()
+        if now - self.told > self.pause and self.done < self.total:
             self.told = now
-            left = (now - self.start) * (self.total - done) / done
-            self.say(f"{done} of {self.total} loads, about {left:.0f} s left")
+            left = (now - self.start) * (self.total - self.done) / self.done
+            self.say(f"{self.done} of {self.total} loads, about {left:.0f} s left")
 
 
 @contextmanager
