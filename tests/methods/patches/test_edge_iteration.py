@@ -22,8 +22,8 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     small = min(exact, 0.5 - exact)
     half_width = exact * (1 + error) if small == exact else 0.5 - small * (1 + error)
     problem = Problem(surface_of(profile).series(dual), load, dual)
-    edges = np.array([middle - half_width]), np.array([middle + half_width])
-    step = take_step(problem, make_guess(problem, *edges, None, STAGE), STAGE)
+    guess = make_guess(problem, np.array([middle]), np.array([half_width]), STAGE)
+    step = take_step(problem, guess, STAGE)
     moved = next_guess(problem, step, STAGE).half_width[0]
     # The closed forms are those of a parabola, from which the wave differs by the square of this scale in radians.
     # Beside a narrow contact the gap's far field takes part as well, by a logarithm: the rule is of first order.

@@ -11,70 +11,103 @@ Both hold at the edges and beyond them, where quadrature would lose all digits.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 
-
-def nodes(count: int) -> Array:
-    """Gauss-Chebyshev nodes of the second kind in ascending order: -cos(q pi/(count+1)), q = 1..count."""
-    return np.asarray(-np.cos(np.arange(1, count + 1) * (np.pi / (count + 1))))
+Table = NDArray[np.float64]  # shape (degrees, nodes)
 
 
-def weights(count: int) -> Array:
-    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ds at `nodes`."""
-    return np.asarray(np.pi / (count + 1) * np.sin(np.arange(1, count + 1) * (np.pi / (count + 1))) ** 2)
+class Rule(NamedTuple):
+    """Gauss's quadrature at the zeros of T_K, for int phi/sqrt(1-t^2) dt, or of U_K, for int sqrt(1-t^2) phi dt.
+
+    node : t, ascending, shape (K,)
+    weight : of the values at the nodes, shape (K,)
+    polynomial : T_k or U_k at the nodes, one k a row, shape (K, K)
+    expansion : what makes coefficients in T_k or U_k of values at the nodes, shape (K, K)
+    """
+
+    node: Array
+    weight: Array
+    polynomial: Table
+    expansion: Table
 
 
-def log_weights(count: int) -> Array:
-    """Weights of the quadrature for int sqrt(1-s^2) phi(s) ln|s| ds at `nodes`, from L_k - L_(k+2) at t = 0."""
-    q, k = np.arange(1, count + 1), np.arange(0, count, 2)
+@lru_cache(maxsize=256)
+def gauss_rule(count: int, of_second_kind: bool) -> Rule:
+    """The rule of so many nodes. Angles are reduced in integers, so that the highest degrees lose no digit."""
+    if of_second_kind:
+        degree, angle = np.arange(1, count + 1), np.arange(count, 0, -1)
+        sine = np.sin(np.pi / (count + 1) * angle)
+        weight, scale = np.pi / (count + 1) * sine**2, np.pi / (count + 1)
+        polynomial = np.sin(scale * (degree[:, None] * angle % (2 * count + 2))) / sine
+    else:
+        degree, angle = np.arange(count), np.arange(2 * count - 1, 0, -2)
+        weight, scale = np.full(count, np.pi / count), np.pi / (2 * count)
+        polynomial = np.cos(scale * (degree[:, None] * angle % (4 * count)))
+    expansion = 2 / np.pi * polynomial * weight
+    if not of_second_kind:
+        expansion[0] *= 0.5
+    return Rule(np.cos(scale * angle), weight, polynomial, expansion)
+
+
+@lru_cache(maxsize=256)
+def log_moments(count: int) -> Array:
+    """int sqrt(1-s^2) U_k ln|s| ds, k = 0..count - 1, from L_k - L_(k+2) at t = 0."""
+    moment, k = np.zeros(count), np.arange(0, count, 2)
     T = np.where(k % 4 == 0, 1.0, -1.0)  # T_k(0); that of k + 2 has the other sign
-    own = np.append(-np.log(2.0), -T[1:] / k[1:])
-    sine = np.sin(np.pi / (count + 1) * (q[:, None] * (k + 1) % (2 * count + 2)))  # of an angle without rounding
-    return np.asarray(np.pi / (count + 1) * np.sin(q * (np.pi / (count + 1))) * (sine @ (own - T / (k + 2))))
+    own = np.append(np.log(2.0), T[1:] / k[1:])
+    moment[::2] = -0.5 * np.pi * (own + T / (k + 2))
+    return moment
+
+
+class Blocks(NamedTuple):
+    """A matrix for each segment, from values of its own in a row with those of the others to new values in a row.
+
+    table : the entries of all matrices, column by column
+    start : where each begins in the table, shape (segments,); several may be the same
+    first_row, first_column : the first new and old values of each and, last, the number of all, shape (segments + 1,)
+    """
+
+    table: Array
+    start: Indices
+    first_row: Indices
+    first_column: Indices
+
+
+def make_blocks(matrices: Iterable[Table]) -> Blocks:
+    """The matrices of all segments in order."""
+    matrices = list(matrices)
+    rows, columns = zip(*(each.shape for each in matrices), strict=True)
+    start = np.cumsum([0, *(each.size for each in matrices)])
+    table = np.concatenate([each.ravel("F") for each in matrices])
+    return Blocks(table, start, np.cumsum([0, *rows]), np.cumsum([0, *columns]))
+
+
+@kernel
+def apply_blocks(blocks: Blocks, f: Array) -> Array:
+    """The matrix of each segment times its part of f."""
+    result = np.zeros(blocks.first_row[-1])
+    for j in range(blocks.first_row.size - 1):
+        here, entry = result[blocks.first_row[j] : blocks.first_row[j + 1]], blocks.start[j]
+        for q in range(blocks.first_column[j], blocks.first_column[j + 1]):
+            factor, column = f[q], blocks.table[entry : entry + here.size]
+            for i in range(here.size):
+                here[i] += factor * column[i]
+            entry += here.size
+    return result
 
 
 @kernel
 def collocation_point(a: int, count: int) -> float:
     """Zero number a = 0..count of T_(count+1), at which the quadrature of the Cauchy integral is exact."""
     return -np.cos((a + 0.5) * (np.pi / (count + 1)))
-
-
-@kernel
-def sines(count: int) -> Array:
-    """sin(j pi/(count+1)) over one period of the sine, j = 0..2 count + 1."""
-    half = count + 1
-    sine = np.empty(2 * half)
-    sine[0] = sine[half] = 0.0
-    for j in range(1, half // 2 + 1):
-        sine[j] = sine[half - j] = np.sin(j * (np.pi / half))
-        sine[half + j] = sine[2 * half - j] = -sine[j]
-    return sine
-
-
-@kernel
-def expansion_coefficients(values: Array) -> Array:
-    """Coefficients a_k of the sum a_k U_k that takes `values` at the nodes."""
-    count = values.size
-    sine = sines(count)
-    a = np.zeros(count)
-    for k in range(count):
-        angle = 0
-        for q in range(count):
-            angle = advance(angle, k + 1, sine.size)
-            a[k] += sine[q + 1] * sine[angle] * values[count - 1 - q]
-        a[k] *= 2 / (count + 1)
-    return a
-
-
-@kernel
-def advance(angle: int, step: int, period: int) -> int:
-    """(angle + step) % period of two numbers below the period, without a division."""
-    angle += step
-    return angle - period if angle >= period else angle
 
 
 @kernel

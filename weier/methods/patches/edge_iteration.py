@@ -29,15 +29,14 @@ from weier.methods.patches.given_edges import (
     Forces,
     Punches,
     expansion,
-    forces_of_expansion,
     make_punches,
     moved_expansion,
     regular_part,
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.segments import MAX_NODES, estimate_node_count
-from weier.methods.patches.surface import CosineSeries, nearest_crests
+from weier.methods.patches.segments import MAX_NODES, estimate_node_count, in_order
+from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
 Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)
 
@@ -137,12 +136,10 @@ class Problem(NamedTuple):
     dual: bool
 
     def forcing(self, origin: Array, offset: Array | float = 0.0) -> Array:
-        """The height or, dual, the tension of full contact at origin + offset, with all digits of the offset."""
-        series = self.series
-        crest, y = nearest_crests(series, origin)
-        angle = (y + offset)[:, None] * series.wavenumber
-        waves = series.crest_cosine[crest] * np.cos(angle) - series.crest_sine[crest] * np.sin(angle)
-        return np.asarray(waves @ series.amplitude - (self.load if self.dual else 0.0))
+        """The height less the largest or, dual, the tension of full contact, with all digits of the offset."""
+        crest, y = nearest_crests(self.series, origin)
+        value = evaluate_at(self.series, crest, y + offset, 0)
+        return np.asarray(value + (self.series.maximum - self.load) if self.dual else value)
 
 
 class Stage(NamedTuple):
@@ -168,7 +165,7 @@ class Stage(NamedTuple):
 class Guess(NamedTuple):
     """Contacts and forces to start a step from.
 
-    centre, half_width, node_count : of the contacts in order, the first of which begins in [0, L)
+    centre, half_width, node_count : of the contacts in order, with centres in [0, L)
     force : at the nodes
     tight : whether the gap on the right of each contact has nearly closed in the last step
     """
@@ -213,28 +210,16 @@ class Step(NamedTuple):
         return self.unsettled == 0
 
 
-def make_guess(problem: Problem, left: Array, right: Array, carried: Array | None, stage: Stage) -> Guess:
-    """A guess from edges, and from the force that each contact carries if that is known, shape (contacts,)."""
-    period = problem.series.period
-    turn = period * np.floor(left / period)
-    order = np.argsort(left - turn)
-    left, right = (left - turn)[order], (right - turn)[order]
-    centre, half_width = 0.5 * (left + right), 0.5 * (right - left)
-    count = estimate_nodes(problem, centre, half_width, stage)
-    force = np.zeros(count.sum())
-    if carried is not None:
-        b = (carried[order] / half_width)[:, None] * np.array([1.0, 0.0, -1.0]) / np.pi  # of Hertz's pressure
-        for each in np.unique(count):
-            here = np.flatnonzero(count == each)
-            nodes = (np.cumsum(count) - count)[here][:, None] + np.arange(each)
-            force[nodes] = forces_of_expansion(b[here], half_width[here], int(each), problem.dual)
-    return Guess(centre, half_width, count, force, np.zeros(left.size, bool))
+def make_guess(problem: Problem, middle: Array, half_width: Array, stage: Stage) -> Guess:
+    """A guess from contacts in any order, without forces, of which conjugate gradients would save hardly a step."""
+    middle, half_width, _ = in_order(middle, half_width, problem.series.period)
+    count = _estimate_nodes(problem, middle, half_width, stage)
+    return Guess(middle, half_width, count, np.zeros(count.sum()), np.zeros(middle.size, bool))
 
 
-def estimate_nodes(problem: Problem, centre: Array, half_width: Array, stage: Stage) -> Indices:
+def _estimate_nodes(problem: Problem, middle: Array, half_width: Array, stage: Stage) -> Indices:
     """Nodes of contacts in order."""
-    none = np.zeros(centre.size)
-    count = estimate_node_count(centre, none, half_width, problem.series, stage.tolerance)
+    count = estimate_node_count(middle, np.zeros(middle.size), half_width, problem.series, stage.tolerance)
     return round_up_nodes(np.asarray(count + stage.more_nodes, float))
 
 
@@ -305,18 +290,14 @@ def rearrange(
     stage: Stage, more_nodes: Array | None = None,
 ) -> Guess:  # fmt: skip
     """A guess of the remaining contacts, with the expansions b, and of added intervals, shape (added, 2)."""
-    period, none = step.punches.period, np.full(len(added), -1)
     left = np.concatenate([edges[0][remaining], added[:, 0]])
     right = np.concatenate([edges[1][remaining], added[:, 1]])
-    origin = np.concatenate([np.flatnonzero(remaining), none])
-    tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])
     if left.size == 0:
         raise ConvergenceError("no contact is left")
-    turn = period * np.floor(left / period)
-    order = np.argsort(left - turn)
-    left, right, origin, tight = (left - turn)[order], (right - turn)[order], origin[order], tight[order]
-    centre, half_width = 0.5 * (left + right), 0.5 * (right - left)
-    count = estimate_nodes(problem, centre, half_width, stage)
+    middle, half_width, order = in_order(0.5 * (left + right), 0.5 * (right - left), step.punches.period)
+    origin = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
+    tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
+    count = _estimate_nodes(problem, middle, half_width, stage)
     if more_nodes is not None:
         count = np.where(origin >= 0, round_up_nodes(more_nodes[origin]), count)
-    return Guess(centre, half_width, count, transfer_forces(step.punches, b, origin, half_width, count), tight)
+    return Guess(middle, half_width, count, transfer_forces(step.punches, b, origin, half_width, count), tight)

@@ -20,7 +20,7 @@ from weier.methods.patches.chebyshev import (
 )
 from weier.methods.patches.pair_sums import make_tree, potential, take_logarithms
 from weier.methods.patches.segments import Iterate, Segments
-from weier.methods.patches.surface import CosineSeries, evaluate_series, nearest_crests
+from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
 # from 250 on among 71 gaps: the time of their tree and that of one point both grow as the nodes do.
@@ -220,7 +220,7 @@ def values_on_segments(
 def gap_slopes(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """The slope of the gap outside contacts, of a primal state, at points as those of `complementary_residuals`."""
     integral = density_integrals(state, series.period, series.crest_position[crest], y, CAUCHY)
-    return np.asarray(-2 * np.pi / series.period * integral - _evaluate_at(series, crest, y, 1))
+    return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
 
 
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
@@ -240,10 +240,8 @@ def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indic
     which = CAUCHY if state.dual else POTENTIAL
     integral = density_integrals(state, series.period, series.crest_position[crest], y, which)
     if state.dual:
-        return (
-            state.load - series.maximum - _evaluate_at(series, crest, y, 0) + integral / (2 * np.pi * series.period)
-        )
-    return -2 * integral - state.approach - _evaluate_at(series, crest, y, 0)
+        return state.load - series.maximum - evaluate_at(series, crest, y, 0) + integral / (2 * np.pi * series.period)
+    return -2 * integral - state.approach - evaluate_at(series, crest, y, 0)
 
 
 def residuals_by_sums(
@@ -265,19 +263,10 @@ def residuals_by_sums(
     tree = make_tree(middle, np.repeat(segments.half_width, count) * segments.node)
     total = potential(tree, force, origin, offset, period, state.dual)
     value[order] = _correct_near_segments(state, force, origin, offset, period, total)
-    forcing = _evaluate_at(series, crest, y, 0)
+    forcing = evaluate_at(series, crest, y, 0)
     if state.dual:
         return state.load - series.maximum - forcing - 0.5 / period**2 * value
     return -2 * value - state.approach - forcing
-
-
-@kernel
-def _evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int) -> Array:
-    """S - max S, S' or S'' at points."""
-    value = np.empty(y.size)
-    for i in range(y.size):
-        value[i] = evaluate_series(series, crest[i], y[i])[derivative]
-    return value
 
 
 @kernel
@@ -345,4 +334,4 @@ def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, of_ga
 
 def series_values(series: CosineSeries, x: Array) -> Array:
     """S at positions x."""
-    return series.maximum + _evaluate_at(series, *nearest_crests(series, x), 0)
+    return series.maximum + evaluate_at(series, *nearest_crests(series, x), 0)

@@ -40,13 +40,13 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.chebyshev import Blocks, Rule, Table, apply_blocks, gauss_rule
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
 from weier.methods.patches.segments import distances_between
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
-Table = NDArray[np.float64]  # shape (contacts, nodes of each) or (nodes, nodes)
 
 MAX_DENSE = 128  # punches whose matrix is factorised as it is
 RANK_TOLERANCE = 1e-6  # of the influence of one half on the other; looser ones take more steps of conjugate gradients
@@ -55,22 +55,16 @@ MAX_STEPS = 300  # of conjugate gradients
 MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
 
 
-class Rule(NamedTuple):
-    """The zeros of T_K or, dual, of U_K, and what is known at them.
+class OwnMatrices(NamedTuple):
+    """What nodes on one segment do to each other, and the forces that undo it, shape (K, K).
 
-    node : t, ascending, shape (K,)
-    weight : pi/K or, dual, that for int sqrt(1-t^2) W dt, shape (K,)
-    polynomial : T_k or, dual, U_k at the nodes, one k a row, shape (K, K)
-    own : what the closed form adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, i != j, shape (K, K)
-    own_inverse : the forces on one contact that make up for a residual of mean 0 or, dual, on one gap of width 1 for
-        any residual, shape (K, K)
+    direct : what the closed form adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, i != j
+    inverse : the forces on one contact that make up for a residual of mean 0 or, dual, on one gap of width 1 for any
+        residual
     """
 
-    node: Array
-    weight: Array
-    polynomial: Table
-    own: Table
-    own_inverse: Table
+    direct: Table
+    inverse: Table
 
 
 class Group(NamedTuple):
@@ -91,7 +85,7 @@ class Punches(NamedTuple):
     centre, half_width : in lambda_0, shape (contacts,)
     node_count, first_node : nodes of each contact; index of its first and, last, the number of all
     groups : the contacts by their number of nodes
-    own, own_inverse, own_start : both tables of all rules in a row, and where those of each contact begin
+    own, own_inverse : what nodes do to others on the same contact, and the forces that undo it
     position : of the nodes, ascending, in lambda_0
     gap : from the right edge of each contact to the next one, in lambda_0, shape (contacts,)
     period : L, in lambda_0
@@ -104,9 +98,8 @@ class Punches(NamedTuple):
     node_count: Indices
     first_node: Indices
     groups: list[Group]
-    own: Array
-    own_inverse: Array
-    own_start: Indices
+    own: Blocks
+    own_inverse: Blocks
     position: Array
     gap: Array
     period: float
@@ -123,7 +116,7 @@ class Forces(NamedTuple):
     """A solution.
 
     force : f at the nodes, in p_0* lambda_0 or, dual, g_0 lambda_0
-    plane : the mean gap, in g_0
+    plane : the mean gap, in g_0, from where the forcing counts heights
     residual : largest deviation of z - A f from it or, dual, of the pressure from 0 times the gap's width, in g_0
     steps : of conjugate gradients
     """
@@ -172,7 +165,7 @@ Inverse = Dense | Halves
 def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
     """The inverse of the influence of punches in order round the period."""
     if centre.size <= MAX_DENSE:
-        return Dense(_factorise(_influence(centre, half_width, period)))
+        return Dense(factorise(_influence(centre, half_width, period)))
     split = centre.size // 2
     first = invert_punches(centre[:split], half_width[:split], period)
     second = invert_punches(centre[split:], half_width[split:], period)
@@ -180,23 +173,29 @@ def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
     solved_U, solved_V, rank = solve_forces(first, U), solve_forces(second, V), U.shape[1]
     coupling = np.eye(2 * rank)
     coupling[:rank, rank:], coupling[rank:, :rank] = U.T @ solved_U, V.T @ solved_V
-    return Halves(split, first, second, (U, V), (solved_U, solved_V), _factorise(coupling))
+    return Halves(split, first, second, (U, V), (solved_U, solved_V), factorise(coupling))
 
 
 def solve_forces(inverse: Inverse, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
     """The forces that displace the punches by so much, shape (punches,) or (punches, columns)."""
     if isinstance(inverse, Dense):
-        return np.asarray(scipy.linalg.lapack.dgetrs(*inverse.factors, displacement)[0])
+        return solve_factorised(inverse.factors, displacement)
     first = solve_forces(inverse.first, displacement[: inverse.split])
     second = solve_forces(inverse.second, displacement[inverse.split :])
     (U, V), (solved_U, solved_V), rank = inverse.low_rank, inverse.solved, inverse.low_rank[0].shape[1]
-    exchange = scipy.linalg.lapack.dgetrs(*inverse.factors, np.concatenate([U.T @ first, V.T @ second]))[0]
+    exchange = solve_factorised(inverse.factors, np.concatenate([U.T @ first, V.T @ second]))
     return np.concatenate([first - solved_U @ exchange[rank:], second - solved_V @ exchange[:rank]])
 
 
-def _factorise(matrix: Matrix) -> Factors:
-    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix)
+def factorise(matrix: Matrix) -> Factors:
+    """LAPACK's factors of a matrix, which they may overwrite."""
+    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
     return lu, pivot
+
+
+def solve_factorised(factors: Factors, right: Matrix) -> Matrix:
+    """The solution for one right side or several, shape (unknowns,) or (unknowns, columns)."""
+    return np.asarray(scipy.linalg.lapack.dgetrs(*factors, right)[0])
 
 
 @kernel
@@ -240,26 +239,17 @@ def _low_rank(x: Array, y: Array, period: float) -> tuple[Matrix, Matrix]:
 
 
 @lru_cache(maxsize=256)
-def chebyshev_rule(count: int, dual: bool) -> Rule:
-    """The rule of so many nodes."""
-    if dual:
-        angle = np.pi - np.arange(1, count + 1) * (np.pi / (count + 1))
-        degree = np.arange(1, count + 1)
-        polynomial = np.sin(degree[:, None] * angle) / np.sin(angle)
-        weight = np.pi / (count + 1) * np.sin(angle) ** 2
-        closed_form = -2 * (polynomial.T * degree) @ polynomial
-        own_inverse = weight[:, None] * (polynomial.T / degree) @ polynomial * weight
-    else:
-        angle = np.pi - (np.arange(count) + 0.5) * (np.pi / count)
-        degree = np.arange(count)
-        polynomial, weight = np.cos(degree[:, None] * angle), np.full(count, np.pi / count)
-        closed_form = -np.log(2) - 2 * (polynomial[1:].T / degree[1:]) @ polynomial[1:]
-        own_inverse = (polynomial.T * degree) @ polynomial / count**2
-    node = np.cos(angle)
+def _own_matrices(count: int, dual: bool) -> OwnMatrices:
+    """The matrices of so many nodes."""
+    node, weight, polynomial, _ = gauss_rule(count, dual)
     distance = np.abs(node[:, None] - node)
     np.fill_diagonal(distance, np.inf if dual else 1.0)
-    kernel = distance**-2 if dual else np.log(distance)
-    return Rule(node, weight, polynomial, closed_form - kernel, own_inverse)
+    degree = np.arange(count) + dual
+    if dual:
+        direct = -2 * (polynomial.T * degree) @ polynomial - distance**-2
+        return OwnMatrices(direct, weight[:, None] * (polynomial.T / degree) @ polynomial * weight)
+    direct = -np.log(2) - 2 * (polynomial[1:].T / degree[1:]) @ polynomial[1:] - np.log(distance)
+    return OwnMatrices(direct, (polynomial.T * degree) @ polynomial / count**2)
 
 
 def make_punches(centre: Array, half_width: Array, node_count: Indices, period: float, dual: bool = False) -> Punches:
@@ -267,35 +257,23 @@ def make_punches(centre: Array, half_width: Array, node_count: Indices, period: 
     first = np.concatenate([[0], np.cumsum(node_count)])
     offset, groups, own_start, start = np.empty(first[-1]), [], np.empty_like(node_count), 0
     for count in np.unique(node_count):
-        rule, contact = chebyshev_rule(int(count), dual), np.flatnonzero(node_count == count)
+        rule, contact = gauss_rule(int(count), dual), np.flatnonzero(node_count == count)
         node = first[contact][:, None] + np.arange(count)
         offset[node] = half_width[contact][:, None] * rule.node
-        own_start[contact], start = start, start + rule.own.size
+        own_start[contact], start = start, start + int(count) ** 2
         groups.append(Group(rule, contact, node))
     origin = np.repeat(centre, node_count)
     position, gap = origin + offset, distances_between(centre, np.zeros(centre.size), half_width, period)
     if not (np.all(np.diff(position) > 0) and np.all(gap > 0)):
         raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
     matrix = make_pair_matrix(origin, offset, period, dual)
-    own = np.concatenate([group.rule.own.ravel() for group in groups])
-    own_inverse = np.concatenate([group.rule.own_inverse.ravel() for group in groups])
+    matrices = [_own_matrices(group.rule.node.size, dual) for group in groups]
+    own, own_inverse = (
+        Blocks(np.concatenate([each.ravel() for each in tables]), own_start, first, first)
+        for tables in zip(*matrices, strict=True)
+    )
     layout = centre, half_width, node_count, first, groups
-    return Punches(*layout, own, own_inverse, own_start, position, gap, period, matrix, dual)
-
-
-@kernel
-def _apply_to_each(table: Array, start: Indices, first_node: Indices, scale: Array, f: Array) -> Array:
-    """The symmetric matrix of each contact, times its scale, times f at its nodes."""
-    result = np.zeros(f.size)
-    for j in range(scale.size):
-        first, end, row = first_node[j], first_node[j + 1], start[j]
-        here = result[first:end]
-        for q in range(first, end):
-            factor, column = scale[j] * f[q], table[row : row + here.size]
-            for i in range(here.size):
-                here[i] += factor * column[i]
-            row += here.size
-    return result
+    return Punches(*layout, own, own_inverse, position, gap, period, matrix, dual)
 
 
 def displacement(punches: Punches, force: Array) -> Array:
@@ -305,14 +283,14 @@ def displacement(punches: Punches, force: Array) -> Array:
         scale, at_node, factor = angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
     else:
         scale, at_node, factor = np.ones(angle.size), np.log(2 * angle), -2.0
-    own = _apply_to_each(punches.own, punches.own_start, punches.first_node, scale, force)
+    own = apply_blocks(punches.own, np.repeat(scale, punches.node_count) * force)
     return factor * (pair_sums(punches.matrix, force) + own + np.repeat(at_node, punches.node_count) * force)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """The forces that make up for a residual if contacts see each other as punches only, and gaps not at all."""
-    scale = np.ones(punches.centre.size) if inverse is not None else 4 * punches.half_width**2
-    force = np.asarray(_apply_to_each(punches.own_inverse, punches.own_start, punches.first_node, scale, residual))
+    scale = 1.0 if inverse is not None else np.repeat(4 * punches.half_width**2, punches.node_count)
+    force = np.asarray(apply_blocks(punches.own_inverse, scale * residual))
     if inverse is not None:
         mean = np.add.reduceat(residual, punches.first_node[:-1]) / punches.node_count
         force += np.repeat(solve_forces(inverse, mean) / punches.node_count, punches.node_count)
@@ -370,7 +348,7 @@ def expansion(punches: Punches, force: Array) -> Array:
 
 def forces_of_expansion(b: Table, half_width: Array, count: int, dual: bool) -> Table:
     """The forces at so many nodes of each of some segments, from as many coefficients of psi in T_k as there are."""
-    rule, r = chebyshev_rule(count, dual), half_width[:, None]
+    rule, r = gauss_rule(count, dual), half_width[:, None]
     if dual:
         b = -r * b[:, 1:] / np.arange(1, b.shape[1])
     kept = min(count, b.shape[1])
@@ -399,7 +377,7 @@ def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array
     r = punches.half_width
     for group in punches.groups:
         contact, node, count = group.contact, group.node, group.rule.node.size
-        rule = chebyshev_rule(count, False)
+        rule = gauss_rule(count, False)
         t = rule.node
         k = np.arange(1, count)[:, None]
         bracket = -k * rule.polynomial[1:]  # (1-t^2) U_k' - t U_k = -(k+1) T_(k+1)

@@ -118,13 +118,6 @@ def _gaps_beside(segments: Segments, period: float) -> tuple[Array, Array]:
     return right, distances_to_next(segments, period)
 
 
-def _interval_of(x: Array, left: Array, length: Array, period: float) -> tuple[Indices, Flags, Array]:
-    """Of positions, the interval from `left` that holds each, and whether one does; and the image that it holds."""
-    x = x - period * np.floor((x - left[0]) / period)
-    of = np.searchsorted(left, x, side="right") - 1
-    return of, x < left[of] + length[of], x
-
-
 def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
     """Points in intervals between segments, and the interval of each; ascending in each.
 
@@ -135,14 +128,15 @@ def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Arr
     length = np.maximum(length, 0.0)  # segments may overlap
     count = MIN_PROBES + np.ceil(per_length * length).astype(np.int64)
     end, interval = np.cumsum(count), np.repeat(np.arange(length.size), count)
-    number = np.arange(end[-1]) - np.repeat(end - count, count)
-    share = 0.5 * (1 - np.cos((number + 0.5) * np.repeat(np.pi / count, count)))
+    angle = (np.arange(end[-1]) - (end - count - 0.5)[interval]) * (np.pi / count)[interval]
+    point = left[interval] + 0.5 * length[interval] * (1 - np.cos(angle))
     crest = series.crest_position
-    turning = np.concatenate((crest, crest + 0.5 * np.diff(crest, append=crest[0] + series.period)))
-    of, within, turning = _interval_of(turning, left, length, series.period)
-    point = np.concatenate((left[interval] + length[interval] * share, turning[within]))
-    interval = np.concatenate((interval, of[within]))
-    order = np.lexsort((point, interval))
+    turning = np.concatenate((crest, 0.5 * (crest + np.append(crest[1:], crest[0] + series.period))))
+    turning -= series.period * np.floor((turning - left[0]) / series.period)
+    after = np.searchsorted(left, turning, side="right") - 1
+    within = turning < left[after] + length[after]
+    point, interval = np.append(point, turning[within]), np.append(interval, after[within])
+    order = np.argsort(point, kind="stable")
     point, interval = point[order], interval[order]
     apart = np.ones(point.size, bool)
     apart[1:] = (np.diff(point) > MIN_PROBE_DISTANCE / per_length) | (np.diff(interval) > 0)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.chebyshev import gauss_rule
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
-    Guess,
     Problem,
     Stage,
     Step,
@@ -28,7 +28,6 @@ from weier.methods.patches.fields import ContactState
 from weier.methods.patches.given_edges import (
     Bounds,
     Punches,
-    chebyshev_rule,
     solve_forces_on_contacts,
 )
 from weier.methods.patches.inequalities import (
@@ -97,24 +96,32 @@ def solve_many_contacts(surface: Surface, guess: Iterate, load: float, tolerance
     raise failure
 
 
-def _solve_to(problem: Problem, guess: Iterate, tolerance: float, scale: float) -> tuple[ContactState, int]:
-    """The state and the steps, with targets relative to this height, in g_0."""
+def _solve_to(
+    problem: Problem, guess: Iterate | ContactState, tolerance: float, scale: float, follows: bool = False
+) -> tuple[ContactState, int]:
+    """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
     load = problem.load
     target, allowed = _target(problem, tolerance, scale), max(tolerance, MIN_TOLERANCE) * scale
     rough, fine = _stages(problem, target, scale)
-    stage, last_move, moved = rough, np.inf, False  # whether edges have moved since the set was corrected
-    now = _guess_from(problem, guess, stage)
+    stage, last_move = fine if follows else rough, np.inf
+    moved = False  # whether edges have moved since the set was corrected
+    segments = guess.segments
+    now = make_guess(problem, segments.origin + segments.centre, segments.half_width, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
         is_enough = step.settled or (moved and step.unsettled < MAX_UNSETTLED)
         if stage.fine:
             is_enough = _converged(step, target, last_move)
         last_move = step.moves.largest
+        if follows and np.any(step.vanishing | step.merging):
+            break
         if not is_enough:
             moved = True
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage.fine else None)
             continue
         state = contact_state(problem, step)
+        if follows:
+            return state, steps
         added, remaining, lowest = _corrections(problem, step, state, stage)
         if not np.all(remaining) or len(added) > 0:
             moved = False
@@ -137,18 +144,7 @@ def _solve_to(problem: Problem, guess: Iterate, tolerance: float, scale: float) 
 def follow_contacts(surface: Surface, start: ContactState, load: float, tolerance: float) -> ContactState:
     """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
     problem = Problem(surface.series(start.dual), load, start.dual)
-    target, last_move = _target(problem, tolerance, _scale(problem)), np.inf
-    _, stage = _stages(problem, target, _scale(problem))
-    now = _guess_from(problem, start, stage)
-    for _ in range(MAX_STEPS):
-        step = take_step(problem, now, stage)
-        if np.any(step.vanishing | step.merging):
-            break
-        if _converged(step, target, last_move):
-            return contact_state(problem, step)
-        last_move = step.moves.largest
-        now = next_guess(problem, step, stage, _node_counts(step, target))
-    raise ConvergenceError(f"the contacts under {start.load:.6g} p_0* cannot be followed to {load:.6g} p_0*")
+    return _solve_to(problem, start, tolerance, _scale(problem), follows=True)[0]
 
 
 def _scale(problem: Problem) -> float:
@@ -158,14 +154,6 @@ def _scale(problem: Problem) -> float:
 
 def _target(problem: Problem, tolerance: float, scale: float) -> float:
     return max(TARGET * max(tolerance, MIN_TOLERANCE) * scale, ROUNDING * problem.load * problem.series.period)
-
-
-def _guess_from(problem: Problem, start: Iterate | ContactState, stage: Stage) -> Guess:
-    """The edges of a guess or a state and, of contacts, the forces on them."""
-    segments, r = start.segments, start.segments.half_width
-    centre = segments.origin + segments.centre
-    carried = np.add.reduceat(segments.weight * start.phi, segments.first_node[:-1]) * r
-    return make_guess(problem, centre - r, centre + r, None if start.dual else carried, stage)
 
 
 def _edges(step: Step) -> Edges:
@@ -228,9 +216,10 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
     segments = make_segments(crest, punches.centre - y, y, punches.half_width, punches.node_count, series.period)
     phi = np.empty(step.a.size)
     for rule, _, node in punches.groups:
-        phi[node] = step.a[node] @ chebyshev_rule(rule.node.size, True).polynomial
-    approach = (0.0 if problem.dual else series.maximum) - step.forces.plane
-    return ContactState(problem.dual, problem.load, approach, segments, phi, step.a, np.zeros(1), np.nan, np.nan)
+        phi[node] = step.a[node] @ gauss_rule(rule.node.size, True).polynomial
+    return ContactState(
+        problem.dual, problem.load, -step.forces.plane, segments, phi, step.a, np.zeros(1), np.nan, np.nan
+    )
 
 
 def _resistance(problem: Problem, punches: Punches) -> float:

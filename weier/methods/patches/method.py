@@ -12,9 +12,9 @@ from weier.methods.method import Method, Noise, Settings, Style, applies_to_reso
 from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import residuals_by_sums
 from weier.methods.patches.given_edges import MAX_DENSE, invert_punches
-from weier.methods.patches.segments import Iterate, make_segments
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
-from weier.methods.patches.surface import Surface, nearest_crests, surface_of
+from weier.methods.patches.start import lone_contacts, lone_gaps
+from weier.methods.patches.surface import nearest_crests, surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
@@ -22,7 +22,7 @@ from weier.theory.waves import Waves
 
 TOLERANCES_COMPARED = (1e-6, 1e-8, 1e-10, 1e-12)  # they set the nodes of each contact
 
-ONE_WAVE, LIGHT, NODES = Profile(D=1.25, gamma=2, m=1), 1e-3, 8
+ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
@@ -45,24 +45,19 @@ def _solve_loads(profile: Waves, loads: Array, residual_tolerance: float = TOLER
     return curve(profile, loads, residual_tolerance)
 
 
-def _single(surface: Surface, dual: bool) -> tuple[Iterate, float]:
-    """The contact on the crest of one wave by Hertz's theory, or the gap in its trough (dual), and its load."""
-    series = surface.series(dual)
-    curvature, load = abs(series.amplitude[0]) * series.wavenumber[0] ** 2, LIGHT * series.maximum
-    half_width, zero = np.array([2 * np.sqrt(load / curvature)]), np.zeros(1)
-    segments = make_segments(np.array([0]), series.crest_position, zero, half_width, np.array([NODES]), series.period)
-    guess = Iterate(dual, segments, np.full(NODES, np.sqrt(load * curvature) / np.pi), 0.0)
-    return guess, series.maximum - load if dual else load
-
-
 def _run_kernels() -> None:
     """A contact and a gap by what serves a few and by what serves thousands, and the forces that only these have.
 
     None of them starts from boundary elements, which may still be compiled.
     """
     surface = surface_of(ONE_WAVE)
-    for dual in (False, True):
-        series, (guess, load) = surface.series(dual), _single(surface, dual)
+    contact, gap = (
+        lone_contacts(surface.heights, LIGHT),
+        lone_gaps(surface.tensions, surface.full_contact_load - LIGHT),
+    )
+    for guess, load in ((contact, LIGHT), (gap, surface.full_contact_load - LIGHT)):
+        assert guess is not None
+        series = surface.series(guess.dual)
         newton.solve_few_contacts(surface, guess, load, TOLERANCE)
         state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
         crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))

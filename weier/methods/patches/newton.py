@@ -27,17 +27,26 @@ overlap. A solution is checked, too. Where its set of segments turns out to be w
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import advance, collocation_point, expansion_coefficients, sines
+from weier.methods.patches.chebyshev import (
+    Blocks,
+    Table,
+    apply_blocks,
+    collocation_point,
+    gauss_rule,
+    log_moments,
+    make_blocks,
+)
 from weier.methods.patches.fields import ContactState
+from weier.methods.patches.given_edges import Factors, factorise, solve_factorised
 from weier.methods.patches.inequalities import (
     certify,
     contact_residual,
@@ -99,16 +108,29 @@ class Points(NamedTuple):
     cosine: Array
 
 
-class Factors(NamedTuple):
-    """Of the matrix on few nodes, which correct those on many.
+class TwoGrids(NamedTuple):
+    """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves.
 
-    first_node : of the few, as in `Segments`
-    lower_upper, pivot : LAPACK's
+    restriction : of the residual at the points to what few nodes see of it
+    interpolation : of phi on few nodes to many
+    fast : phi on many nodes by the rest of the residual, which also has the `lift` at the centres of contacts
+    factors : of the matrix on few nodes
     """
 
-    first_node: Indices
-    lower_upper: NDArray[np.float64]
-    pivot: NDArray[np.int32]
+    restriction: Blocks
+    interpolation: Blocks
+    fast: Blocks
+    lift: Blocks
+    factors: Factors
+
+    def solve(self, residual: Array) -> Array:
+        """The unknowns of about this residual."""
+        rest = residual[self.restriction.first_column[-1] :].copy()
+        rest[:-1] -= apply_blocks(self.lift, residual)
+        fewer = np.concatenate([apply_blocks(self.restriction, residual), rest])
+        slow = solve_factorised(self.factors, fewer)
+        phi = apply_blocks(self.interpolation, slow) + apply_blocks(self.fast, residual)
+        return np.concatenate([phi, slow[self.interpolation.first_column[-1] :]])
 
 
 @kernel
@@ -308,109 +330,61 @@ def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float
             matrix[row, -1] += 2 * moment
 
 
-def _factorise(now: Iterate, system: System) -> Factors:
-    """The factors of a matrix; if it is singular, what is solved with them is not finite."""
-    lower_upper, pivot, _ = scipy.linalg.lapack.dgetrf(system.matrix.T, overwrite_a=True)
-    return Factors(now.segments.first_node, lower_upper, pivot)
+@lru_cache(maxsize=256)
+def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
+    """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
 
-
-def _correction(residual: Array, factors: Factors, many: Indices, period: float, dual: bool) -> Array:
-    """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves."""
-    few = factors.first_node
-    fewer, fast = _restrict(residual, few, many, period, dual)
-    slow, _ = scipy.linalg.lapack.dgetrs(factors.lower_upper, factors.pivot, fewer, overwrite_b=True)
-    phi = _evaluate_modes(expand(slow, few), few, many, fast)
-    return np.concatenate([phi, slow[few[-1] :]])
-
-
-@kernel
-def _restrict(row: Array, few: Indices, many: Indices, period: float, dual: bool) -> tuple[Array, Array]:
-    """The residual as fewer nodes see it, and the coefficients in U_k, shape (nodes,), that take off the rest.
-
-    `few` and `many` are `first_node` of both. The residual becomes a sum of T_m, cut off where the fewer nodes end.
-    A fast mode also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
+    The residual at the points, a sum of T_m, is cut off where the fewer points end. The fast modes of phi take off
+    what is left. Each also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
     """
-    n = few.size - 1
-    fewer = np.zeros(few[-1] + 2 * n + 1)
-    fast, lifted = np.zeros(many[-1]), np.zeros(n)
-    for i in range(n):
-        count, less = many[i + 1] - many[i], few[i + 1] - few[i]
-        cosine, coarser = sines(2 * count + 1), sines(2 * less + 1)  # from a quarter of their periods on
-        for m in range(count + 1):
-            total, angle = 0.0, m + count + 1
-            for a in range(count + 1):  # at the angle m (2 a + 1), from the right
-                total += row[many[i + 1] + i - a] * cosine[angle]
-                angle = advance(angle, 2 * m, cosine.size)
-            total *= (2 if m > 0 else 1) / (count + 1)
-            if m > less:
-                fast[many[i] + m - 1] = total / period
-                if m % 2 == 1 and not dual and m > 1:
-                    lift = np.pi * (1 / (m - 1) + 1 / (m + 1)) * (1 if (m - 1) % 4 == 0 else -1)
-                    lifted[i] -= lift * total / period
-            else:
-                angle = m + less + 1
-                for b in range(less + 1):
-                    fewer[few[i + 1] + i - b] += total * coarser[angle]
-                    angle = advance(angle, 2 * m, coarser.size)
-    fewer[few[-1] + n :] = row[many[-1] + n :]
-    fewer[few[-1] + n : -1] -= lifted
-    return fewer, fast
+    few, many = gauss_rule(less, True), gauss_rule(count, True)
+    to_T, kept = gauss_rule(count + 1, False).expansion, min(less, count)
+    restriction = gauss_rule(less + 1, False).polynomial[: kept + 1].T @ to_T[: kept + 1]
+    interpolation = many.polynomial[:kept].T @ few.expansion[:kept]
+    to_U = to_T[less + 1 :] / period
+    lift = 2 * (not dual) * log_moments(count)[None, less:] @ to_U
+    return restriction, interpolation, many.polynomial[less:].T @ to_U, lift
 
 
-@kernel
+def _make_grids(factors: Factors, few: Indices, many: Indices, period: float, dual: bool) -> TwoGrids:
+    """From the matrix on so many nodes of each segment, to so many more."""
+    modes = (_modes(less, count, period, dual) for less, count in zip(few.tolist(), many.tolist(), strict=True))
+    restriction, interpolation, fast, lift = map(make_blocks, zip(*modes, strict=True))
+    return TwoGrids(restriction, interpolation, fast, lift, factors)
+
+
 def expand(phi: Array, first_node: Indices) -> Array:
     """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
-    a = np.empty(first_node[-1])
-    for j in range(first_node.size - 1):
-        a[first_node[j] : first_node[j + 1]] = expansion_coefficients(phi[first_node[j] : first_node[j + 1]])
-    return a
+    rules = (gauss_rule(count, True) for count in np.diff(first_node).tolist())
+    return np.asarray(apply_blocks(make_blocks(rule.expansion for rule in rules), phi))
 
 
-@kernel
-def _evaluate_modes(slow: Array, few: Indices, many: Indices, fast: Array) -> Array:
-    """phi on many nodes from the coefficients of slow modes, as many as there are few nodes, and of fast ones."""
-    phi = np.zeros(many[-1])
-    for i in range(few.size - 1):
-        count, less = many[i + 1] - many[i], few[i + 1] - few[i]
-        a = fast[many[i] : many[i + 1]].copy()
-        for k in range(min(less, count)):
-            a[k] += slow[few[i] + k]
-        sine = sines(count)
-        for q in range(count):  # at the angle q + 1, from the right
-            total, angle = 0.0, 0
-            for k in range(count):  # U_k(cos x) sin x = sin((k+1) x)
-                angle = advance(angle, q + 1, sine.size)
-                total += a[k] * sine[angle]
-            phi[many[i + 1] - 1 - q] = total / sine[q + 1]
-    return phi
-
-
-def change_nodes(now: Iterate, node_count: Indices, period: float) -> Iterate:
+def change_nodes(now: Iterate, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
     """The density on so many nodes of each segment."""
     old = now.segments
     new = make_segments(old.crest, old.origin, old.centre, old.half_width, node_count, period)
-    slow, none = expand(now.phi, old.first_node), np.zeros(new.node.size)
-    return Iterate(now.dual, new, _evaluate_modes(slow, old.first_node, new.first_node, none), now.approach)
+    return Iterate(now.dual, new, apply_blocks(interpolation, now.phi), now.approach)
 
 
 def on_few_nodes(now: Iterate, series: CosineSeries) -> Iterate:
     """The density on as few nodes as a guess has."""
     old = now.segments
     count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
-    return change_nodes(now, count, series.period)
+    pairs = zip(np.diff(old.first_node).tolist(), count.tolist(), strict=True)
+    interpolation = make_blocks(_modes(*each, series.period, now.dual)[1] for each in pairs)
+    return change_nodes(now, count, interpolation, series.period)
 
 
-def own_density(now: Iterate, series: CosineSeries, load: float) -> Iterate:
+def own_density(guess: Iterate, series: CosineSeries, load: float) -> Iterate:
     """The density that each segment takes under those of the others."""
-    none, many = np.zeros(now.segments.first_node.size, np.int64), now.segments.first_node
-    _, fast = _restrict(assemble(now, series, load).residual, none, many, series.period, True)
-    return now._replace(phi=now.phi - _evaluate_modes(fast, none, many, fast))
+    counts = np.diff(guess.segments.first_node).tolist()
+    fast = make_blocks(_modes(0, count, series.period, True)[2] for count in counts)
+    return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load).residual))
 
 
-def _take_step(now: Iterate, system: System, factors: Factors, period: float) -> tuple[Iterate, float]:
+def _take_step(now: Iterate, step: Array, period: float) -> tuple[Iterate, float]:
     """The unknowns after a step, and its size: inf or NaN if it cannot be taken, and nothing has changed."""
     segments, N, n = now.segments, now.phi.size, now.segments.centre.size
-    step = -_correction(system.residual, factors, segments.first_node, period, now.dual)
     place = segments.origin, segments.centre, segments.half_width
     size = _step_size(*place, segments.first_node, now.phi, step, period)
     if not size < np.inf:
@@ -454,8 +428,8 @@ def newton_iteration(
     _check_size(now.segments.node.size, now.segments.centre.size, load)
     for steps in range(1, MAX_STEPS + 1):
         system = assemble(now, series, load)
-        factors = _factorise(now, system)
-        now, size = _take_step(now, system, factors, series.period)
+        factors = factorise(system.matrix.T)  # if it is singular, the step is not finite
+        now, size = _take_step(now, -solve_factorised(factors, system.residual), series.period)
         if size < tolerance:
             return now, factors, steps
         if not size < np.inf:
@@ -484,12 +458,14 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
     count = np.maximum(count, np.diff(few.first_node))
     for _ in range(MAX_NODE_ROUNDS):
         _check_size(int(count.sum()), count.size, load)
-        now, more = _refine(change_nodes(coarse, count, series.period), factors, series, load, tolerance)
+        grids = _make_grids(factors, np.diff(few.first_node), count, series.period, guess.dual)
+        finer = change_nodes(coarse, count, grids.interpolation, series.period)
+        now, more = _refine(finer, grids, series, load, tolerance)
         steps += more
         coefficient = expand(now.phi, now.segments.first_node)
         resolved = are_resolved(now.segments, coefficient, tolerance)
         if np.all(resolved):
-            sensitivity, more = _sensitivity(now, factors, series, load)
+            sensitivity, more = _sensitivity(now, grids, series, load)
             unknowns = now.approach, now.segments, now.phi, coefficient, sensitivity
             return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps + more
         count = increase_node_count(count, resolved, load)
@@ -497,12 +473,12 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
 
 
 def _refine(
-    now: Iterate, factors: Factors, series: CosineSeries, load: float, tolerance: float
+    now: Iterate, grids: TwoGrids, series: CosineSeries, load: float, tolerance: float
 ) -> tuple[Iterate, int]:
     """The solution on the nodes of a guess and the corrections to it; ConvergenceError if these do not shrink."""
     previous = np.inf
     for steps in range(1, MAX_STEPS + 1):
-        now, size = _take_step(now, assemble(now, series, load), factors, series.period)
+        now, size = _take_step(now, -grids.solve(assemble(now, series, load).residual), series.period)
         ratio, previous = size / previous, size
         is_stuck = ratio > MAX_RATIO
         if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
@@ -512,13 +488,12 @@ def _refine(
     raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", float(size))
 
 
-def _sensitivity(now: Iterate, factors: Factors, series: CosineSeries, load: float) -> tuple[Array, int]:
+def _sensitivity(now: Iterate, grids: TwoGrids, series: CosineSeries, load: float) -> tuple[Array, int]:
     """The derivatives of the unknowns in the mean pressure, and the corrections to these."""
     system = assemble(now, series, load)
     found, previous, error = np.zeros(system.residual.size), np.inf, np.inf
     for step in range(1, MAX_STEPS + 1):
-        left = -system.by_load - found @ system.matrix
-        change = _correction(left, factors, now.segments.first_node, series.period, now.dual)
+        change = grids.solve(-system.by_load - found @ system.matrix)
         found += change
         size = float(np.abs(change).max())
         ratio, previous = size / max(previous, 1e-300), size

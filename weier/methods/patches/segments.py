@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import log_weights, nodes, weights
+from weier.methods.patches.chebyshev import gauss_rule, log_moments
 from weier.methods.patches.surface import CosineSeries
 
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
@@ -81,9 +81,10 @@ class Iterate(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _gauss_rule(count: int) -> tuple[Array, Array, Array]:
+def _quadrature(count: int) -> tuple[Array, Array, Array]:
     """Nodes, weights and weights for ln|t| of so many nodes."""
-    return nodes(count), weights(count), log_weights(count)
+    rule = gauss_rule(count, True)
+    return rule.node, rule.weight, log_moments(count) @ rule.expansion
 
 
 def make_segments(
@@ -92,7 +93,7 @@ def make_segments(
     """Segments, already in order, with so many nodes each."""
     first_node = np.append(0, np.cumsum(node_count))
     node, weight, log_weight = (
-        np.concatenate(each) for each in zip(*map(_gauss_rule, node_count.tolist()), strict=True)
+        np.concatenate(each) for each in zip(*map(_quadrature, node_count.tolist()), strict=True)
     )
     far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
     new = Segments(
@@ -122,6 +123,13 @@ def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, A
         return segments.origin, segments.centre, segments.half_width
     half_width = 0.5 * distances_to_next(segments, period)
     return segments.origin, segments.centre + segments.half_width + half_width, half_width
+
+
+def in_order(middle: Array, half_width: Array, period: float) -> tuple[Array, Array, Indices]:
+    """Segments with their middles in [0, L) and ascending, and the order that sorted them."""
+    middle = middle - period * np.floor(middle / period)
+    order = np.argsort(middle, kind="stable")
+    return middle[order], half_width[order], order
 
 
 @kernel

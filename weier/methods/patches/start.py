@@ -15,9 +15,9 @@ from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     Iterate,
-    Segments,
     distances_between,
     estimate_node_count,
+    in_order,
     make_segments,
 )
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests
@@ -60,44 +60,36 @@ class Starts:
                 yield contacts_guess(self.surface, middle, half_width, found["force"], self.tolerance)
 
 
-def segments_about(series: CosineSeries, middle: Array, half_width: Array) -> Segments:
-    """Segments with as few nodes as a guess has, in order of their middles in [0, L)."""
+def _make_guess(series: CosineSeries, dual: bool, middle: Array, half_width: Array, force: Array | float) -> Iterate:
+    """Segments in order of their middles in [0, L) on as few nodes as a guess has, with Hertz's largest pressure.
+
+    force : that each contact carries, in p_0* lambda_0; 0 for gaps, whose slope Newton's method finds
+    """
     crest, y = nearest_crests(series, middle)
     origin = series.crest_position[crest]
     origin = origin + series.period * np.rint((middle - y - origin) / series.period)
     count = estimate_node_count(origin, y, half_width, series, COARSE_TOLERANCE)
-    return make_segments(crest, origin, y, half_width, count, series.period)
+    segments = make_segments(crest, origin, y, half_width, count, series.period)
+    return Iterate(dual, segments, np.repeat(2 / np.pi * force / half_width, count), 0.0)
 
 
 def contacts_guess(surface: Surface, middle: Array, half_width: Array, force: Array, tolerance: float) -> Iterate:
-    """A guess on contacts, or on the gaps between them if these need clearly fewer nodes; the density is rough.
+    """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes.
 
     middle, half_width : of the contacts, in lambda_0, shape (contacts,)
     force : that each carries, in p_0* lambda_0, shape (contacts,)
     """
     period = surface.heights.period
-    middle, half_width, force = _in_order(middle, half_width, force, period)
+    middle, half_width, order = in_order(middle, half_width, period)
     none = np.zeros(middle.size)
     distance = distances_between(middle, none, half_width, period)
     if np.all(distance > 0):
-        between, open_width, _ = _in_order(middle + half_width + 0.5 * distance, 0.5 * distance, none, period)
+        between, open_width, _ = in_order(middle + half_width + 0.5 * distance, 0.5 * distance, period)
         needed = estimate_node_count(middle, none, half_width, surface.heights, tolerance).sum()
-        if (
-            estimate_node_count(between, none, open_width, surface.tensions, tolerance).sum()
-            < MAX_NODE_RATIO * needed
-        ):
-            gaps = segments_about(surface.tensions, between, open_width)
-            return Iterate(True, gaps, np.zeros(gaps.node.size), 0.0)
-    contacts = segments_about(surface.heights, middle, half_width)
-    pressure = 2 / np.pi * force / half_width  # of Hertz's contact, at its centre
-    return Iterate(False, contacts, np.repeat(pressure, np.diff(contacts.first_node)), 0.0)
-
-
-def _in_order(middle: Array, half_width: Array, force: Array, period: float) -> tuple[Array, Array, Array]:
-    """The same, with the middles in [0, L) and ascending."""
-    middle = middle - period * np.floor(middle / period)
-    order = np.argsort(middle, kind="stable")
-    return middle[order], half_width[order], force[order]
+        of_gaps = estimate_node_count(between, none, open_width, surface.tensions, tolerance).sum()
+        if of_gaps < MAX_NODE_RATIO * needed:
+            return _make_guess(surface.tensions, True, between, open_width, 0.0)
+    return _make_guess(surface.heights, False, middle, half_width, force[order])
 
 
 def lone_contacts(series: CosineSeries, load: float) -> Iterate | None:
@@ -115,7 +107,7 @@ def lone_contacts(series: CosineSeries, load: float) -> Iterate | None:
     lowest = total * displacement_at_distance(0.5 * series.period, series.period)
     if np.any((series.crest_offset < 0) & (series.crest_offset + approach > lowest)):
         return None
-    return _lone_guess(series, False, touching, half_width)
+    return _make_guess(series, False, series.crest_position[touching], half_width, total / touching.size)
 
 
 def crest_curvatures(series: CosineSeries) -> Array:
@@ -130,27 +122,13 @@ def lone_gaps(series: CosineSeries, load: float) -> Iterate | None:
     half_width = 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest])
     if crest.size == 0 or not _are_lone(series, crest, half_width):
         return None
-    return _lone_guess(series, True, crest, half_width)
+    return _make_guess(series, True, series.crest_position[crest], half_width, 0.0)
 
 
 def _are_lone(series: CosineSeries, crest: Indices, half_width: Array) -> bool:
-    """Whether segments on crests, in any order, are parabolic, and so small that they hardly feel each other."""
+    """Whether segments on crests, in order, are parabolic, and so small that they hardly feel each other."""
     if not np.all(half_width * series.wavenumber[-1] < MAX_RADIANS):
         return False
-    order = np.argsort(crest)
-    position, r = series.crest_position[crest[order]], half_width[order]
+    position = series.crest_position[crest]
     distance = np.append(position[1:], position[0] + series.period) - position
-    return bool(np.all(np.maximum(r, np.roll(r, -1)) < MAX_CROWDING * distance))
-
-
-def _lone_guess(series: CosineSeries, dual: bool, crest: Indices, half_width: Array) -> Iterate:
-    """Hertz's density on segments in the middle of crests, or that of gaps in a parabola of tension (dual)."""
-    order = np.argsort(crest)
-    crest, half_width = crest[order], half_width[order]
-    segments, curvature = segments_about(series, series.crest_position[crest], half_width), crest_curvatures(series)
-    count, factor = np.diff(segments.first_node), curvature[crest] * half_width
-    if dual:
-        phi = np.repeat(-np.pi * factor * half_width, count) * segments.node
-    else:
-        phi = np.repeat(factor / (2 * np.pi), count)
-    return Iterate(dual, segments, phi, 0.0)
+    return bool(np.all(np.maximum(half_width, np.roll(half_width, -1)) < MAX_CROWDING * distance))

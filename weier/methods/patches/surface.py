@@ -132,12 +132,22 @@ def _sine_less_angle(y: float, sine: float) -> float:
     return -y * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156)))))
 
 
+@kernel
+def evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int) -> Array:
+    """S - max S, S' or S'' at the distances y from crests."""
+    value = np.empty(y.size)
+    for i in range(y.size):
+        value[i] = evaluate_series(series, crest[i], y[i])[derivative]
+    return value
+
+
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
     """Indices of the crests nearest to positions x on the periodic line, and the distances y of x from them."""
-    period, n = series.period, series.crest_position.size
-    after = np.searchsorted(series.crest_position, x - period * np.floor(x / period))
-    crests = np.sort(np.stack([(after - 1) % n, after % n]), axis=0)
-    y = x - series.crest_position[crests]
-    y -= period * np.rint(y / period)
-    chosen = np.argmin(np.abs(y), axis=0)[None]
-    return np.take_along_axis(crests, chosen, 0)[0], np.take_along_axis(y, chosen, 0)[0]
+    period, crest = series.period, series.crest_position
+    after = np.searchsorted(crest, x - period * np.floor(x / period))
+    left, right = (after - 1) % crest.size, after % crest.size
+    from_left, from_right = x - crest[left], x - crest[right]
+    from_left -= period * np.rint(from_left / period)
+    from_right -= period * np.rint(from_right / period)
+    is_left = np.abs(from_left) <= np.abs(from_right)
+    return np.where(is_left, left, right), np.where(is_left, from_left, from_right)
