@@ -154,10 +154,8 @@ def _equalise_heights(
             return False
         # A contact without force is let go before the others are solved for. A step that is all rounding ends the
         # search, though gradients need not converge in it.
-        if done or released:
-            return True
-        if not found:
-            return False
+        if done or released or not found:
+            return done or released
     return False
 
 
