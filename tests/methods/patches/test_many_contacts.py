@@ -17,7 +17,7 @@ from weier.methods.patches.inequalities import (
     contact_residual,
 )
 from weier.methods.patches.many_contacts import solve_many_contacts
-from weier.methods.patches.start import Starts, contacts_guess
+from weier.methods.patches.solver import Starts, contacts_guess
 from weier.methods.patches.surface import surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))

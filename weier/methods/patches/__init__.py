@@ -4,7 +4,7 @@ The method meshes either the contacts, on which the pressure is unknown, or the 
 fewer nodes. Each load is solved by itself:
 
 1. Boundary elements on a coarse grid, or crests where contacts are tiny, tell the contacts that the load is likely to
-   have (`start`).
+   have (`solver`).
 2. Newton's method finds density and edges. For a few contacts it takes a dense matrix of all unknowns (`newton`). For
    many, the pressure on contacts with given edges follows from conjugate gradients with fast sums (`given_edges`,
    `pair_sums`), and its singularities at the edges tell how these must move (`edge_iteration`).
@@ -15,18 +15,14 @@ fewer nodes. Each load is solved by itself:
 
 Modules, each of which uses only those before it:
 
-chebyshev
-    densities with square-root edges on an interval, and their integrals in closed form
 surface
     the profile as a cosine series, evaluated from its crests
 segments
-    contacts or gaps with their Chebyshev nodes
+    contacts or gaps with their Chebyshev nodes, and the densities on them with their integrals in closed form
 pair_sums
     sums over all pairs of nodes, in a time that grows as their number does
 fields
     pressure and gap anywhere, from a density
-start
-    the contacts to start from
 given_edges, edge_iteration
     any number of contacts or gaps: their pressure, and Newton's method on their edges
 inequalities
@@ -36,7 +32,7 @@ newton
 many_contacts
     one load on any number of them, whose set is corrected
 solver, event_search
-    what users call: curves and solutions, and the loads at which contacts are born or merge
+    what users call: curves and solutions, with what each load starts from; and where contacts are born or merge
 error_model, method
     what the method costs and how accurate it is, and how the rest of the package chooses and calls it
 """

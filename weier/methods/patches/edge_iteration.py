@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import degrees, end_sums
 from weier.methods.patches.given_edges import (
     Bounds,
     Forces,
@@ -35,7 +34,7 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.segments import MAX_NODES, estimate_node_count, in_order
+from weier.methods.patches.segments import MAX_NODES, degrees, end_sums, estimate_node_count, in_order
 from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
 Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)

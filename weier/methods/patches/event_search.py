@@ -26,8 +26,7 @@ from weier.methods.patches.fields import (
 )
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import contacts_of
-from weier.methods.patches.solver import TOLERANCE, check_loads, check_tolerance, solve_state
-from weier.methods.patches.start import Starts
+from weier.methods.patches.solver import TOLERANCE, Starts, check_loads, check_tolerance, solve_state
 from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests, surface_of
 from weier.theory.waves import Waves
 

@@ -12,14 +12,15 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches.chebyshev import (
+from weier.methods.patches.pair_sums import make_tree, potential, take_logarithms
+from weier.methods.patches.segments import (
+    Iterate,
+    Segments,
     cauchy_integral,
     evaluate_expansion,
     log_integral,
     partial_integral,
 )
-from weier.methods.patches.pair_sums import make_tree, potential, take_logarithms
-from weier.methods.patches.segments import Iterate, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and

@@ -40,9 +40,8 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import Blocks, Rule, Table, apply_blocks, gauss_rule
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
-from weier.methods.patches.segments import distances_between
+from weier.methods.patches.segments import Blocks, Rule, Table, apply_blocks, distances_between, gauss_rule
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
 Matrix = NDArray[np.float64]

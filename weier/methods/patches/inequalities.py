@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import evaluate_expansion, partial_integral
 from weier.methods.patches.edge_iteration import Problem, Step
 from weier.methods.patches.fields import (
     MIN_SUM_SEGMENTS,
@@ -26,7 +25,7 @@ from weier.methods.patches.fields import (
     residuals_one_by_one,
 )
 from weier.methods.patches.pair_sums import potential
-from weier.methods.patches.segments import Segments, distances_to_next
+from weier.methods.patches.segments import Segments, distances_to_next, evaluate_expansion, partial_integral
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends

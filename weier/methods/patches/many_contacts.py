@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import gauss_rule
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
     Problem,
@@ -40,7 +39,14 @@ from weier.methods.patches.inequalities import (
     find_negative_intervals,
     negative_heights,
 )
-from weier.methods.patches.segments import MAX_NODES, Iterate, coefficient_tails, make_segments, more_nodes
+from weier.methods.patches.segments import (
+    MAX_NODES,
+    Iterate,
+    coefficient_tails,
+    gauss_rule,
+    make_segments,
+    more_nodes,
+)
 from weier.methods.patches.surface import Surface, nearest_crests
 
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each

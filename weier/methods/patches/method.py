@@ -12,8 +12,7 @@ from weier.methods.method import Method, Noise, Settings, Style, applies_to_reso
 from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import residuals_by_sums
 from weier.methods.patches.given_edges import MAX_DENSE, invert_punches
-from weier.methods.patches.solver import TOLERANCE, Curve, curve
-from weier.methods.patches.start import lone_contacts, lone_gaps
+from weier.methods.patches.solver import TOLERANCE, Curve, curve, lone_contacts, lone_gaps
 from weier.methods.patches.surface import nearest_crests, surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests

@@ -16,7 +16,7 @@ units of the half-width; and the approach, which is the indentation (primal) or 
 the mean pressure is the resistance in both problems.
 
 The matrix is factorised on few nodes only. On one segment, the density a_k U_k makes the right side L a_k T_(k+1)
-(`chebyshev`): but for the slow modes, by which segments feel each other and their ends, the equations are solved mode
+(`segments`): but for the slow modes, by which segments feel each other and their ends, the equations are solved mode
 by mode. So the few nodes correct the solution on many, and each correction leaves about as much of the error as the
 density has in the faster modes.
 
@@ -36,15 +36,6 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.chebyshev import (
-    Blocks,
-    Table,
-    apply_blocks,
-    collocation_point,
-    gauss_rule,
-    log_moments,
-    make_blocks,
-)
 from weier.methods.patches.fields import ContactState
 from weier.methods.patches.given_edges import Factors, factorise, solve_factorised
 from weier.methods.patches.inequalities import (
@@ -56,13 +47,20 @@ from weier.methods.patches.inequalities import (
 from weier.methods.patches.pair_sums import take_logarithms
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
+    Blocks,
     Iterate,
     Segments,
+    Table,
+    apply_blocks,
     are_resolved,
     coefficient_tails,
+    collocation_point,
     distances_between,
     estimate_node_count,
+    gauss_rule,
     increase_node_count,
+    log_moments,
+    make_blocks,
     make_segments,
     move_segments,
 )

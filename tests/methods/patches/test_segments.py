@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from weier.methods.patches import chebyshev
+from weier.methods.patches import segments
 
 COEFFICIENTS = np.array([1.0, -0.4, 0.3, 0.2])
 
@@ -15,7 +15,7 @@ def phi(s):
 
 @pytest.mark.parametrize("t", [-1.7, -1.001, -0.6, 0.0, 0.3, 1.01, 4.0])
 def test_integrals_in_closed_form(t):
-    cauchy, potential = chebyshev.cauchy_integral(COEFFICIENTS, t), chebyshev.log_integral(COEFFICIENTS, t)
+    cauchy, potential = segments.cauchy_integral(COEFFICIENTS, t), segments.log_integral(COEFFICIENTS, t)
     ends = [-1, t, 1] if abs(t) < 1 else [-1, 1]
     log = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) * mp.log(abs(t - s)), ends)
     assert potential == pytest.approx(float(log), rel=1e-8)
