@@ -12,7 +12,7 @@ from weier.methods import patches
 from weier.methods.patches import fields, inequalities, many_contacts
 from weier.methods.patches.given_edges import make_punches
 from weier.methods.patches.inequalities import (
-    NegativeIntervals,
+    NEGATIVE,
     check_violation,
     contact_residual,
 )
@@ -55,7 +55,8 @@ def test_cuts_that_overlap_are_one():
     """The new gap in the wider interval of tension reaches beyond the narrower one, on its right."""
     punches = make_punches(np.array([0.5]), np.array([0.1]), np.array([8]), 1.0)
     step = SimpleNamespace(punches=punches)
-    negative = NegativeIntervals(np.array([0, 0]), np.array([-0.5, 0.35]), np.array([0.3, 0.36]), None, None)
+    negative = np.zeros(2, NEGATIVE)
+    negative["start"], negative["end"] = (-0.5, 0.35), (0.3, 0.36)
     widening = 0.5 * (np.sqrt(2) - 1) * 0.8
     expected = [(0.4, 0.5 + 0.1 * (-0.5 - widening)), (0.5 + 0.1 * (0.3 + widening), 0.6)]
     np.testing.assert_allclose(many_contacts._cut_segments(step, negative), expected)

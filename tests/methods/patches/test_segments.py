@@ -23,6 +23,9 @@ def test_integrals_in_closed_form(t):
         at_t = mp.sqrt(1 - t * t) * phi(t)
         rest = mp.quad(lambda s: (mp.sqrt(1 - s * s) * phi(s) - at_t) / (t - s), ends)
         direct = rest + at_t * mp.log((1 + t) / (1 - t))
+        gap = mp.quad(lambda s: mp.sqrt(1 - s * s) * (phi(s) - COEFFICIENTS[0]), [-1, t])
+        value = segments.evaluate_expansion(segments.gap_expansion(COEFFICIENTS), t)
+        assert value * (1 - t * t) ** 1.5 == pytest.approx(float(gap), rel=1e-8)
     else:
         direct = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) / (t - s), ends)
     assert cauchy == pytest.approx(float(direct), rel=1e-7)

@@ -18,8 +18,8 @@ from weier.methods.patches.segments import (
     Segments,
     cauchy_integral,
     evaluate_expansion,
+    gap_expansion,
     log_integral,
-    partial_integral,
 )
 from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
@@ -212,7 +212,8 @@ def values_on_segments(
             inside[i] = True
             a = state.coefficient[state.segments.first_node[j] : state.segments.first_node[j + 1]]
             if integrated:
-                value[i] = state.segments.half_width[j] * partial_integral(a, t)
+                gap = evaluate_expansion(gap_expansion(a), t)
+                value[i] = state.segments.half_width[j] * ((1 - t) * (1 + t)) ** 1.5 * gap
             else:
                 value[i] = np.sqrt((1 - t) * (1 + t)) * evaluate_expansion(a, t)
     return inside, value
@@ -273,16 +274,15 @@ def residuals_by_sums(
 @kernel
 def _node_forces(state: ContactState) -> Array:
     """The weight in Gauss's quadrature times the density or, dual, the gap."""
-    segments, force = state.segments, np.empty(state.phi.size)
+    segments, force = state.segments, state.phi * state.segments.weight
     for j in range(segments.centre.size):
-        here, r = slice(segments.first_node[j], segments.first_node[j + 1]), segments.half_width[j]
-        for q in range(segments.first_node[j], segments.first_node[j + 1]):
-            t = segments.node[q]
+        start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]
+        gap = gap_expansion(state.coefficient[start:end])
+        for q in range(start, end):
             if state.dual:
-                gap = r * partial_integral(state.coefficient[here], t)
-                force[q] = r * segments.weight[q] * gap / np.sqrt((1 - t) * (1 + t))
-            else:
-                force[q] = r * segments.weight[q] * state.phi[q]
+                t = segments.node[q]
+                force[q] = segments.weight[q] * r * (1 - t) * (1 + t) * evaluate_expansion(gap, t)
+            force[q] *= r
     return force
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import Problem, Step
@@ -25,7 +25,7 @@ from weier.methods.patches.fields import (
     residuals_one_by_one,
 )
 from weier.methods.patches.pair_sums import potential
-from weier.methods.patches.segments import Segments, distances_to_next, evaluate_expansion, partial_integral
+from weier.methods.patches.segments import Segments, distances_to_next, evaluate_expansion, gap_expansion
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
@@ -33,7 +33,6 @@ MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by round
 SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
 GOLDEN_SECTION = 0.6180339887498949
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
-END_DISTANCE = 1e-6  # from the end of a gap: dividing by (1-t^2)^(3/2) leaves 7 digits here, as many as the limit has
 # Of the distance of probes. A stencil of h finds a minimum to h^2 of the wavenumber, so that the last is within 1e-8.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces; with sqrt(2) it would carry nothing
@@ -88,27 +87,15 @@ def carried_load(state: ContactState, period: float) -> float:
     return float(force) / period
 
 
-class NegativeIntervals(NamedTuple):
-    """Where on segments the pressure (primal) or the gap (dual) is negative, each of shape (intervals,).
-
-    segment : index of the segment
-    start, end : in its coordinate t, -1..1
-    lowest : pressure, in p_0*, or gap, in g_0
-    share : the lowest sqrt(1-t^2) times the function of `_inequality`, over the largest value of that on the segment;
-        so rounding at an end, where neither a pressure nor a gap can be large, counts for little
-    """
-
-    segment: Indices
-    start: Array
-    end: Array
-    lowest: Array
-    share: Array
-
-    def select(self, which: Flags) -> NegativeIntervals:
-        """Some of the intervals."""
-        return NegativeIntervals(
-            self.segment[which], self.start[which], self.end[which], self.lowest[which], self.share[which]
-        )
+# Where on a segment the pressure (primal) or the gap (dual) is negative:
+#
+# segment : its index
+# start, end : in its coordinate t, -1..1
+# lowest : pressure, in p_0*, or gap, in g_0
+# share : the lowest sqrt(1-t^2) times the function of `_expansion`, over the largest value of that on the segment; so
+#     rounding at an end, where neither a pressure nor a gap can be large, counts for little
+# height : how far the gap opens in the interval of tension or, dual, how large the overlap is, in g_0
+NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest share height", np.float64, ()))
 
 
 def _gaps_beside(segments: Segments, period: float) -> tuple[Array, Array]:
@@ -143,57 +130,52 @@ def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Arr
 
 
 @kernel
-def find_negative_intervals(state: ContactState) -> NegativeIntervals:
-    """Intervals on segments with a negative pressure (primal) or gap (dual)."""
+def find_negative_intervals(state: ContactState) -> Records:
+    """Intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
     first = state.segments.first_node
-    size = SAMPLES_PER_NODE * first[-1] + 2 * first.size
-    segment, start, end = np.zeros(size, np.int64), np.zeros(size), np.zeros(size)
-    lowest, share, count = np.zeros(size), np.zeros(size), 0
+    found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
     for j in range(first.size - 1):
-        a = state.coefficient[first[j] : first[j + 1]]
-        t, value = _sample_inequality(state.dual, a)
+        a, r = _expansion(state.dual, state.coefficient[first[j] : first[j + 1]]), state.segments.half_width[j]
+        t, value = _sample_expansion(a)
         largest, i = np.abs(value).max(), 0
         while i < t.size:
             if value[i] < 0:
-                segment[count] = j
-                start[count] = _find_zero(state.dual, a, t[i], t[i - 1]) if i > 0 else -1.0
+                here = found[count]
+                here.segment, here.start, here.end = j, _find_zero(a, t[i], t[i - 1]) if i > 0 else -1.0, 1.0
                 while i < t.size and value[i] < 0:
-                    end_distance = (1 - t[i]) * (1 + t[i])
-                    here = value[i] * np.sqrt(end_distance)
-                    share[count] = min(share[count], here / largest)
-                    here *= state.segments.half_width[j] * end_distance if state.dual else 1.0
-                    lowest[count] = min(lowest[count], here)
+                    here.share = min(here.share, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
+                    here.lowest = min(here.lowest, _pressure_or_gap(state.dual, value[i], t[i], r))
                     i += 1
-                end[count] = _find_zero(state.dual, a, t[i - 1], t[i]) if i < t.size else 1.0
+                if i < t.size:
+                    here.end = _find_zero(a, t[i - 1], t[i])
+                middle = 0.5 * (here.start + here.end)
+                here.height = abs(_pressure_or_gap(state.dual, evaluate_expansion(a, middle), middle, r))
+                if not state.dual:  # a crack of half-width b under the tension p opens by 2 pi b p
+                    here.height *= np.pi * r * (here.end - here.start)
                 count += 1
             i += 1
-    return NegativeIntervals(segment[:count], start[:count], end[:count], lowest[:count], share[:count])
+    return found[:count]
 
 
 @kernel
-def negative_heights(state: ContactState, negative: NegativeIntervals) -> Array:
-    """How far the gap opens in each interval of tension or, dual, how large each overlap is, in g_0.
+def _expansion(dual: bool, a: Array) -> Array:
+    """Coefficients in U_k of what is positive, up to the ends, where the inequality holds.
 
-    A crack of half-width b under the tension p opens by 2 pi b p.
+    That is phi or, dual, gap/(r (1-t^2)^(3/2)).
     """
-    height = np.empty(negative.segment.size)
-    for i in range(height.size):
-        j, t = negative.segment[i], 0.5 * (negative.start[i] + negative.end[i])
-        r, a = (
-            state.segments.half_width[j],
-            state.coefficient[state.segments.first_node[j] : state.segments.first_node[j + 1]],
-        )
-        if state.dual:
-            height[i] = abs(r * partial_integral(a, t))
-        else:
-            b = 0.5 * r * (negative.end[i] - negative.start[i])
-            height[i] = 2 * np.pi * b * abs(np.sqrt((1 - t) * (1 + t)) * evaluate_expansion(a, t))
-    return height
+    return gap_expansion(a) if dual else a
 
 
 @kernel
-def _sample_inequality(dual: bool, a: Array) -> tuple[Array, Array]:
-    """Points t, denser than the nodes, and the inequality's function there.
+def _pressure_or_gap(dual: bool, value: float, t: float, r: float) -> float:
+    """The pressure or, dual, the gap from the value of the expansion."""
+    end_distance = (1 - t) * (1 + t)
+    return value * np.sqrt(end_distance) * (r * end_distance if dual else 1.0)
+
+
+@kernel
+def _sample_expansion(a: Array) -> tuple[Array, Array]:
+    """Points t, denser than the nodes, and the values of an expansion there.
 
     A positive sample below both neighbours moves to the minimum between them, which may be negative.
     """
@@ -201,24 +183,24 @@ def _sample_inequality(dual: bool, a: Array) -> tuple[Array, Array]:
     t, sample = np.empty(count + 1), np.empty(count + 1)
     for i in range(count + 1):
         t[i] = -np.cos(i * (np.pi / count))
-        sample[i] = _inequality(dual, a, t[i])
+        sample[i] = evaluate_expansion(a, t[i])
     value = sample.copy()
     for i in range(1, count):
         rise = max(sample[i - 1], sample[i + 1]) - sample[i]
         # The minimum is taken to be positive where it is no lowest sample, or exceeds the rise to its neighbours.
         if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
             continue
-        t[i] = _find_minimum(dual, a, t[i - 1], t[i + 1])
-        value[i] = _inequality(dual, a, t[i])
+        t[i] = _find_minimum(a, t[i - 1], t[i + 1])
+        value[i] = evaluate_expansion(a, t[i])
     return t, value
 
 
 @kernel
-def _find_minimum(dual: bool, a: Array, low: float, high: float) -> float:
+def _find_minimum(a: Array, low: float, high: float) -> float:
     """The position of a minimum between low and high, by golden sections."""
     for _ in range(SEARCH_STEPS):
         c, d = high - GOLDEN_SECTION * (high - low), low + GOLDEN_SECTION * (high - low)
-        if _inequality(dual, a, c) < _inequality(dual, a, d):
+        if evaluate_expansion(a, c) < evaluate_expansion(a, d):
             high = d
         else:
             low = c
@@ -226,24 +208,11 @@ def _find_minimum(dual: bool, a: Array, low: float, high: float) -> float:
 
 
 @kernel
-def _inequality(dual: bool, a: Array, t: float) -> float:
-    """A function that is positive up to the ends where the inequality holds: phi, or gap/(r (1-t^2)^(3/2)) (dual).
-
-    The latter has the limits -phi/3 at t = 1 and phi/3 at t = -1.
-    """
-    if not dual:
-        return evaluate_expansion(a, t)
-    if abs(t) > 1 - END_DISTANCE:
-        return -np.sign(t) * evaluate_expansion(a, np.sign(t)) / 3
-    return partial_integral(a, t) / ((1 - t) * (1 + t)) ** 1.5
-
-
-@kernel
-def _find_zero(dual: bool, a: Array, negative: float, positive: float) -> float:
+def _find_zero(a: Array, negative: float, positive: float) -> float:
     """The point between a negative and a positive sample at which the sign changes, by bisection."""
     for _ in range(SEARCH_STEPS):
         middle = 0.5 * (negative + positive)
-        if _inequality(dual, a, middle) < 0:
+        if evaluate_expansion(a, middle) < 0:
             negative = middle
         else:
             positive = middle

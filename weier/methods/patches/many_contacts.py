@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Records
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
@@ -32,12 +32,10 @@ from weier.methods.patches.given_edges import (
 from weier.methods.patches.inequalities import (
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
-    NegativeIntervals,
     certify,
     contact_residual,
     find_missing,
     find_negative_intervals,
-    negative_heights,
 )
 from weier.methods.patches.segments import (
     MAX_NODES,
@@ -187,27 +185,26 @@ def _corrections(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], tuple[float, float]]:
     """Segments to add, shape (added, 2); which of those there remain; and the lowest values off and on them, or 0."""
     negative = find_negative_intervals(state)
-    inside = float(negative.lowest.min(initial=0.0))
+    inside = float(negative["lowest"].min(initial=0.0))
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
-    negative = negative.select(negative.share < -np.maximum(unresolved, stage.inside)[negative.segment])
+    negative = negative[negative["share"] < -np.maximum(unresolved, stage.inside)[negative["segment"]]]
     if not stage.fine:
-        within = np.maximum(np.abs(negative.start), np.abs(negative.end)) < MAX_INNER
-        negative = negative.select(within)
-    negative = negative.select(negative_heights(state, negative) > stage.opening)
+        negative = negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
+    negative = negative[negative["height"] > stage.opening]
     remaining = np.ones(step.punches.centre.size, bool)
-    remaining[negative.segment] = False
+    remaining[negative["segment"]] = False
     missing, outside = find_missing(problem, step, stage.outside)
     return np.concatenate([_cut_segments(step, negative), missing]), remaining, (outside, inside)
 
 
-def _cut_segments(step: Step, negative: NegativeIntervals) -> NDArray[np.float64]:
+def _cut_segments(step: Step, negative: Records) -> NDArray[np.float64]:
     """What is left of each contact without its intervals of tension or, dual, of each gap without its overlaps."""
     width = NEW_CONTACT_WIDTH if step.punches.dual else NEW_GAP_WIDTH
     pieces = []
-    for j in np.unique(negative.segment):
-        centre, r, here = step.punches.centre[j], step.punches.half_width[j], negative.segment == j
+    for j in np.unique(negative["segment"]):
+        centre, r, here = step.punches.centre[j], step.punches.half_width[j], negative["segment"] == j
         left = -1.0
-        for a, b in [*zip(negative.start[here], negative.end[here], strict=True), (1.0, 1.0)]:
+        for a, b in [*zip(negative["start"][here], negative["end"][here], strict=True), (1.0, 1.0)]:
             widening = 0.5 * (width - 1) * (b - a) if a > -1 and b < 1 else 0.0
             if a - widening - left > MIN_PIECE:
                 pieces.append((centre + r * left, centre + r * (a - widening)))

@@ -533,6 +533,7 @@ def _lowest_values(
     if not state.dual:
         limit = min(limit, max(MIN_OVERLAP * scale, OVERLAP_FACTOR * residual))
     lowest, negative = minima_outside(state, series).lowest, find_negative_intervals(state)
-    if lowest < -limit or np.any(negative.share < -np.maximum(unresolved, max(tolerance, inside))[negative.segment]):
+    allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
+    if lowest < -limit or np.any(negative["share"] < -allowed):
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
-    return lowest, float(negative.lowest.min(initial=0.0))
+    return lowest, float(negative["lowest"].min(initial=0.0))

@@ -38,10 +38,9 @@ MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
 SINE = tuple(
     float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11)
 )  # fmt: skip
-MANTISSA = (1 << 52) - 1  # the bits of a double behind its sign and exponent
-BIAS = 1023  # of the exponent
-EXPONENT_OF_ONE = BIAS << 52
-ROOT_OF_2, LN_2 = 2.0**0.5, float(np.log(2.0))
+MANTISSA_BITS = 52  # of a double, behind those of its exponent
+ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # its bits as an integer
+LN_2 = float(np.log(2.0))
 
 
 class Tree(NamedTuple):
@@ -103,23 +102,21 @@ def apply_kernel(d: Array, period: float, dual: bool) -> None:
 def take_logarithms(x: Array) -> None:
     """Replace x >= 0 by ln x, and 0 by 0.
 
-    With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172.
+    With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172. The bits
+    of x as an integer tell k: they are those of m and, before the bits of its mantissa, k more.
     """
-    exponent, mantissa = np.empty(x.size), np.empty(x.size)
-    bits, mantissa_bits = x.view(np.int64), mantissa.view(np.int64)
+    power, m = np.empty(x.size), np.empty(x.size)
+    bits_of_x, bits_of_m = x.view(np.int64), m.view(np.int64)
     for i in range(x.size):
-        exponent[i] = (bits[i] >> 52) - BIAS
-        mantissa_bits[i] = (bits[i] & MANTISSA) | EXPONENT_OF_ONE
+        k = (bits_of_x[i] - ROOT_OF_HALF) >> MANTISSA_BITS
+        power[i], bits_of_m[i] = k, bits_of_x[i] - (k << MANTISSA_BITS)
     for i in range(x.size):
-        large = mantissa[i] > ROOT_OF_2
-        m = 0.5 * mantissa[i] if large else mantissa[i]
-        k = exponent[i] + 1 if large else exponent[i]
-        s = (m - 1) / (m + 1)
+        s = (m[i] - 1) / (m[i] + 1)
         q = s * s
         series = 1 / 15 + q * (1 / 17 + q * (1 / 19 + q * (1 / 21 + q / 23)))
         series = 1 / 7 + q * (1 / 9 + q * (1 / 11 + q * (1 / 13 + q * series)))
         series = 1 + q * (1 / 3 + q * (1 / 5 + q * series))
-        x[i] = k * LN_2 + 2 * s * series if x[i] > 0 else 0.0
+        x[i] = power[i] * LN_2 + 2 * s * series if x[i] > 0 else 0.0
 
 
 @kernel

@@ -174,13 +174,16 @@ def log_integral(a: Array, t: float) -> float:
 
 
 @kernel
-def partial_integral(a: Array, t: float) -> float:
-    """int_-1^t sqrt(1-s^2) phi(s) ds, -1 <= t <= 1."""
-    angle = np.arccos(min(max(t, -1.0), 1.0))
-    total = 0.5 * a[0] * (np.pi - angle + 0.5 * np.sin(2 * angle))
-    for k in range(1, a.size):
-        total += 0.5 * a[k] * (np.sin((k + 2) * angle) / (k + 2) - np.sin(k * angle) / k)
-    return total
+def gap_expansion(a: Array) -> Array:
+    """Coefficients in U_k of int_-1^t sqrt(1-s^2) phi(s) ds/(1-t^2)^(3/2), for a gap: as it closes at 1, a_0 = 0.
+
+    The integral of sqrt(1-s^2) U_k is -(1-t^2)^(3/2) U_k'/(k (k+2)), and U_k' = 2 (k U_(k-1) + (k-2) U_(k-3) + ...).
+    """
+    b, total, total_of_next = np.zeros(a.size), 0.0, 0.0
+    for k in range(a.size - 1, 0, -1):
+        total, total_of_next = total_of_next + a[k] / (k * (k + 2)), total
+        b[k - 1] = -2 * k * total
+    return b
 
 
 def degrees(first_node: Indices) -> Indices:
