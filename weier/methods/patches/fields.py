@@ -111,7 +111,7 @@ def density_integrals(state: ContactState, period: float, origin: Array, y: Arra
                 far[count] = i
                 count += 1
             if count == BLOCK or (i == y.size - 1 and count > 0):
-                value = _far_field(force, sine, cosine, s[:count], c[:count], factor, which)
+                value = _far_field(force, sine, cosine, s[:count], c[:count], which)
                 for k in range(count):
                     integral[far[k]] += value[k]
                 count = 0
@@ -119,7 +119,7 @@ def density_integrals(state: ContactState, period: float, origin: Array, y: Arra
 
 
 @kernel
-def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, factor: float, which: int) -> Array:
+def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, which: int) -> Array:
     """An integral over a segment by quadrature, at points whose angles from its centre have these sines and cosines.
 
     The loops over the points have no branch, so that the compiler turns them into operations on several at once.

@@ -134,12 +134,6 @@ class Bounds(NamedTuple):
     most: float
 
 
-class Dense(NamedTuple):
-    """The factors of the matrix of a few punches."""
-
-    factors: Factors
-
-
 class Halves(NamedTuple):
     """The inverse by halves: [A, U V'; V U', B].
 
@@ -158,13 +152,13 @@ class Halves(NamedTuple):
     factors: Factors
 
 
-Inverse = Dense | Halves
+Inverse = Factors | Halves  # of a few punches and of many
 
 
 def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
     """The inverse of the influence of punches in order round the period."""
     if centre.size <= MAX_DENSE:
-        return Dense(factorise(_influence(centre, half_width, period)))
+        return factorise(_influence(centre, half_width, period))
     split = centre.size // 2
     first = invert_punches(centre[:split], half_width[:split], period)
     second = invert_punches(centre[split:], half_width[split:], period)
@@ -177,8 +171,8 @@ def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
 
 def solve_forces(inverse: Inverse, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
     """The forces that displace the punches by so much, shape (punches,) or (punches, columns)."""
-    if isinstance(inverse, Dense):
-        return solve_factorised(inverse.factors, displacement)
+    if not isinstance(inverse, Halves):
+        return solve_factorised(inverse, displacement)
     first = solve_forces(inverse.first, displacement[: inverse.split])
     second = solve_forces(inverse.second, displacement[inverse.split :])
     (U, V), (solved_U, solved_V), rank = inverse.low_rank, inverse.solved, inverse.low_rank[0].shape[1]
