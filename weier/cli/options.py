@@ -191,7 +191,10 @@ def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
 
 
 def parameters(series: Mapping[str, Any], instead: str = "") -> dict[str, Any]:
-    """The parameters of a profile, as a scene has them, from the options that name it; `instead` may be another."""
+    """The parameters of a profile, as a scene has them, from the options that name it.
+
+    A message about missing options adds `instead`, which names what else a profile may be given by.
+    """
     if missing := [option for option, name in NEEDED.items() if series[name] is None]:
         raise click.UsageError(f"a profile takes -D, --gamma and -m{instead}; missing: {', '.join(missing)}")
     given = {name: value for name, value in series.items() if value is not None}

@@ -157,4 +157,8 @@ def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[An
 
 def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
     """Texts as UTF-8, each as many bytes as the longest has; a ValueError if one is no text."""
-    return np.asarray(np.strings.encode(texts.astype(np.dtypes.StringDType(coerce=False)), "utf-8"))
+    try:
+        return np.asarray(np.strings.encode(texts.astype(np.dtypes.StringDType(coerce=False)), "utf-8"))
+    except (TypeError, ValueError):  # NumPy's words do not tell the value
+        wrong = next((text for text in texts.flat if not isinstance(text, str)), texts)
+        raise ValueError(f"a variable of text must hold text only, got {wrong!r:.80}") from None

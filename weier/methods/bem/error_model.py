@@ -35,7 +35,7 @@ PLANNED_RESIDUAL = 1e-10  # g_0, at which boundary elements of a plan stop
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 8e-5
 SECONDS_NODE = 1.3e-8  # of each load and node, for a pair of FFTs, of which there are more for more contacts
-PAIRS, MORE_PAIRS = 14, 0.2  # times the square root of the contacts, and times these, whose forces are equalised
+PAIRS, MORE_PAIRS = 14, 0.2  # for each square root of contacts, and for each contact, to equalise their forces
 START_PAIRS = 15  # as many take as long as a start
 BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
 

@@ -155,14 +155,14 @@ def _errors_of_the_polynomial(contact: Record, each: Record, height: float, peri
 @kernel
 def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[float, float]:
     """Sizes of means over the Chebyshev nodes t of a contact: of two terms, and of t times their slopes."""
-    size = size_of_slopes = 0.0
+    of_terms = of_slopes = 0.0
     for term in rest:
         moved = term.copy()
         shift(moved, centre)
         mean, _, _, slope_t, _ = means(moved, half_width)
-        size += abs(mean)
-        size_of_slopes += abs(slope_t)
-    return size, size_of_slopes
+        of_terms += abs(mean)
+        of_slopes += abs(slope_t)
+    return of_terms, of_slopes
 
 
 @kernel

@@ -185,10 +185,10 @@ def remainder(polynomial: Array, windows: Windows, window: int, angle: float, re
         last, before = (abs(coefficients[max(degree - 1 + j, 0)]), abs(coefficients[max(degree - 3 + j, 0)]))
         fall = ratio * ratio / (4 * (degree + j) * (degree + 1 + j))
         ratio_of_falls = (degree + j - 2) * (degree + j - 1) / ((degree + j) * (degree + j + 1))
-        size = max(last, fall * before / ratio_of_falls) if ratio_of_falls > 0 else last
+        magnitude = max(last, fall * before / ratio_of_falls) if ratio_of_falls > 0 else last
         if ratio_of_falls * last > fall * before:
             fall = min(ratio_of_falls * last / before, 1.0)
-        factor = -fall * np.copysign(size, coefficients[max(degree - 1 + j, 0)])
+        factor = -fall * np.copysign(magnitude, coefficients[max(degree - 1 + j, 0)])
         for k in range(TERMS + 2):
             fitted = windows.following[window, j, k] if k < TERMS else 0.0
             rest[j, k] = (_CHEBYSHEV[degree + 1 + j, k] - fitted) * factor

@@ -69,7 +69,8 @@ class Redistribution(NamedTuple):
 class State(NamedTuple):
     """Where the iteration stands, each of shape (contacts,).
 
-    touching, change, centre, half_width : as in `Redistribution`
+    touching, centre, half_width : as in `CORRECTED`
+    change : of the force, from that on the grid
     excess : height of the plane that each contact asks for, besides what its own and other changes of force do
     slope : fall of it with its force
     """

@@ -141,8 +141,9 @@ def curve(
 
 def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, resistance: bool, solver: str) -> Curve:
     """The curve with the edges of contact on nodes."""
-    grid = (fft.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
     rows, partial = [], loads[loads < full_contact_load(profile, points)]
+    if partial.size:  # a matrix is not filled for loads that press all gaps shut
+        grid = (fft.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
     for load in map(float, partial[::-1]):
         rows.append(grid.solve_discrete(load, resistance))
         count_load()

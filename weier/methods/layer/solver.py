@@ -145,11 +145,10 @@ def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]
 
 
 def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[Array, Array, Array]:
-    """So many waves of the infinite series are pressed flat that its table reaches ln xi that the others carry.
+    """ln xi of the load on the waves that are not flat, and height and scale of h = height + scale * (h of these).
 
-    Returned are this ln xi, and height and scale of h = height + scale * h of the others.
-
-    At the end of the table the pressure along a wave varies by so little that w(p) is straight.
+    So many waves of the infinite series are taken for flat that its table reaches this load. At the end of the
+    table the pressure along a wave varies by so little that w(p) is straight.
     """
     if math.isfinite(waves.log_full):
         return log_load, np.zeros(log_load.size), np.ones(log_load.size)
