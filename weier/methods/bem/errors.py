@@ -17,8 +17,8 @@ from weier.kernels.jit import kernel
 from weier.methods.bem import factors
 from weier.methods.bem.contacts import WIDE
 from weier.methods.bem.grid_solution import Continuum, GridSolution
-from weier.methods.bem.local_fit import DEGREE, shift, size, slopes
-from weier.methods.bem.narrow_contacts import force_per_half_width, means, punch_compliance
+from weier.methods.bem.local_fit import DEGREE, derivative, shift, size, slopes
+from weier.methods.bem.narrow_contacts import means, move_edges, punch_compliance
 from weier.methods.bem.narrow_gaps import Gaps
 from weier.methods.bem.redistribution import Redistribution
 
@@ -131,38 +131,34 @@ def _errors_of_edges(
 def _errors_of_the_polynomial(contact: Record, each: Record, height: float, period: float) -> tuple[float, float]:
     """What the next two terms of its polynomials change of compliance and resistance, and rounding of heights.
 
-    A height delta z in contact raises the plane by its mean over the Chebyshev nodes; that mean changes with the half
-    width a, and a with the force, which is -(a/2) times the mean of t z'. A slope moves the contact by slope/z'', to
-    where its curvature is another.
+    A height delta z in contact raises the plane by its mean over the Chebyshev nodes. Its slope moves both edges, and
+    so does that of the displacement by others; the resistance falls by 2 share^2/a with the half width a.
     """
-    centre, share = each.centre, each.share
-    mean, change = _means_of_the_rest(contact.height_rest, centre, each.half_width)
-    mean_rate, _ = _means_of_the_rest(contact.rate_rest, centre, each.half_width)
+    half_width, share = each.half_width, each.share
+    rounding = factors.ROUNDING * MAX_BEND * height * half_width / 2
+    mean = mean_rate = 0.0
+    wider = _widening(contact, each, each.tilt * contact.scale, 0.0) + _widening(contact, each, 0.0, rounding)
+    for k in range(contact.height_rest.shape[0]):
+        mean += abs(_means_about(contact.height_rest[k], each)[0])
+        mean_rate += abs(_means_about(contact.rate_rest[k], each)[0])
+        wider += _widening(contact, each, *_means_about(derivative(contact.height_rest[k]), each))
     compliance = abs(share) * mean + abs(each.force) * mean_rate
-    resistance = 2 * abs(share) * mean_rate
-    wider = force_per_half_width(contact.height, centre, each.half_width)
-    if wider > 0:
-        resistance += share**2 * change / wider
-    _, bend, twist = slopes(contact.height, centre)
-    if bend < 0:
-        slope = abs(each.tilt) * contact.scale
-        for rest in contact.height_rest:
-            slope += abs(slopes(rest, centre)[0])
-        resistance += share**2 * (abs(twist) * slope / bend**2 - factors.ROUNDING * MAX_BEND * height / bend)
-    return compliance / period, resistance / period
+    return compliance / period, 2 * (abs(share) * mean_rate + share**2 * wider / half_width) / period
 
 
 @kernel
-def _means_of_the_rest(rest: Array, centre: float, half_width: float) -> tuple[float, float]:
-    """Sizes of means over the Chebyshev nodes t of a contact: of two terms, and of t times their slopes."""
-    of_terms = of_slopes = 0.0
-    for term in rest:
-        moved = term.copy()
-        shift(moved, centre)
-        mean, _, _, slope_t, _ = means(moved, half_width)
-        of_terms += abs(mean)
-        of_slopes += abs(slope_t)
-    return of_terms, of_slopes
+def _means_about(polynomial: Array, each: Record) -> tuple[float, float]:
+    """Means over the Chebyshev nodes t of a contact, of a polynomial and of t times it."""
+    moved = polynomial.copy()
+    shift(moved, each.centre)
+    mean, mean_t, _, _, _ = means(moved, each.half_width)
+    return mean, mean_t
+
+
+@kernel
+def _widening(contact: Record, each: Record, mean: float, mean_t: float) -> float:
+    """By how much a slope with these means over its Chebyshev nodes t, and of t times it, widens a contact."""
+    return abs(move_edges(contact.height, mean, mean_t, each.centre, each.half_width)[1])
 
 
 @kernel

@@ -115,12 +115,13 @@ def contact_energies(height: Array, rate: Array, force: float, share: float) -> 
 
 
 @kernel
-def force_per_half_width(height: Array, centre: float, half_width: float) -> float:
-    """By how much the force grows with the half width, as -(half width/2) times the mean of t z' over the nodes t."""
+def move_edges(height: Array, tilt: float, tilt_t: float, centre: float, half_width: float) -> tuple[float, float]:
+    """How centre and half width follow a slope with the means `tilt`, and `tilt_t` of t times it, under one force."""
     slope = derivative(height)
     shift(slope, centre)
-    _, tilt_t, _, _, bend_tt = means(slope, half_width)
-    return -(tilt_t + half_width * bend_tt) / 2
+    _, mean_t, bend, bend_t, bend_tt = means(slope, half_width)
+    down, across = -half_width / 2 * bend_t, -(half_width * bend_tt + mean_t) / 2
+    return _step(tilt, -half_width / 2 * tilt_t, bend, bend_t, down, across, half_width)
 
 
 @kernel
