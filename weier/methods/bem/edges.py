@@ -9,6 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices, Record, Records, record_type
 from weier.kernels.jit import kernel
+from weier.methods.bem.factors import UNEVEN
 from weier.methods.bem.grid_solution import GridSolution
 
 # Beyond an edge the residual is continued into the gap, falling linearly to 0 over REACH contact widths (less if the
@@ -16,10 +17,13 @@ from weier.methods.bem.grid_solution import GridSolution
 # condition number of the preconditioned matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
 REACH = 2
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
+# Where an edge moves evenly, for how many times the load of a step longer the node behind has touched than the last
+# one, and the node beyond needs to touch than the next one.
+BEHIND, BEYOND = 2.7, 0.6
 
 # The step of an edge: `drop` is D of the resistance, `load` is a + b, and `place`, from -1/2 to 1/2, tells how far
-# the edge is in it.
-STEP = record_type(("drop load place", np.float64, ()))
+# the edge is in it. It is `uneven` if the steps beside it take far more load than this one.
+STEP = record_type(("drop load place", np.float64, ()), ("uneven", np.bool_, ()))
 
 
 @kernel
@@ -76,21 +80,22 @@ def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
 def find_steps(solution: GridSolution) -> Records:
     """The steps of all edges, of shape (edges,); zeros where one is not known."""
     points, steps = solution.pressure.size, np.zeros(solution.edge.size - 2, STEP)
+    closing = solution.rate - solution.displacement
+    # The loads since a node has touched and until it does, each where it means anything.
+    since = np.maximum(solution.pressure, 0.0) / solution.per_load
+    until = np.maximum(solution.plane - solution.deformed, 0.0) / closing
     for at in range(steps.size):
         start = solution.edge[at + 1] % points
         outwards = -1 if solution.contact[start] else 1
         inside = start if solution.contact[start] else (start - 1) % points
         outside = (inside + outwards) % points
-        closing = solution.rate - solution.displacement[outside]
-        if not (solution.per_load[inside] > 0 and closing > 0):
-            continue
-        drop = solution.per_load[inside] * closing / points
-        since = max(solution.pressure[inside], 0.0) / solution.per_load[inside]
-        until = max(solution.plane - solution.deformed[outside], 0.0) / closing
-        if not since + until > 0:
-            continue
-        step = steps[at]
-        step.drop, step.load, step.place = drop, since + until, since / (since + until) - 0.5
+        load = since[inside] + until[outside]
+        if solution.per_load[inside] > 0 and closing[outside] > 0 and load > 0:
+            step, behind, beyond = steps[at], (inside - outwards) % points, (outside + outwards) % points
+            step.drop = solution.per_load[inside] * closing[outside] / points
+            step.load, step.place = load, since[inside] / load - 0.5
+            step.uneven = solution.contact[behind] and since[behind] - since[inside] > UNEVEN * BEHIND * load
+            step.uneven |= not solution.contact[beyond] and until[beyond] - until[outside] > UNEVEN * BEYOND * load
     return steps
 
 

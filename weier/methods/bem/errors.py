@@ -123,7 +123,8 @@ def _errors_of_edges(
                 share = factors.GAP[quantity] * angle**2 + factors.NEAR_GAP[quantity] * near
                 errors[quantity] += share * change[quantity]
             elif not polynomial[contact]:
-                errors[quantity] += factors.ALONE[quantity] / min(narrower, half_wave) * change[quantity]
+                share = 1.0 if steps[run].uneven else factors.ALONE[quantity] / min(narrower, half_wave)
+                errors[quantity] += share * change[quantity]
     return errors[0], errors[1]
 
 

@@ -17,6 +17,7 @@ OPEN_DEPTH = 0.01
 # Steps, of compliance and resistance: an edge that moves by a node changes them by D (a + b) and D.
 # Over the nodes of the narrower run, or of half of a finest wave where these are fewer: edges without a polynomial.
 ALONE = np.array([0.2, 0.9])
+UNEVEN = 2.0  # times the load that the steps beside an edge take if it moves evenly: no step says where it is then
 GAP = np.array([0.006, 0.035])  # times (2 pi/points a wave)^2, for gaps with a polynomial, which stands for waves
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
 IMAGES = 0.13  # times (narrower run/both)^4, for one contact and its images
