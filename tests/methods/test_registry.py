@@ -23,7 +23,7 @@ def test_every_setting_says_what_it_is(method):
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
 def test_the_help_tells_which_methods_take_the_infinite_series(method):
-    (m,) = (option for option in _options() if option.name == "m")
+    (m,) = (option for option in options.OF_SERIES if option.name == "m")
     try:
         method.applies(INFINITE)
     except NotApplicableError:
@@ -31,11 +31,6 @@ def test_the_help_tells_which_methods_take_the_infinite_series(method):
     else:
         assert method.name in m.help
         assert np.isfinite(solve(INFINITE, [0.1], method.name).compliance).all()
-
-
-def _options():
-    command = options.of_one_profile(options.LOADS)(lambda: None)
-    return command.__click_params__
 
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
