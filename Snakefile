@@ -61,7 +61,7 @@ onsuccess:
         made = (
             f", {page} shows them"
             if page.exists()
-            else ", `snakemake pages` makes a page of them"
+            else f", `snakemake --cores 2 pages --config scenes={name}` makes a page of them"
         )
         print(
             f"{name}: the curves are in results/{name}/contact.nc{made}",

@@ -18,7 +18,7 @@ from pathlib import Path
 from time import perf_counter, time
 from typing import Any, TypeVar, cast
 
-from weier.kernels.digests import KERNELS, digest, digest_of_program
+from weier.kernels.digests import KERNELS, PACKAGE, digest, digest_of_program
 from weier.kernels.interruption import run_kernel
 from weier.kernels.transform import register_transforms
 
@@ -36,11 +36,12 @@ def cache_folder() -> Path:
     """Where compiled kernels live, in NUMBA_CACHE_DIR or the cache of the user: named by a digest of their sources.
 
     numba alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
+    It compiles again for sources in another place, whose folder has another name then, too.
     What a process has imported stays as it is, whatever is edited meanwhile.
     """
     from importlib.metadata import version  # which takes longer than all that is imported above
 
-    made_of = digest_of_program(*KERNELS), version("numba"), version("rocket-fft")
+    made_of = digest_of_program(*KERNELS), str(PACKAGE), version("numba"), version("rocket-fft")
     chosen, caches = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
     base = Path(chosen) if chosen else Path(caches or Path.home() / ".cache") / "weier"
     return base / f"weier-{digest(made_of)[:16]}"
