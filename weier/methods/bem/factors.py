@@ -10,7 +10,6 @@ import numpy as np
 
 # Polynomials, of contacts and gaps.
 REST = 2.0  # times the sizes of the next two terms of a polynomial, for all further ones
-EDGE_REST = 4.0  # in place of REST for a gap beside an edge of contact, near which the pressure is a root
 # Of the depth of a gap, over its second derivative in finest wavenumbers and over (2 pi/points a wave)^5: what
 # polynomial and aliases leave of it on one wave at 32 to 256 points.
 OPEN_DEPTH = 0.01

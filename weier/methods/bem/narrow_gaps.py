@@ -8,7 +8,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices, Record, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.bem.factors import EDGE_REST, OPEN_DEPTH, REST
+from weier.methods.bem.factors import OPEN_DEPTH, REST
 from weier.methods.bem.fft import circulant_product, dot
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
@@ -85,7 +85,8 @@ def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
             run += 1
         if is_dip(node, solution):
             margin = side_margin(node, solution.contact)
-            factor = REST if margin == CREST_MARGIN else EDGE_REST
+            # Beside an edge of contact the pressure is a root, of which a polynomial leaves twice as much.
+            factor = REST if margin == CREST_MARGIN else 2 * REST
             left, right = correct_gap(node, 1, margin, factor, pressure, solution, continuum, gaps[run])
             found &= left <= right
             if left < right:
