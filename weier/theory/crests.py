@@ -1,21 +1,34 @@
-"""The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L."""
+"""The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
+
+All of them are looked for among samples. Of more than a computer holds, the highest is found wave by wave, in
+bounded memory: the waves are taken from the largest to the smallest, and a place is kept while the waves that have
+been looked at, with all others at their crests, could lift it as high as the best place that is known. This holds for
+heights, whose waves shrink as they become finer, and for pressures of full contact, whose waves grow.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array
-from weier.theory.highest_crest import MAX_TERMS, find_highest
+from weier.kernels.arrays import Array, Indices
 
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
 MAX_SAMPLED_WAVES = 10**6  # of the finest in a period, whose crests are looked for among samples: 128 MB
 MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
+MAX_TERMS = 64  # the search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits
+CELLS = 32  # of a wave, whose middles are looked at in the search for the highest crest of very many
+BEAM, MAX_PLACES = 256, 2**17  # places kept by a first search, for a height to beat, and at most: 50 MB for 12 terms
+HEIGHT_ROUNDING = 1e-13  # of the sum of amplitudes
+PLACE_STEPS = (
+    16  # of Newton's from a 64th of the finest wave away: 6 reach rounding but for crests that are nearly flat
+)
 
 
 def countable(waves: int) -> bool:
@@ -39,53 +52,21 @@ def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, poin
 
 
 def find_crests(
-    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float, highest_only: bool = False
 ) -> tuple[Array, Array]:
     """Positions, shape (crests,), and at each the phases 2 pi k_n x/L + phi_n, shape (crests, terms).
 
-    The phases themselves take Newton's steps: the slope at a crest is 0 to rounding, however fine the waves.
+    The phases themselves take Newton's steps: the slope at a crest is 0 to rounding, however fine the waves. Where
+    the highest crest alone is wanted, those that cannot be it are left out: between samples, a crest is higher than
+    they are by an eighth of the largest curvature at most.
     """
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
     z = sample(amplitude, waves_per_period, phase, points)
-    top = np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
-    return _refine(amplitude, waves_per_period, phase, period, top, points)
-
-
-def highest_crest(
-    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
-) -> tuple[float, float]:
-    """Position and height of the highest point of a series.
-
-    Of more crests than can be looked at beforehand, it is found wave by wave. Between samples, a crest is higher than
-    they are by an eighth of the largest curvature at most: only samples that are not lower by more than that are
-    looked at.
-    """
-    if len(amplitude) <= MAX_TERMS and not countable(waves_per_period[-1]):
-        return find_highest(amplitude, waves_per_period, phase, period)
-    if waves_per_period[-1] > MAX_SAMPLED_WAVES:
-        raise ValueError(
-            f"the highest of so many crests is looked for in at most {MAX_TERMS} terms, got {len(amplitude)}"
-        )
-    points = SAMPLES_PER_WAVE * waves_per_period[-1]
-    z = sample(amplitude, waves_per_period, phase, points)
-    angle = 2 * np.pi * np.array(waves_per_period, float) / points
-    high = z >= z.max() - np.abs(amplitude) @ angle**2 / 8
-    top = np.flatnonzero((z >= np.roll(z, 1)) & (z >= np.roll(z, -1)) & high)
-    x, theta = _refine(amplitude, waves_per_period, phase, period, top, points)
-    height = np.cos(theta) @ amplitude
-    highest = int(np.argmax(height))
-    return float(x[highest]), float(height[highest])
-
-
-def _refine(
-    amplitude: Array,
-    waves_per_period: Sequence[int],
-    phase: Array,
-    period: float,
-    top: NDArray[np.int64],
-    points: int,
-) -> tuple[Array, Array]:
-    """What `find_crests` returns, from the highest of the samples around each crest."""
+    is_top = (z >= np.roll(z, 1)) & (z > np.roll(z, -1))
+    if highest_only:
+        angle = 2 * np.pi * np.array(waves_per_period, float) / points
+        is_top &= z >= z.max() - np.abs(amplitude) @ angle**2 / 8
+    top = np.flatnonzero(is_top)
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     x = np.asarray(top * (period / points), float)
     theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase
@@ -97,6 +78,34 @@ def _refine(
         x += step
         theta += step[:, None] * wavenumber
     return x, theta
+
+
+def highest_crest(
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
+) -> tuple[float, float]:
+    """Position and height of the highest point of a series; ValueError if too many places may hold it.
+
+    Of more crests than can be looked at beforehand, it is found wave by wave, where a first search that keeps few
+    places finds a height to beat.
+    """
+    terms = len(waves_per_period)
+    if terms > MAX_TERMS or countable(waves_per_period[-1]):
+        if waves_per_period[-1] > MAX_SAMPLED_WAVES:
+            raise ValueError(f"the highest of so many crests is looked for in at most {MAX_TERMS} terms, got {terms}")
+        x, theta = find_crests(amplitude, waves_per_period, phase, period, highest_only=True)
+        height = np.cos(theta) @ amplitude
+        highest = int(np.argmax(height))
+        return float(x[highest]), float(height[highest])
+    search = _Search(amplitude, waves_per_period, phase)
+    few, _ = search.places(-np.inf, BEAM)
+    places, complete = search.places(search.polish(few)[1], MAX_PLACES)
+    if not complete:
+        raise ValueError(
+            f"the highest crest of these {terms} waves is not found, since more than {MAX_PLACES} places may hold "
+            "it: take fewer terms, or a gamma of smaller numbers"
+        )
+    position, top = search.polish(places)
+    return position * period % period, top
 
 
 def crest_heights(
@@ -122,3 +131,88 @@ def crest_heights(
 
 def _angle(waves_per_period: int, sample: NDArray[np.int64], points: int) -> Array:
     return np.asarray((waves_per_period * sample % points) * (2 * np.pi / points))
+
+
+class _Places(NamedTuple):
+    """Places on the period, in the middle of cells of equal width, as far as the waves looked at tell them apart.
+
+    position : in periods, shape (places,)
+    cycles : of each wave there, from its crest, shape (places, terms)
+    """
+
+    position: Array
+    cycles: NDArray[np.float64]
+
+
+class _Search:
+    """The highest crest of a series, wave by wave from the largest.
+
+    If the largest wave has K waves in a period, the waves up to i repeat after q_i of these. As integers these are
+    exact, however many waves there are, and so is the phase of each wave at each place, to the rounding of a float.
+    """
+
+    def __init__(self, amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> None:
+        """The waves in order of their amplitude."""
+        order = np.argsort(-np.abs(amplitude), kind="stable")
+        self.amplitude = np.abs(amplitude)[order]
+        self.waves = [int(waves_per_period[n]) for n in order]
+        self.start = phase[order] / (2 * np.pi) + np.where(amplitude[order] < 0, 0.5, 0.0)
+        self.repeat = [1]
+        for k in self.waves[1:]:
+            self.repeat.append(math.lcm(self.repeat[-1], self.waves[0] // math.gcd(self.waves[0], k)))
+        self.tail = np.append(np.cumsum(self.amplitude[::-1])[::-1], 0.0)
+
+    def places(self, least: float, most: int) -> tuple[_Places, bool]:
+        """At most so many places that may be as high as `least` or any place met; and whether none was left out."""
+        parts, complete = CELLS, True  # cells in a wave of the largest
+        found = self._moved(_Places(np.zeros(1), self.start[None]), range(1, 2 * parts, 2), 2 * parts)
+        for i in range(len(self.waves)):
+            if i > 0 and self.repeat[i] > self.repeat[i - 1]:
+                number = self.repeat[i] // self.repeat[i - 1]
+                if number * found.position.size > MAX_PLACES * CELLS:
+                    return found, False
+                found = self._moved(found, range(0, self.repeat[i], self.repeat[i - 1]), 1)
+            while True:
+                kept, least = self._kept(found, least, i + 1, parts)
+                complete = complete and kept.size <= most
+                found = _Places(found.position[kept[:most]], found.cycles[kept[:most]])
+                if self._is_fine_enough(i, parts):
+                    break
+                parts *= 2
+                found = self._moved(found, (-1, 1), 2 * parts)
+        return found, complete
+
+    def _is_fine_enough(self, last: int, parts: int) -> bool:
+        """Whether the waves as far as the last vary less within a cell than that one and the smaller ones may add."""
+        cycles = [k / (parts * self.waves[0]) for k in self.waves[: last + 1]]
+        return max(cycles) * CELLS <= 1 and np.pi * float(self.amplitude[: last + 1] @ cycles) <= self.tail[last]
+
+    def _moved(self, places: _Places, shifts: Sequence[int], parts: int) -> _Places:
+        """Each place moved by each of the shifts, in so many parts of a wave of the largest."""
+        divisions = parts * self.waves[0]
+        cycles = np.array([[k * shift % divisions / divisions for k in self.waves] for shift in shifts])
+        moved = (places.cycles[:, None] + cycles).reshape(-1, len(self.waves))
+        position = places.position[:, None] + np.array([shift / divisions for shift in shifts])
+        return _Places(position.ravel(), moved - np.rint(moved))
+
+    def _kept(self, places: _Places, least: float, known: int, parts: int) -> tuple[Indices, float]:
+        """Which cells may reach the least height, the most promising first; and that height, raised."""
+        least = max(least, float((np.cos(2 * np.pi * places.cycles) @ self.amplitude).max()))
+        half = np.array([k / (2 * parts * self.waves[0]) for k in self.waves[:known]])
+        nearest = np.maximum(np.abs(places.cycles[:, :known]) - half, 0.0)
+        most = np.cos(2 * np.pi * nearest) @ self.amplitude[:known] + self.tail[known]
+        order = np.argsort(-most, kind="stable")
+        return order[most[order] >= least - HEIGHT_ROUNDING * self.tail[0]], least
+
+    def polish(self, places: _Places) -> tuple[float, float]:
+        """Position, in periods, and height of the highest of all crests near these places, by Newton's method."""
+        k = np.array([each / max(self.waves) for each in self.waves])
+        theta, moved = 2 * np.pi * places.cycles, np.zeros(places.position.size)
+        for _ in range(PLACE_STEPS):
+            slope, curvature = -np.sin(theta) @ (self.amplitude * k), -np.cos(theta) @ (self.amplitude * k**2)
+            step = np.clip(-slope / np.minimum(curvature, -1e-300), -0.5, 0.5)
+            theta, moved = theta + step[:, None] * k, moved + step
+        height = np.cos(theta) @ self.amplitude
+        position = places.position + moved / (2 * np.pi * max(self.waves))
+        highest = int(np.argmax(height))
+        return float(position[highest]), float(height[highest])
