@@ -27,7 +27,8 @@ def main() -> None:
         for methods in sorted({each.methods for each in found}):
             for quantity in ("compliance", "resistance"):
                 report(methods, quantity, [e for e in found if e.methods == methods and e.quantity == quantity])
-        report_seconds(found)
+            report_seconds(", ".join(methods), [e for e in found if e.methods == methods])
+        report_seconds("all", found)
 
 
 def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> None:
@@ -40,11 +41,11 @@ def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> No
         print(f"{quantity} by {names}: {len(found)} curves, too wide by {low:.2g} to {high:.2g}, median {middle:.2g}")
 
 
-def report_seconds(found: list[Verified]) -> None:
-    """Print by which factors curves took longer than planned."""
+def report_seconds(names: str, found: list[Verified]) -> None:
+    """Print by which factors curves by some methods took longer than planned."""
     ratio = np.array([each.seconds / each.planned_seconds for each in found])
     within = (np.mean((ratio > 1 / factor) & (ratio < factor)) for factor in (3, 10))
-    print(f"seconds of {ratio.size} curves within a factor of 3: {{:.0%}}, of 10: {{:.0%}}".format(*within))
+    print(f"seconds of {ratio.size} curves by {names}: {{:.0%}} within a factor of 3, {{:.0%}} of 10".format(*within))
     low, middle, high = np.quantile(ratio, [0.05, 0.5, 0.95])
     print(
         f"took over planned: median {middle:.2g}, 5 % below {low:.2g}, 5 % above {high:.2g}, most {ratio.max():.2g}"

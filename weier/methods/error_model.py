@@ -1,10 +1,9 @@
 """What the error and cost models of several methods share.
 
-The constants of these models stand above what the rule `tradeoff` measures (`weier.accuracy.tradeoff.fit` fits them
-again, side by side in results/tradeoff/tradeoff.md). `python -m benchmarks.planned` checks them on random profiles,
-and those of memory come from `python -m benchmarks.memory`. Heights are in g_0, pressures in p_0*, seconds those of
-one core of a 2.5 GHz server, bytes those beyond the interpreter's own. The error of a resistance is relative to the
-larger of itself and 1 g_0/p_0*.
+`python -m benchmarks.planned` holds these models against the errors and seconds of random profiles, by method, and
+the constants of memory come from `python -m benchmarks.memory`. Heights are in g_0, pressures in p_0*, seconds those
+of one core of a 2.5 GHz server, bytes those beyond the interpreter's own. The error of a resistance is relative to
+the larger of itself and 1 g_0/p_0*.
 """
 
 from __future__ import annotations

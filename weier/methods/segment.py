@@ -64,7 +64,7 @@ class Segment(NamedTuple):
     solve : from loads to their solution
     includes_tail : whether the method answers for the infinite or longer series, not for its terms alone
     other_loads : of each load, others to be solved with it, shape (loads, others), in p_0*: they tell how far the
-        resistance may be off; None where the method knows by itself
+        resistance may be off; none where the method knows by itself
     """
 
     mean_pressure: Array
@@ -79,8 +79,8 @@ class Segment(NamedTuple):
     memory: float
     why: str
     solve: Callable[[Array], SegmentSolution]
+    other_loads: Array
     includes_tail: bool = False
-    other_loads: Array | None = None
 
     @property
     def error(self) -> Array:
@@ -94,15 +94,14 @@ class Segment(NamedTuple):
 
     def fails_like(self, other: Segment) -> bool:
         """Whether this will not do where the other did not: the same, or chords from no more terms."""
-        if self.other_loads is not None and other.other_loads is not None:
+        if self.other_loads.size and other.other_loads.size:
             return self.terms <= other.terms
         return (self.method, self.terms, self.settings) == (other.method, other.terms, other.settings)
 
     def at(self, loads: slice) -> Segment:
         """What is left of the segment at some of its loads."""
-        names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load")
-        others = None if self.other_loads is None else self.other_loads[loads]
-        return self._replace(other_loads=others, **{name: getattr(self, name)[loads] for name in names})
+        names = ("mean_pressure", "truncation", "discretisation", "estimate", "seconds_load", "other_loads")
+        return self._replace(**{name: getattr(self, name)[loads] for name in names})
 
 
 def make_segment(
@@ -113,5 +112,6 @@ def make_segment(
     fields: dict[str, Any] = {
         "terms": task.profile.m, "settings": {}, "truncation": task.truncation, "discretisation": none,
         "estimate": none, "seconds_start": 0.0, "seconds_load": none, "memory": 0.0,
+        "other_loads": np.empty((none.size, 0)),
     }  # fmt: skip
     return Segment(task.mean_pressure, method, why=why, solve=solve, **{**fields, **known})

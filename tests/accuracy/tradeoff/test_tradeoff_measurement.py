@@ -6,11 +6,12 @@ import pytest
 from tests.trade import small_trade
 from weier import Profile, figures
 from weier.accuracy import runner, tradeoff
-from weier.accuracy.metrics import seconds_per_load, worst_over_loads
+from weier.accuracy.metrics import by_load, seconds_per_load, worst_over_loads
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import work_precision
-from weier.methods import patches
+from weier.methods import demelio, layer, patches
+from weier.methods.error_model import estimate_error
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
 from weier.methods.settings import check_names
@@ -45,6 +46,13 @@ def test_contact_patches_have_an_error_of_their_own(measured):
     # One wave is Westergaard's in closed form.
     assert error(measured, "archard", case=0) < 1e-13
     assert error(measured, "patches 1e-12", case=0) < 1e-13
+
+
+def test_estimates_are_within_the_errors_that_plans_expect(measured):
+    names, loads, amplitude = measured["variant"].values.tolist(), measured["mean_pressure"].values, 3**-0.5
+    for share, name in ((demelio.MAX_ERROR_SHARE, "demelio"), (layer.method.MAX_ERROR_SHARE, "layer 24")):
+        expected = estimate_error(share, loads, 1.5, float(measured["first_contact"][1]), amplitude)
+        assert np.all(by_load(measured, "compliance")[1, names.index(name)] <= expected)
 
 
 def test_a_grid_too_fine_for_a_profile_is_left_out(measured):

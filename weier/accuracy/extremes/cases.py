@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,20 +35,10 @@ USUAL = np.geomspace(1e-6, 100, 25)
 ONE_LOAD = np.array([0.1])
 
 
-class AroundEvents(NamedTuple):
-    """Stands for the loads around the births and merges of contacts, which `weier.methods.fields.events` finds.
-
-    Contacts that are born in pairs are looked up where the symmetry is broken, with the last phase `apart` from its
-    own, in rad.
-    """
-
-    apart: float = 0.0
-
-
 def extremes() -> Iterator[Comparison]:
     """All extremes, each with its loads and variants; the loads of some are looked up on the way."""
     for name, case, chosen in EXTREMES:
-        loads = _around_events(case, chosen.apart) if isinstance(chosen, AroundEvents) else chosen
+        loads = chosen(case) if callable(chosen) else chosen
         yield Comparison(name, case, loads, variants(case.profile, loads))
     for name, case, grid in GRIDS:
         yield Comparison(name, case, USUAL, _on_grid(grid))
@@ -107,7 +98,12 @@ def _name(method: Method, algorithm: Settings) -> str:
     return " ".join([method.name, *map(str, algorithm.values())])
 
 
-def _around_events(case: Case, apart: float) -> Array:
+def around_events(case: Case, apart: float = 0.0) -> Array:
+    """The loads around the births and merges of contacts, which `weier.methods.fields.events` finds.
+
+    Contacts that are born in pairs are looked up where the symmetry is broken, with the last phase `apart` from its
+    own, in rad.
+    """
     profile = case.profile
     phases = *profile.phase[:-1], profile.phase[-1] + apart
     broken = Profile(profile.D, profile.gamma, profile.m, phases)
@@ -137,7 +133,7 @@ def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Case, 
 
 
 ONE_WAVE, THREE_WAVES = _case(1.25, "5", 1), _case(1.25, "5", 3, [0.0, 1.0, 2.0])
-EXTREMES: tuple[tuple[str, Case, Array | AroundEvents], ...] = (
+EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
     ("one wave, loads 1e-300 to 1e300", ONE_WAVE, SWEEP),
     ("three waves, loads 1e-300 to 1e300", THREE_WAVES, SWEEP),
     ("m = inf, loads 1e-300 to 1e300", _case(1.25, "5", math.inf), SWEEP),
@@ -150,9 +146,9 @@ EXTREMES: tuple[tuple[str, Case, Array | AroundEvents], ...] = (
     *_end_of_range("gamma = 1e6", 1.5, "1000000"),
     ("m = 1000, loads 1e-300 to 1e300", _case(1.5, "2", 1000), SWEEP),
     ("m = 1000, one load", _case(1.5, "2", 1000), ONE_LOAD),
-    ("about to merge, just merged", _case(1.5, "3", 3, [0.0, 1.0, 2.0]), AroundEvents()),
-    ("phases 0, births in pairs", _case(1.5, "3", 3, [0.0, 0.0, 0.0]), AroundEvents(apart=1e-3)),
-    ("phases pi, births in pairs", _case(1.5, "3", 3, [0.0, math.pi, math.pi]), AroundEvents(apart=1e-3)),
+    ("about to merge, just merged", _case(1.5, "3", 3, [0.0, 1.0, 2.0]), around_events),
+    ("phases 0, births in pairs", _case(1.5, "3", 3, [0.0, 0.0, 0.0]), partial(around_events, apart=1e-3)),
+    ("phases pi, births in pairs", _case(1.5, "3", 3, [0.0, math.pi, math.pi]), partial(around_events, apart=1e-3)),
     ("two crests of one height", _case(1.25, "2", 2, [0.0, math.pi]), SWEEP),
     ("two crests, 1e-15 apart in height", _case(1.25, "2", 2, [0.0, math.pi + 1e-15]), SWEEP),
     ("a wave of 1e-3 on one of 1", _case(1 + 1e-9, "1000", 2, [0.0, 1.0]), USUAL),

@@ -10,7 +10,6 @@ import xarray as xr
 
 from weier.accuracy.metrics import by_load, seconds_per_load
 from weier.accuracy.report import Column, number, rows_as_table, write_page
-from weier.accuracy.tradeoff.fit import Constant, constants
 from weier.data.markdown import plain
 from weier.kernels.arrays import Array
 
@@ -28,9 +27,8 @@ class Row(NamedTuple):
 
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write the trade as Markdown: a row for each variant, and the constants of error and cost models."""
-    variants, measured = rows_as_table(COLUMNS, _rows(data)), rows_as_table(CONSTANTS, constants(data))
-    write_page(path, "tradeoff/page.md", title=title, variants=variants, constants=measured)
+    """Write the trade as Markdown: a row for each variant."""
+    write_page(path, "tradeoff/page.md", title=title, variants=rows_as_table(COLUMNS, _rows(data)))
 
 
 def _rows(data: xr.Dataset) -> list[Row]:
@@ -64,9 +62,4 @@ COLUMNS: list[Column[Row]] = [
     Column("p > 1", lambda row: _typical_between(row, np.nextafter(HEAVY_LOAD, np.inf), np.inf)),
     Column("error of R", lambda row: number(np.median(_worst(row.resistance)))),
     Column("worst", lambda row: number(_worst(row.resistance).max())),
-]
-CONSTANTS: list[Column[Constant]] = [
-    Column("constant", lambda constant: plain(constant.name)),
-    Column("shipped", lambda constant: number(constant.shipped, ".2g")),
-    Column("measured here", lambda constant: number(constant.measured, ".2g")),
 ]

@@ -23,15 +23,6 @@ class NodalClosure(NamedTuple):
     self_influence: float
 
 
-class Node(NamedTuple):
-    """Pressure, compression or negative gap, and their slopes, at every s."""
-
-    pressure: Array
-    compression: Array
-    pressure_slope: Array
-    compression_slope: Array
-
-
 def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
     """The layer of all terms after these, in the units of the first wave, at nodes of this self-influence."""
     D, gamma, n = kept.D, float(kept.gamma), kept.terms
@@ -45,12 +36,12 @@ def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
     return NodalClosure(log_pressure, self_influence)
 
 
-def state_of_nodes(s: Array, closure: NodalClosure) -> Node:
-    """Pressure and compression at every s, shape (N,): outside contact, s <= 0, there is no pressure."""
+def pressure_at(s: Array, closure: NodalClosure) -> tuple[Array, Array]:
+    """Pressure and its slope at every s, shape (N,): none outside contact, s <= 0; a power of s beyond the rows."""
     inside = s > 0
-    log_s = np.log(np.where(inside, s, 1.0))
+    positive = np.where(inside, s, 1.0)
+    log_s = np.log(positive)
     near = np.clip(log_s, *closure.log_pressure.x[[0, -1]])
-    slope = closure.log_pressure(near, 1)
-    p = np.where(inside, np.exp(closure.log_pressure(near) + slope * (log_s - near)), 0.0)
-    p_slope = np.where(inside, slope * p / np.where(inside, s, 1.0), 0.0)
-    return Node(p, s - closure.self_influence * p, p_slope, 1 - closure.self_influence * p_slope)
+    power = closure.log_pressure(near, 1)
+    p = np.where(inside, np.exp(closure.log_pressure(near) + power * (log_s - near)), 0.0)
+    return p, power * p / positive

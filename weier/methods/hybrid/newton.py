@@ -9,7 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.closure import NodalClosure, Node, state_of_nodes
+from weier.methods.hybrid.closure import NodalClosure, pressure_at
 from weier.methods.progress import count_load
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
@@ -25,7 +25,7 @@ class Problem(NamedTuple):
     """The resolved surface on its layer.
 
     height : z at the nodes, shape (points,), in g_0
-    influence : eigenvalues of the influence matrix A
+    influence : eigenvalues of the influence matrix A, but for what a node bears on itself
     closure : of the layer at a node
     """
 
@@ -36,7 +36,8 @@ class Problem(NamedTuple):
 
 def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure) -> tuple[Array, Array, Array]:
     """Compliance, resistance and residual, from the heaviest load down, each started from the one before."""
-    problem = Problem(kept.sampled_height(points), eigenvalues(points, kept.period), closure)
+    influence = eigenvalues(points, kept.period) - closure.self_influence
+    problem = Problem(kept.sampled_height(points), influence, closure)
     h, R, residual = np.zeros((3, loads.size))
     state = _full_contact(problem, float(loads[-1]))
     for i in reversed(range(loads.size)):
@@ -49,26 +50,23 @@ def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure)
 
 def _full_contact(problem: Problem, load: float) -> Array:
     """A state from full contact under this load: s at every node, then the height of the plane."""
-    z, influence = problem.height, problem.influence
+    z, of_itself = problem.height, problem.closure.self_influence
     spectrum = np.fft.rfft(z)
-    spectrum[1:] /= influence[1:]
+    spectrum[1:] /= problem.influence[1:] + of_itself
     spectrum[0] = load * z.size
-    p = np.fft.irfft(spectrum, z.size)
-    return np.append(problem.closure.self_influence * p, 0.0)
+    return np.append(of_itself * np.fft.irfft(spectrum, z.size), 0.0)
 
 
 def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, float]:
     """Newton's method from this state: the solution, and its residual in g_0."""
     for _ in range(MAX_STEPS):
-        node = state_of_nodes(state[:-1], problem.closure)
-        displacement = _displacement(node.pressure, problem.influence)
-        violation = np.append(
-            node.compression + displacement - problem.height + state[-1], node.pressure.mean() - load
-        )
+        p, slope = pressure_at(state[:-1], problem.closure)
+        gap = state[:-1] + _displacement(p, problem.influence) - problem.height + state[-1]
+        violation = np.append(gap, p.mean() - load)
         residual = float(np.max(np.abs(violation)))
         if residual <= TOLERANCE and abs(violation[-1]) <= LOAD_TOLERANCE * load:
             return state, residual
-        state = state - _linear_solution(problem, node, violation, STEP_ACCURACY)
+        state = state - _linear_solution(problem, slope, violation, STEP_ACCURACY)
     raise ConvergenceError(
         f"the resolved terms on the layer stopped at a residual of {residual:.1e} g_0 under the mean pressure "
         f"{load:.6g} p_0*, above {TOLERANCE:.0e}: resolve fewer terms",
@@ -79,32 +77,31 @@ def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, flo
 def _resistance(problem: Problem, state: Array) -> float:
     """By how much a unit of load moves the plane: dh/dp, in g_0/p_0*."""
     unit = np.append(np.zeros(problem.height.size), 1.0)
-    node = state_of_nodes(state[:-1], problem.closure)
-    rate = float(_linear_solution(problem, node, unit, RATE_ACCURACY)[-1])
+    _, slope = pressure_at(state[:-1], problem.closure)
+    rate = float(_linear_solution(problem, slope, unit, RATE_ACCURACY)[-1])
     return max(-rate, 0.0)  # close to full contact the rate is below its own accuracy, of either sign
 
 
 def _displacement(pressure: Array, influence: Array) -> Array:
-    """A p by FFT."""
+    """What the other nodes' pressures add at each node, by FFT."""
     return np.asarray(np.fft.irfft(np.fft.rfft(pressure) * influence, pressure.size))
 
 
-def _linear_solution(problem: Problem, node: Node, right: Array, accuracy: float) -> Array:
+def _linear_solution(problem: Problem, slope: Array, right: Array, accuracy: float) -> Array:
     """The linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
 
-    [diag(dw/ds) + A diag(dp/ds), 1; mean of dp/ds, 0] [ds; dh_plane] = right
+    [1 + (A - c) diag(dp/ds), 1; mean of dp/ds, 0] [ds; dh_plane] = right
     """
-    n, influence = right.size - 1, problem.influence
-    dw, dp = float(node.compression_slope.mean()), float(node.pressure_slope.mean())
+    n, influence, dp = right.size - 1, problem.influence, float(slope.mean())
 
     def equations(x: Array) -> Array:
-        p = node.pressure_slope * x[:-1]
-        return np.append(node.compression_slope * x[:-1] + _displacement(p, influence) + x[-1], p.mean())
+        p = slope * x[:-1]
+        return np.append(x[:-1] + _displacement(p, influence) + x[-1], p.mean())
 
     def uniform(r: Array) -> Array:
         spectrum = np.fft.rfft(r[:-1])
-        spectrum[1:] /= dw + dp * influence[1:]
-        plane = spectrum[0].real / n - dw * r[-1] / dp
+        spectrum[1:] /= 1 + dp * influence[1:]
+        plane = spectrum[0].real / n - (1 / dp + influence[0]) * r[-1]
         spectrum[0] = n * r[-1] / dp
         return np.append(np.fft.irfft(spectrum, n), plane)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 
 from weier.kernels.arrays import Array
 
@@ -13,39 +14,40 @@ MAX_SLOPE_RATIO = 3.0  # of a slope to the chord of its cubic: above it the cubi
 
 
 class Closure(NamedTuple):
-    """ln w and its slope at increasing positions, each of shape (rows,). Beyond both ends w is a power of p.
+    """ln w less `log_height` as cubics over positions. Beyond both ends w is a power of p.
 
     The position of a pressure is asinh((ln p - origin)/4). In it ln w bends evenly over hundreds of decades: near the
     origin the position is ln p but for a factor, far from it a logarithm of ln p.
     """
 
-    position: Array
-    log_compression: Array
-    slope: Array
+    cubics: scipy.interpolate.PPoly
     origin: float
+    log_height: float
+
+
+def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure:
+    """The closure of a table: ln w and its slope at increasing positions, each of shape (rows,).
+
+    The two slopes of a cubic are limited to three times its chord.
+    """
+    length = np.diff(position)
+    chord = np.diff(log_compression) / length
+    first, last = (np.minimum(each, MAX_SLOPE_RATIO * chord) for each in (slope[:-1], slope[1:]))
+    quadratic, cubic = (3 * chord - 2 * first - last) / length, (first + last - 2 * chord) / length**2
+    return Closure(scipy.interpolate.PPoly([cubic, quadratic, first, log_compression[:-1]], position), 0.0, 0.0)
 
 
 def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
     """Positions of ln p within the rows, and what the pressures beyond both ends add to them there."""
     position = np.arcsinh((log_pressure - closure.origin) / POSITION_SCALE)
-    inside = np.clip(position, closure.position[0], closure.position[-1])
+    inside = np.clip(position, *closure.cubics.x[[0, -1]])
     beyond = log_pressure - closure.origin - POSITION_SCALE * np.sinh(inside)
     return inside, np.where(inside == position, 0.0, beyond / (POSITION_SCALE * np.cosh(inside)))
 
 
 def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
-    """ln w and d ln w/d ln p at each ln p, from the cubics through the values and slopes of ln w.
-
-    The two slopes of a cubic are limited to three times its chord.
-    """
+    """ln w and d ln w/d ln p at each ln p."""
     position, beyond = position_in(closure, log_pressure)
-    right = np.clip(np.searchsorted(closure.position, position), 1, closure.position.size - 1)
-    left = right - 1
-    length, start = closure.position[right] - closure.position[left], closure.log_compression[left]
-    t, chord = (position - closure.position[left]) / length, (closure.log_compression[right] - start) / length
-    first = np.minimum(closure.slope[left], MAX_SLOPE_RATIO * chord)
-    last = np.minimum(closure.slope[right], MAX_SLOPE_RATIO * chord)
-    quadratic, cubic = 3 * chord - 2 * first - last, first + last - 2 * chord
-    slope = first + t * (2 * quadratic + 3 * t * cubic)
-    log_w = start + length * t * (first + t * (quadratic + t * cubic)) + slope * beyond
+    slope = closure.cubics(position, 1)
+    log_w = closure.log_height + closure.cubics(position) + slope * beyond
     return log_w, slope / (POSITION_SCALE * np.cosh(position))

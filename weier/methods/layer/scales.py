@@ -125,8 +125,9 @@ def scale_on(finer: ComplianceTable, model: Model) -> Scale:
 
 def coarser_units(closure: Closure, model: Model) -> Closure:
     """W of a wave as the closure of the layer under the next coarser one, in the units of that one."""
-    log_compression, origin = closure.log_compression + model.log_height, closure.origin + model.log_pressure
-    return closure._replace(log_compression=log_compression, origin=origin)
+    return closure._replace(
+        origin=closure.origin + model.log_pressure, log_height=closure.log_height + model.log_height
+    )
 
 
 def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:

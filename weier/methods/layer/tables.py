@@ -12,11 +12,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import POSITION_SCALE, Closure, log_compression
+from weier.methods.layer.closure import POSITION_SCALE, Closure, closure_of, log_compression
 
 BOTTOM_POSITIONS = -3.375, -5.875  # of the first row, e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # the lightest loads that these tables are used for
@@ -44,7 +45,7 @@ class Rows(NamedTuple):
     @property
     def closure(self) -> Closure:
         """W as the closure of a layer, in the units of its own coarsest wave."""
-        return Closure(self.position, np.maximum.accumulate(self.log_compliance), np.maximum(self.slope, 0), 0.0)
+        return closure_of(self.position, np.maximum.accumulate(self.log_compliance), np.maximum(self.slope, 0))
 
 
 WaveMap = Callable[[Array, Array | None], Rows]  # of increasing positions and states to start from
@@ -92,7 +93,8 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
     The cubics must meet the slopes, too: beside a kink one may meet the value by chance.
     """
     middle, half = (left + right) / 2, (right - left) / 2
-    between = waves(middle, _interpolated_states(rows, middle))
+    guess = scipy.interpolate.CubicHermiteSpline(rows.position, rows.state, rows.tangent)(middle)
+    between = waves(middle, guess)
     log_W, power = log_compression(rows.closure, log_load_at(middle))
     by_slope = SLOPE_SHARE * half * np.abs(between.slope - power * POSITION_SCALE * np.cosh(middle))
     return between, np.maximum(np.abs(between.log_compliance - log_W), by_slope)
@@ -111,14 +113,3 @@ def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceErro
         f"{accuracy:.1e}, its share of the accuracy: choose a larger accuracy or a smaller tolerance",
         error,
     )
-
-
-def _interpolated_states(rows: Rows, position: Array) -> Array:
-    """States at these positions, of shape (n, unknowns), from the cubics through states and tangents."""
-    right = np.clip(np.searchsorted(rows.position, position), 1, rows.position.size - 1)
-    left = right - 1
-    length = (rows.position[right] - rows.position[left])[:, None]
-    t = (position - rows.position[left])[:, None] / length
-    by_value = rows.state[left] + t * t * (3 - 2 * t) * (rows.state[right] - rows.state[left])
-    by_slope = length * t * (1 - t) * ((1 - t) * rows.tangent[left] - t * rows.tangent[right])
-    return np.asarray(by_value + by_slope)

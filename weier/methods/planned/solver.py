@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from time import thread_time
 from typing import Any, NamedTuple
 
@@ -98,28 +98,30 @@ def curve(
     return _run_within(made, methods, ())._replace(planned_seconds=made.seconds, planned_error=made.error)
 
 
-def _run_within(made: Plan, methods: Sequence[Method], failed: tuple[Segment, ...]) -> Curve:
+def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[Segment]) -> Curve:
     """Run a plan; where errors are found above the tolerance, plan and run again without what left them."""
-    solved = []
-    for segment in made.segments:
+    return _concatenated([_run_segment(made, segment, methods, (*failed, segment)) for segment in made.segments])
+
+
+def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], without: Sequence[Segment]) -> Curve:
+    def plan_again(loads: Array) -> Plan:
+        return plan(made.profile, loads, methods, made.tolerance, made.quantity, without)
+
+    try:
+        values = _attempt_in_time(made.profile, segment)
+    except TimeoutError as overrun:
+        raise ConvergenceError(f"{overrun}; {_next_way(segment, plan_again)}") from None
+    of_resistance = values.resistance_error / np.fmax(values.resistance, 1)
+    error = values.compliance_error if made.quantity == COMPLIANCE else of_resistance
+    exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
+    if exceeding.any():
         try:
-            values = _attempt_in_time(made.profile, segment)
-        except TimeoutError as overrun:
-            raise ConvergenceError(f"{overrun}; {_next_way(made, methods, segment, failed)}") from None
-        of_resistance = values.resistance_error / np.fmax(values.resistance, 1)
-        error = values.compliance_error if made.quantity == COMPLIANCE else of_resistance
-        exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
-        if exceeding.any():
-            try:
-                loads, without = segment.mean_pressure[exceeding], (*failed, segment)
-                others = plan(made.profile, loads, methods, made.tolerance, made.quantity, without)
-                again = _run_within(others, methods, without)
-            except OutOfReachError as refusal:
-                raise OutOfReachError(f"{refusal}; {_excess_message(segment, error)}") from None
-            for old, new in zip(values.arrays, again.arrays, strict=True):
-                old[exceeding] = new
-        solved.append(values)
-    return _concatenated(solved)
+            again = _run_within(plan_again(segment.mean_pressure[exceeding]), methods, without)
+        except OutOfReachError as refusal:
+            raise OutOfReachError(f"{refusal}; {_excess_message(segment, error)}") from None
+        for old, new in zip(values.arrays, again.arrays, strict=True):
+            old[exceeding] = new
+    return values
 
 
 def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
@@ -140,10 +142,10 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
         return _attempt(profile, segment)
 
 
-def _next_way(made: Plan, methods: Sequence[Method], stopped: Segment, failed: Sequence[Segment]) -> str:
+def _next_way(stopped: Segment, plan_again: Callable[[Array], Plan]) -> str:
     """What would come after a segment that was stopped."""
     try:
-        other = plan(made.profile, stopped.mean_pressure, methods, made.tolerance, made.quantity, (*failed, stopped))
+        other = plan_again(stopped.mean_pressure)
     except OutOfReachError:
         return "no other method is as accurate: take a larger tolerance"
     ways = ", ".join(dict.fromkeys(map(_described, other.segments)))
@@ -193,8 +195,7 @@ def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
 
     Its resistance is bounded by the chords from each load to the other loads that are solved with it.
     """
-    p = segment.mean_pressure
-    others = np.empty((p.size, 0)) if segment.other_loads is None else segment.other_loads
+    p, others = segment.mean_pressure, segment.other_loads
     loads, index = np.unique(np.column_stack([p, others]), return_inverse=True)
     solved = _completed(profile, segment, segment.solve(loads))
     h, R, h_error, R_error = (values[index.reshape(p.size, -1)] for values in solved)
@@ -210,14 +211,12 @@ def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
 
 def _completed(profile: Profile, segment: Segment, solved: SegmentSolution) -> SegmentSolution:
     """The solution of the whole series: the middle of the bounds that the terms left out allow."""
-    if segment.includes_tail:
-        return solved
-    low, high = complete_bounds(solved.compliance, profile.amplitude_beyond(segment.terms), profile.total_amplitude)
-    width = high - low
-    complete = segment.terms == profile.m
+    left_out = 0.0 if segment.includes_tail else profile.amplitude_beyond(segment.terms)
+    low, high = complete_bounds(solved.compliance, left_out, profile.total_amplitude)
+    half = (high - low) / 2
     return SegmentSolution(
-        solved.compliance + width / 2,
+        solved.compliance + half,
         solved.resistance,
-        solved.compliance_error + width / 2,
-        solved.resistance_error if complete else np.full(width.size, np.inf),
+        solved.compliance_error + half,
+        np.where(left_out > 0, np.inf, solved.resistance_error),
     )
