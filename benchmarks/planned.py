@@ -6,16 +6,16 @@ themselves, at loads from 1e-12 p_0*.
 
 from __future__ import annotations
 
-import sys
-
+import click
 import numpy as np
 
 from benchmarks.verification import Verified, verify, verify_infinite
 
 
-def main() -> None:
-    """Print each curve that misses what it expects, and how much too wide the others are."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+@click.command()
+@click.argument("count", type=click.IntRange(1), default=200)
+def main(count: int) -> None:
+    """Print which of COUNT series, by default 200, miss what they expect, and how much too wide the others are."""
     for what, found in (("finite", list(verify(count))), ("infinite", list(verify_infinite(count // 5)))):
         for each in found:
             if not each.inside or not each.kept:

@@ -9,6 +9,7 @@ import sys
 from fractions import Fraction
 from typing import NamedTuple
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
@@ -74,8 +75,13 @@ def errors(case: Case, per_wave: int) -> Array:
     return np.array([h, R / scale, h / (found.compliance_error + 1e-12), R / (found.resistance_error + 1e-9)])
 
 
+@click.command()
+@click.argument("series", type=click.IntRange(1), default=300)
 def main(series: int) -> None:
-    """Print the table, and below it the orders with which the errors fall from the coarsest grid to the finest."""
+    """Print the errors of SERIES random series, by default 300, on several grids.
+
+    Below the table stand the orders with which they fall from the coarsest grid to the finest.
+    """
     random = np.random.default_rng(11)
     cases = [random_case(random) for _ in range(series)]
     print("| points a wave | h median | 90 % | largest | R median | 90 % | largest | within their errors | widths |")
@@ -93,4 +99,4 @@ def main(series: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 300)
+    main()

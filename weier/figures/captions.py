@@ -9,11 +9,12 @@ from typing import NamedTuple
 from weier import figures
 from weier.methods.registry import find_method, numerical_names
 from weier.scene import BY_DEFAULT, Grouping, Scene
-from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+from weier.scene.figure import MEDIAN_OVER_PHASES
 from weier.theory.profile import PARAMETERS
 
 NOUNS = {name: name for name in PARAMETERS}
 NOUNS |= {"method": "the method", "trace": "the trace", "phases": "the phases", "seed": "the seed of the phases"}
+PLURALS = {"method": "methods", "trace": "traces", "phases": "phases", "seed": "phases"}  # of what is no number
 
 
 class Caption(NamedTuple):
@@ -45,12 +46,11 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     if grouping.colour in ("", "method"):
         sentences += [_describe_methods(methods, bool(grouping.median_over))] if methods else []
     else:
-        dashes = " and dashes the method" if "method" not in grouping.facet and len(methods) > 1 else ""
+        dashes = ", dashes or markers the method" if "method" not in grouping.facet and len(methods) > 1 else ""
         sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
     if grouping.median_over:
-        by_phases = set(grouping.median_over) <= {*PHASES}
-        over = NOUNS["phases"] if by_phases else " and ".join(NOUNS[name] for name in grouping.median_over)
-        sentences.append(f"Lines are medians over {over}, and bands hold all curves.")
+        over = (f"the {PLURALS[name]}" if name in PLURALS else name for name in grouping.median_over)
+        sentences.append(f"Lines are medians over {' and '.join(dict.fromkeys(over))}, and bands hold all curves.")
     return " ".join(sentences)
 
 

@@ -19,17 +19,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from weier.figures import MAX_PANELS, lines, style
+from weier.figures.captions import PLURALS
 from weier.kernels.arrays import Array
 from weier.methods import curves
 from weier.methods.registry import names, numerical_names
 from weier.scene import BY_DEFAULT, Grouping
-from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+from weier.scene.figure import MEDIAN_OVER_PHASES
 from weier.theory.conduction import Interface, at_scale_of
 from weier.theory.profile import PARAMETERS
 
 LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
+BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}  # a solid line, where dashes of its colour may hide it
 STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band of stated errors
 # A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
 # the resistance there.
@@ -116,7 +118,7 @@ def _curves(
         parameters = _parameters(case, position)
         for method in case["solution_method"].values.tolist():
             beside = method in numerical and method != curves.numerical_method(case)
-            points = beside and grouping.colour in ("", "method")
+            points = beside and "method" not in grouping.facet
             # A line between the loads is drawn while the resistance is the slope of the compliance.
             drawn = (lines.points if points else lines.line)(case, quantity, method)
             if drawn:
@@ -174,13 +176,15 @@ def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
 
 
 def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:
-    """How a curve is drawn: its colour by the parameter of the scene, its dashes by the method if these differ."""
+    """How a curve is drawn: by its method, or in the colour of a parameter, with the dashes of several methods."""
+    look = style.points(curve.method) if curve.points else style.line(curve.method)
     if grouping.colour in ("", "method"):
-        return style.points(curve.method) if curve.points else style.line(curve.method)
+        return look
     values = _values(drawn, grouping.colour)
     own = style.family(len(values))[values.index(curve.parameters[grouping.colour])]
-    dashes = {"linestyle": style.line(curve.method)["linestyle"]} if _by_dash(drawn, grouping) else {}
-    return own | dashes
+    if not _by_dash(drawn, grouping):
+        return look | own
+    return look | {"color": own["color"]} | (BELOW if look["linestyle"] == "-" else {})
 
 
 def _draw(
@@ -246,15 +250,16 @@ def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
     handles: list[Any] = []
     for value in shown:
         first = next(curve for curve in drawn if curve.parameters[colour] == value)
-        own = _look(first, drawn, grouping) | ({"linestyle": "-"} if by_dash else {})
+        look = _look(first, drawn, grouping)
+        own = {"color": look["color"]} if by_dash else look
         handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))
     if by_dash:
-        methods = _values(drawn, "method")
-        handles += [Line2D([], [], **style.line(str(method)) | {"color": style.GREY}) for method in methods]
+        each = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
+        handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in each.values()]
     if grouping.median_over:
-        over = "phases" if set(grouping.median_over) <= {*PHASES} else " and ".join(grouping.median_over)
+        over = dict.fromkeys(PLURALS.get(name) or f"${style.symbol(name)}$" for name in grouping.median_over)
         handles += [
-            Line2D([], [], color=style.GREY, label=f"line: median over {over}"),
+            Line2D([], [], color=style.GREY, label=f"line: median over {' and '.join(over)}"),
             Patch(color=style.GREY, label="band: all of them", **BAND),
         ]
     return handles

@@ -13,8 +13,8 @@ from weier.scene import BY_DEFAULT, Grouping
 from weier.theory.conduction import Interface
 
 CAPTION = (
-    "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where h = sum g_n, or "
-    "the height of a trace."
+    "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where the compliance "
+    "is the sum of the amplitudes of its waves, or the height of a trace."
 )
 
 

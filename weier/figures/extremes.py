@@ -82,4 +82,4 @@ def _conditions(axes: Axes, data: xr.Dataset) -> None:
     for (name, label), color, dashes in zip(CONDITIONS.items(), colors, style.DASHES, strict=False):
         axes.plot(data["nodes"].values, data[name].values, label=label, color=color, linestyle=dashes)
     axes.set(xscale="log", yscale="log", xlabel="nodes $N$", ylabel="condition number")
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower right")

@@ -237,7 +237,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
     """What tells a case from others, in the paper's symbols: the coordinates that are named, or all."""
     if trace := trace_name(case):
         return trace if not names or "trace" in names else ""
-    values = {name: f"${_symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
+    values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
     seed = float(case.get("seed", np.nan))
@@ -254,10 +254,10 @@ def trace_name(case: xr.Dataset) -> str:
     return digest and (str(case["trace"].values).replace("$", r"\$") or f"trace {digest}")
 
 
-def _symbol(name: str) -> str:
+def symbol(name: str) -> str:
     """The symbol of a parameter in mathtext, where Greek letters have names."""
-    symbol = VARIABLES[name].symbol
-    return symbol if len(symbol) == 1 else f"\\{symbol}"
+    letter = VARIABLES[name].symbol
+    return letter if len(letter) == 1 else f"\\{letter}"
 
 
 def _parameter(case: xr.Dataset, name: str) -> str:
