@@ -17,7 +17,7 @@ const choose = async (number, value) => {
 }
 // The first list, of traces, is hidden.
 const drive = async () => {
-  while (!find(document, "select").length) await pause()
+  while (!find(document, "option").length) await pause()
   const steps = [state()]
   await choose(1, "1.5"); steps.push(state())
   await choose(2, "3"); steps.push(state())

@@ -6,7 +6,7 @@ Importing this module gives every `xarray.Dataset` the accessor `weier`.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -157,17 +157,20 @@ def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
-    """The curves with a name for each case: its study, D, gamma, m, seed or phases, and settings that differ.
+    """The curves with a name for each case."""
+    return data.assign_coords(case=("case", np.array(case_names(data), object), {"long_name": "case"}))
+
+
+def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
+    """A name for each case: its study, D, gamma, m, seed or phases, and settings that differ, but for some labels.
 
     A trace is named by its file and its digest, which tells all the rest.
     """
     first = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
     others = [name for name in _labels(data) if name not in ("key", "case", *first) and not name.startswith("trace_")]
-    order = [*first, *others]
-    columns = {name: [_text(value) for value in data[name].values] for name in order if name in data.coords}
-    rows = zip(*columns.values(), strict=True)
-    names = [_case_name(dict(zip(columns, row, strict=True))) for row in rows]
-    return data.assign_coords(case=("case", np.array(names, object), {"long_name": "case"}))
+    order = [name for name in (*first, *others) if name in data.coords and name not in but]
+    columns = {name: [label_text(value) for value in data[name].values] for name in order}
+    return [_case_name({name: texts[row] for name, texts in columns.items()}) for row in range(data.sizes["case"])]
 
 
 def _labels(data: xr.Dataset) -> list[str]:
@@ -184,7 +187,7 @@ def _case_name(labels: Mapping[str, str]) -> str:
     return ": ".join(filter(None, (labels.get("study"), ", ".join(own))))
 
 
-def _text(value: Any) -> str:
+def label_text(value: Any) -> str:
     """A label as text: none where it is missing; of phases one, where all terms but the first have it."""
     if np.ndim(value):
         known = value[np.isfinite(value)]
@@ -251,5 +254,5 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 
 
 def _some(values: NDArray[Any]) -> str:
-    texts = [text for value in np.unique(values) if (text := _text(value))] or ["none"]
+    texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]
     return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")

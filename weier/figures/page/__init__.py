@@ -22,11 +22,10 @@ from markupsafe import Markup
 
 from weier.data import dataset, provenance
 from weier.data.files import write_text
-from weier.data.selection import as_cases
+from weier.data.selection import as_cases, label_text
 from weier.data.variables import VARIABLES, Status
 from weier.figures.captions import Caption, caption
 from weier.figures.page import plans
-from weier.figures.page.cells import coordinate_text, largest
 from weier.figures.page.claims import picture
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.figures.page.formulae import typeset
@@ -34,7 +33,7 @@ from weier.pipeline.claims.claim import Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
 from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_dataset
 from weier.scene import Scene
-from weier.theory.tables import significant
+from weier.theory.tables import largest, significant
 
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
 PICTURES = (
@@ -158,7 +157,7 @@ def _traces(data: xr.Dataset) -> list[Section]:
     """The section that describes the traces, where there are any: it has the units of their curves."""
     columns = [name for name, entry in VARIABLES.items() if name in data.variables and name.startswith("trace")]
     header = [f"{VARIABLES[name].long_name}{', m' * (VARIABLES[name].unit == 'm')}" for name in columns]
-    rows = zip(*([coordinate_text(value) for value in data[name].values.tolist()] for name in columns), strict=True)
+    rows = zip(*([label_text(value) for value in data[name].values.tolist()] for name in columns), strict=True)
     known = [row for row in dict.fromkeys(rows) if any(row)]
     return [Section("traces", "Measured heights", table=Table(header, known))] if known else []
 
@@ -182,7 +181,7 @@ def _variants(data: xr.Dataset, row: int, method: str) -> dict[str, list[int]]:
     settings = {name.removeprefix(f"{method}_").replace("_", " "): data[name].values.tolist() for name in names}
     found: dict[str, list[int]] = {}
     for case in np.flatnonzero(data["status"].values[:, row] != Status.not_requested).tolist():
-        own = [f"{name} {text}" for name, values in settings.items() if (text := coordinate_text(values[case]))]
+        own = [f"{name} {text}" for name, values in settings.items() if (text := label_text(values[case]))]
         found.setdefault(", ".join([method, *own]), []).append(case)
     return found
 

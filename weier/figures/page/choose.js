@@ -5,19 +5,18 @@ for (const select of selects) {
   const values = labels[select.name]
   const options = [...new Set(rows.map((row) => values[row]))]
   select.options = options
-  select.visible = options[0] !== "-" || options.length > 1
+  select.visible = options.length > 1 || (options[0] !== "-" && select.name !== "case")
   if (!options.includes(select.value)) select.value = options[0]
   rows = rows.filter((row) => values[row] === select.value)
 }
-const last = selects[selects.length - 1]
-last.visible = last.options.length > 1
-// A method is drawn, and named in the legends, if its box is ticked and it has a curve of this case.
+// A method has a box if it has a curve of this case, and is drawn and named in the legends if its box is ticked.
 const start = rows[0] * loads
 sources.forEach((source, number) => {
   const curve = (quantity) => Array.from(allCurves.data[`${quantity} ${methods[number]}`].slice(start, start + loads))
   const compliance = curve("compliance")
   source.data = { mean_pressure: source.data.mean_pressure, compliance, resistance: curve("resistance") }
-  const drawn = boxes.active.includes(number) && compliance.some(Number.isFinite)
+  boxes[number].visible = compliance.some(Number.isFinite)
+  const drawn = boxes[number].visible && boxes[number].active
   for (const legend of legends) {
     const item = legend.items[number]
     item.visible = item.renderers[0].visible = drawn

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
+import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 import xarray as xr
 
 from weier.data.variables import Status
-from weier.figures.page.cells import largest
 from weier.methods.registry import PLANNED, numerical_names
-from weier.theory.tables import significant
+from weier.theory.tables import largest, significant
 
 REFERENCE = numerical_names()[0]  # against it errors are measured, where a scene runs it beside its plans
 NOTE = (
@@ -21,8 +21,8 @@ NOTE = (
     f"{REFERENCE} beside its plans."
 )
 HEADER = ("planned", "cases", "planned, s", "took, s", "took/planned", "allowed error", "expected", "measured")
-# Seconds planned and taken, and errors allowed, expected and measured: of one case, NaN where they are unknown.
-Outcome = tuple[float, float, float, float, float]
+# Of one case: the methods, seconds planned and taken, and errors allowed, expected and measured, NaN where unknown.
+Outcome = tuple[str, float, float, float, float, float]
 UNSOLVED = {Status.not_applicable: "out of reach", Status.not_converged: "not converged"}
 
 
@@ -31,16 +31,13 @@ def rows(data: xr.Dataset, cost: xr.Dataset) -> list[list[object]]:
 
     There are none where nothing was planned.
     """
-    outcomes = list(_outcomes(data, cost))
-    of_methods: dict[str, list[Outcome]] = {}
-    for methods, numbers in outcomes:
-        of_methods.setdefault(methods, []).append(numbers)
-    everything = {"all": [numbers for _, numbers in outcomes]} if len(of_methods) > 1 else {}
-    return [_row(methods, numbers) for methods, numbers in (of_methods | everything).items()]
+    outcomes = pd.DataFrame(_outcomes(data, cost), columns=range(6)).set_index(0)
+    found = [_row(methods, each) for methods, each in outcomes.groupby(0, sort=False)]
+    return found if len(found) < 2 else [*found, _row("all", outcomes)]
 
 
-def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[tuple[str, Outcome]]:
-    """The methods that were planned for each case, and what was planned of it and found."""
+def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[Outcome]:
+    """What was planned of each case, and found."""
     if PLANNED not in data["solution_method"].values:
         return
     of_plans = cost["seconds"].reindex(solution_method=[PLANNED]).values[:, 0].tolist()
@@ -53,7 +50,7 @@ def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[tuple[str, Outcome
         planned_seconds, expected = float(case["planned_seconds"]), float(case["planned_error"])
         measured = _error(data.isel(case=number), wanted["quantity"])
         methods = UNSOLVED.get(status) or " and ".join(dict.fromkeys(case["planned_method"].values.tolist()))
-        yield methods, (planned_seconds, took, wanted["tolerance"], expected, measured)
+        yield methods, planned_seconds, took, wanted["tolerance"], expected, measured
 
 
 def _error(case: xr.Dataset, quantity: str) -> float:
@@ -66,8 +63,8 @@ def _error(case: xr.Dataset, quantity: str) -> float:
     return float(np.nanmax(error)) if np.isfinite(error).any() else np.nan
 
 
-def _row(methods: str, outcomes: Sequence[Outcome]) -> list[object]:
-    planned, took, *errors = np.array(outcomes).T
+def _row(methods: str, outcomes: pd.DataFrame) -> list[object]:
+    planned, took, *errors = outcomes.to_numpy().T
     sums = np.nansum(planned), np.nansum(took)
     ratio = significant(sums[1] / sums[0], 2) if all(sums) else ""
     in_seconds, largest_errors = (f"{each:.3g}" for each in sums), (largest(each, "unknown") for each in errors)
