@@ -59,10 +59,12 @@ def read_yaml(text: str) -> Document:
     if len(text) > MAX_CHARACTERS:
         raise ValueError(f"a scene must have at most {MAX_CHARACTERS} characters, got {len(text)}")
     try:
-        root = yaml.compose(text, _Loader)
-        if root is not None:
-            _size(root, {})
-        return Document(yaml.load(text, _Loader), root)
+        loader = _Loader(text)
+        root = loader.get_single_node()
+        if root is None:
+            return Document(None, None)
+        _size(root, {})
+        return Document(loader.construct_document(root), root)
     except RecursionError:
         raise ValueError("the values are nested too deep, or contain themselves") from None
     except yaml.MarkedYAMLError as error:
@@ -107,15 +109,8 @@ def _children(node: yaml.Node) -> list[yaml.Node]:
 
 
 def _child(node: yaml.Node | None, key: str | int) -> tuple[yaml.Mark, yaml.Node] | None:
-    """Where a key of a mapping or an item of a list stands, and its value; keys that are merged in come last."""
+    """Where a key of a mapping or an item of a list stands, and its value; keys that were merged in stand first."""
     if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key].start_mark, node.value[key]
-    if not isinstance(node, yaml.MappingNode):
-        return None
-    merged: list[yaml.Node] = []
-    for name, value in node.value:
-        if name.value == key:
-            return name.start_mark, value
-        if name.tag == KEY_TAGS[1]:
-            merged += value.value if isinstance(value, yaml.SequenceNode) else [value]
-    return next(filter(None, (_child(each, key) for each in merged)), None)
+    pairs = node.value if isinstance(node, yaml.MappingNode) else []
+    return {name.value: (name.start_mark, value) for name, value in pairs}.get(key)
