@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from weier.accuracy import comparison
+from weier import Profile
+from weier.accuracy import comparison, extremes, tradeoff
 from weier.accuracy.comparison import Comparison
 from weier.data.variables import CURVE, RUN, Variable
 from weier.methods.method import Variant
@@ -49,3 +50,10 @@ def test_each_value_stands_at_its_case_variant_and_load(comparisons):
 def test_all_variables_are_described(comparisons):
     data = comparison.blank(comparisons, ("compliance",), OWN)
     assert all({"long_name", "units"} <= set(data[name].attrs) for name in data.variables if name != "term")
+
+
+def test_variants_have_names_of_their_own():
+    """Else the numbers of one would stand in the place of those of another."""
+    profile = Profile(1.25, 5, 2)
+    for listed in (tradeoff.variants(profile), extremes.cases.variants(profile, np.array([0.1]))):
+        assert len({variant.name for variant in listed}) == len(listed) > 1

@@ -52,6 +52,13 @@ def test_a_file_that_cannot_be_finished_is_not_there(waves, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_text_that_is_longer_than_its_column_is_refused_not_cut(tmp_path):
+    data = dataset.blank(1, ["bem"], np.array([1.0]), 1)
+    data["settings"].values[:] = "x" * 241
+    with pytest.raises(ValueError, match="settings must have at most 240 characters, got 241: shorten it"):
+        dataset.write(data, tmp_path / "a.nc", "test")
+
+
 def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path):
     path = tmp_path / "a.nc"
     dataset.write(waves, path, "test")

@@ -64,7 +64,7 @@ def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
 
 def _plain(values: Array) -> Any:
     """Numbers and texts as JSON can hold them: it has no nan and no inf."""
-    if values.dtype.kind == "U":
+    if values.dtype.kind in "UO":
         return values.tolist()
     plain = values.astype(object)
     plain[~np.isfinite(values)] = None

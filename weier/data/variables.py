@@ -84,7 +84,7 @@ VARIABLES = {
     "m": Variable(("case",), "number of terms of the series", symbol="m", least=1, content=LABEL),
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
     "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL),
-    "trace": Variable(("case",), "name of the file of measured heights", dtype="U64", content=LABEL, optional=True),
+    "trace": Variable(("case",), "name of the file of measured heights", dtype="U255", content=LABEL, optional=True),
     "trace_digest": Variable(
         ("case",), "digest of the measured heights and of how they are continued", dtype="U12", content=LABEL,
         optional=True,
@@ -206,8 +206,9 @@ def blank(
     """Dimensions, values and attributes of a variable with nothing in it yet."""
     entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
-    nothing = {"f8": np.nan, "O": ""}.get(entry.dtype)
-    values = np.zeros(shape, entry.dtype) if nothing is None else np.full(shape, nothing, entry.dtype)
+    nothing = {"f": np.nan, "i": 0}.get(entry.dtype[0], "")
+    # Text of any length in memory: an array of a fixed width would cut what a file refuses.
+    values = np.full(shape, nothing, object if nothing == "" else entry.dtype)
     return entry.dims, values, attributes(name, table)
 
 
