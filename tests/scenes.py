@@ -25,5 +25,10 @@ def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:
     for path in Solutions(scene, folder).files(cores=cores):
         if not path.exists():
             batch = read_batch(path.with_suffix(".json"))
-            dataset.write(solve_batch(batch.scene, batch.cases), path, batch.title, "solved")
+            dataset.write(
+                solve_batch(batch.cases, batch.common["loads"], batch.common["contact_edges"]),
+                path,
+                batch.title,
+                "solved",
+            )
     return Solutions(scene, folder)

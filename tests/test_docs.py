@@ -23,7 +23,7 @@ from weier.figures import kinds
 from weier.methods import curves, registry
 from weier.pipeline import batch, claims
 from weier.pipeline.claims import paper
-from weier.pipeline.claims.ensemble import judge
+from weier.pipeline.claims.claim import judge
 from weier.scene.schema import schema
 
 
@@ -113,7 +113,7 @@ def test_the_method_of_contributing_is_solved_once_it_is_listed(monkeypatch):
 def two_profiles(tmp_path):
     """A study of two curves by several methods."""
     loaded = scene_in(tmp_path, DATA.replace("[demelio, layer]", "[demelio, patches]"))
-    return batch.solve_batch(loaded, loaded.studies["one"])
+    return batch.solve_batch(loaded.studies["one"], loaded.loads)
 
 
 def test_the_figure_of_contributing_is_drawn(two_profiles):

@@ -49,7 +49,7 @@ def test_it_is_solved_with_its_settings():
 
 
 def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
-    data = batch.solve_batch(loaded, loaded.distinct)
+    data = batch.solve_batch(loaded.distinct, loaded.loads)
     assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
     gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
     gathered = dataset.read(tmp_path / "contact.nc")

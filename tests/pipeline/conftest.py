@@ -23,7 +23,7 @@ def loaded(tmp_path_factory):
 @pytest.fixture(scope="session")
 def solved(loaded):
     """All its cases, as one batch."""
-    return batch.solve_batch(loaded, loaded.distinct)
+    return batch.solve_batch(loaded.distinct, loaded.loads)
 
 
 @pytest.fixture(scope="session")

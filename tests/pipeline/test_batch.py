@@ -30,7 +30,7 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
         "{title: t, loads: [0.1, 1], methods: [layer, bem], batch: 100, studies: {one: "
         f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}",
     )
-    data = batch.solve_batch(loaded, loaded.distinct)
+    data = batch.solve_batch(loaded.distinct, loaded.loads)
     layers = [(D, m, points) for name, D, m, points in solved if name == "layer"]
     assert layers == [(D, m, points) for points in (None, 48) for D in (1.25, 1.5) for m in (1, 2)]
     assert len(solved) == 8 + 12
@@ -58,7 +58,7 @@ def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], planned))
     study = {"product": {"D": 1.5, "gamma": 3, "m": [1, 2]}}
     loaded = scene_in(tmp_path, {"title": "t", "loads": [0.1, 1], "tolerance": 0.01, "studies": {"one": study}})
-    data = batch.solve_batch(loaded, loaded.studies["one"])
+    data = batch.solve_batch(loaded.studies["one"], loaded.loads)
     assert data["planned_seconds"].values.tolist() == [2.5, 2.5]
     assert data["planned_error"].values == pytest.approx([1e-4, 2e-4])
     assert data["compliance"].values[0, 0].tolist() == [0.1, 1.0]

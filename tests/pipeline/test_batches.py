@@ -121,7 +121,7 @@ def test_a_batch_says_what_it_holds(tmp_path):
     (path,) = Solutions(load(tmp_path), tmp_path).files()
     batch = read_batch(path.with_suffix(".json"))
     assert batch.title == "12 cases of one"
-    assert batch.scene.loads.tolist() == [0.1, 1.0]
+    assert batch.common["loads"] == [0.1, 1.0]
 
 
 def test_batches_of_another_program_go(solved, tmp_path, monkeypatch):

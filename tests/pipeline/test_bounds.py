@@ -40,7 +40,7 @@ def test_bounds_hold_for_crests_between_two_nodes(tmp_path):
     """The infinite series with all its crests at that place touches at h = 0."""
     phase = -math.pi / 320
     loaded = scene_in(tmp_path, BETWEEN_NODES % (phase, 5 * phase))
-    data = batch.solve_batch(loaded, loaded.studies["one"])
+    data = batch.solve_batch(loaded.studies["one"], loaded.loads)
     bounded = data.squeeze()
     assert bounded["points"] == 320
     long = Profile(1.25, 5, 4, [phase * 5**n for n in range(4)])

@@ -13,7 +13,7 @@ from weier.methods import westergaard
 from weier.pipeline import claims
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import claim, measures, report
-from weier.pipeline.claims.ensemble import by_phases
+from weier.pipeline.claims.paper import by_phases
 from weier.pipeline.gather import read_study
 
 LOADS = np.geomspace(1e-3, 4, 40)

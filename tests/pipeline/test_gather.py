@@ -52,7 +52,7 @@ def test_seconds_are_read_as_well(solutions, loaded):
 
 def without_seconds(loaded):
     """All cases of a scene as one batch, but for what differs from run to run."""
-    return batch.solve_batch(loaded, loaded.distinct).drop_vars("seconds").drop_attrs()
+    return batch.solve_batch(loaded.distinct, loaded.loads, loaded.contact_edges).drop_vars("seconds").drop_attrs()
 
 
 MIXED = """
@@ -71,7 +71,7 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
     solutions = Solutions(mixed, tmp_path / "batches")
     for study in mixed.studies:
         (path,) = solutions.files([study])
-        data = batch.solve_batch(mixed, mixed.study(study))
+        data = batch.solve_batch(mixed.study(study), mixed.loads, mixed.contact_edges)
         dataset.write(data, path, study)
     parts = [dataset.read(path) for path in sorted((tmp_path / "batches").glob("*.nc"))]
     assert [(part.solution_method.values.tolist(), part.sizes["term"], part.sizes["edge"]) for part in parts] == [

@@ -10,7 +10,7 @@ from weier import scene
 from weier.data import dataset
 from weier.figures.page import explorer
 from weier.pipeline import claims
-from weier.pipeline.labels import case_labels
+from weier.pipeline.gather import case_labels
 
 SCENE = """
 title: Grids

@@ -30,7 +30,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert found.seconds == sum(each.seconds for each in found.plans)
     assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
     assert "patches" in [part.method for part in weier.plan(loaded, tolerance=1e-9).plans[0].segments]
-    data = batch.solve_batch(loaded, loaded.studies["one"])
+    data = batch.solve_batch(loaded.studies["one"], loaded.loads)
     assert data.solution_method.values.tolist() == ["planned"]
     for case in range(2):
         exact = patches.curve(loaded.studies["one"][case].profile, loaded.loads).compliance

@@ -75,7 +75,7 @@ def test_random_phases_have_their_seed_and_their_values():
 def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
     found = weier.solve([SMOOTH, ROUGH], LOADS, ["demelio", "bem"], bem={"residual_tolerance": 1e-9})
     loaded = scene_in(tmp_path, SAME)
-    written = solve_batch(loaded, loaded.studies["both"])
+    written = solve_batch(loaded.studies["both"], loaded.loads)
     xr.testing.assert_identical(
         found.drop_vars(["key", "seconds", "case"]).drop_attrs(), written.drop_vars(["key", "seconds"]).drop_attrs()
     )

@@ -7,8 +7,7 @@ import pytest
 
 from tests.scenes import scene_in
 from weier import scene
-from weier.scene import study
-from weier.scene.study import CaseProduct, Study, case_numbers
+from weier.scene.study import CaseProduct, Study
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
 # Products that meet in some cases, repeat a value, or differ in nothing but methods or settings.
@@ -38,8 +37,6 @@ def test_the_cases_of_a_product_are_its_combinations_in_order():
     cases = CaseProduct(AXES, ("layer",), {})
     expected = [dict(zip(AXES, values, strict=True)) for values in itertools.product(*AXES.values())]
     assert [cases.case(position).parameters for position in range(cases.count)] == expected
-    for name, values in AXES.items():
-        assert [values[index] for index in cases.indices(name)] == [each[name] for each in expected]
 
 
 def test_a_study_is_a_sequence(overlapping):
@@ -52,12 +49,10 @@ def test_a_study_is_a_sequence(overlapping):
     assert len(Study([])) == 0
 
 
-@pytest.mark.parametrize("most", [study.MAX_NUMBER, 200])  # of cases there are 101: numbers are made smaller
-def test_cases_have_the_same_number_if_they_have_the_same_key(overlapping, monkeypatch, most):
-    monkeypatch.setattr(study, "MAX_NUMBER", most)
-    every = Study(overlapping.products)
-    pairs = set(zip([case.key for case in every], case_numbers(every).tolist(), strict=True))
-    assert len(pairs) == len({key for key, _ in pairs}) == len({number for _, number in pairs})
+def test_cases_have_the_same_identity_if_they_have_the_same_key(overlapping):
+    identities = itertools.chain.from_iterable(product.identities for product in overlapping.products)
+    pairs = set(zip([case.key for case in Study(overlapping.products)], identities, strict=True))
+    assert len(pairs) == len({key for key, _ in pairs}) == len({identity for _, identity in pairs})
 
 
 def test_every_case_is_there_once_with_its_studies(overlapping):

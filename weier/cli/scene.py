@@ -41,7 +41,10 @@ def batch(description: Path, data: Path) -> None:
     wanted = read_batch(description)
     with job("solve", wanted.title):
         curves = solve_batch(
-            wanted.scene, wanted.cases, done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True)
+            wanted.cases,
+            wanted.common["loads"],
+            wanted.common["contact_edges"],
+            done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
         )
         dataset.write(curves, data, wanted.title, "solved")
 

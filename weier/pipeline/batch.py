@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from weier.data import dataset
 from weier.data.variables import VARIABLES, Status
@@ -23,7 +23,7 @@ from weier.methods.settings import all_settings
 from weier.methods.solve import solve_checked
 from weier.pipeline.progress import LOG_SECONDS, Loads
 from weier.scene.case import Case
-from weier.scene.cases import Scene
+from weier.scene.cases import layout_of
 from weier.theory.bounds import first_contact, infinite_series_bounds
 from weier.theory.limits import resolvable
 from weier.theory.profile import PARAMETERS
@@ -37,20 +37,23 @@ def _tell(message: str) -> None:
 
 
 def solve_batch(
-    scene: Scene,
     cases: Iterable[Case],
+    mean_pressure: ArrayLike,
+    contact_edges: bool = False,
     done: Report = _tell,
     failed: Report = _tell,
     pause: float = LOG_SECONDS,
 ) -> xr.Dataset:
-    """Solve cases of a scene, and say every few seconds how far it is.
+    """Solve cases under the same loads, and say every few seconds how far it is.
 
     Parameters
     ----------
-    scene : Scene
-        Whose loads and layout they share.
     cases : iterable of Case
         The rows of the result, in their order.
+    mean_pressure : array_like, shape (loads,)
+        Increasing loads, in p_0*.
+    contact_edges : bool
+        Whether to keep the edges of contact.
     done, failed : callable
         Take a line of how many loads are done, every few seconds, and one that says why a method has no curve.
     pause : float
@@ -63,11 +66,11 @@ def solve_batch(
         took; what could not be solved is NaN, and status says why.
 
     """
-    cases = list(cases)
-    methods, terms, edges, optional = scene.layout_of(cases)  # not the scene's: other cases may change
-    data = dataset.blank(len(cases), methods, scene.loads, terms, edges, optional | {"seconds"})
+    cases, loads = list(cases), np.asarray(mean_pressure, float)
+    methods, terms, edges, optional = layout_of(cases, contact_edges)
+    data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"})
     curves, known = arrays(data), dict[object, tuple[Any, float]]()
-    loads = Loads(sum(len(case.methods) for case in cases) * scene.loads.size, scene.loads.size, pause, done)
+    progress = Loads(sum(len(case.methods) for case in cases) * loads.size, loads.size, pause, done)
     for number, case in enumerate(cases):
         describe_case(curves, number, case)
         for name in case.methods:
@@ -75,15 +78,15 @@ def solve_batch(
             run, given = _row("status", position), case.settings.get(name, {})
             curves["settings"][run] = json.dumps(all_settings(method, given), sort_keys=True)
             try:
-                with telling(loads):
-                    solution, curves["seconds"][run] = _solve(case, method, given, scene.loads, known)
-                _store(curves, position, solution._asdict() | _bounds(case, method, solution, scene.loads))
+                with telling(progress):
+                    solution, curves["seconds"][run] = _solve(case, method, given, loads, known)
+                _store(curves, position, solution._asdict() | _bounds(case, method, solution, loads))
                 curves["status"][run] = Status.solved
             except (NotApplicableError, ConvergenceError) as error:
                 unconverged = isinstance(error, ConvergenceError)
                 curves["status"][run] = Status.not_converged if unconverged else Status.not_applicable
                 failed(f"{case.profile.describe()}, {name}: {error}")
-            loads.end_curve()
+            progress.end_curve()
     return data
 
 

@@ -152,12 +152,6 @@ class Batch(NamedTuple):
     seconds: float
 
     @property
-    def scene(self) -> Scene:
-        """A scene of its loads, for which it is solved."""
-        loads = np.array(self.common["loads"])
-        return Scene("batch", self.title, loads, {}, contact_edges=self.common["contact_edges"])
-
-    @property
     def title(self) -> str:
         """What it holds, in a few words."""
         first, last = self.studies[0], self.studies[-1]

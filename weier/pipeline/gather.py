@@ -1,24 +1,32 @@
 """Curves from the batches that they were solved in: of all cases into one file, or of some into memory.
 
-A file is written block by block of cases, so that it may be larger than memory.
+A file is written block by block of cases, so that it may be larger than memory. What tells its cases apart beside
+their profiles, studies and settings that are not the same for all, comes from the scene alone, and no batch is solved
+again when a study gets another name.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from itertools import compress
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from weier.data import dataset, netcdf, provenance, variables
 from weier.data.files import replacing
+from weier.data.variables import LABEL
 from weier.kernels.arrays import Indices
+from weier.methods.registry import find_method
+from weier.methods.settings import all_settings, defaults
 from weier.pipeline.batches import Solutions
-from weier.pipeline.labels import case_labels
 from weier.scene.case import Case
-from weier.scene.cases import Layout
+from weier.scene.cases import Layout, Scene, layout_of
 
 BLOCK_BYTES = 2**25  # of cases in memory: more at a time are no faster
 
@@ -26,7 +34,7 @@ BLOCK_BYTES = 2**25  # of cases in memory: more at a time are no faster
 def read_study(solutions: Solutions, study: str) -> xr.Dataset:
     """The cases of a study, in memory; a ValueError if one is not solved."""
     cases = list(solutions.scene.study(study))
-    return _read(solutions, cases, solutions.scene.layout_of(cases))
+    return _read(solutions, cases, layout_of(cases, solutions.scene.contact_edges))
 
 
 def read_cost(solutions: Solutions) -> xr.Dataset:
@@ -63,6 +71,38 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
         for start in range(0, len(cases), size):
             block = list(cases[start : start + size])
             netcdf.fill(file, _read(solutions, block, scene.layout), slice(start, start + len(block)))
+
+
+def case_labels(scene: Scene) -> xr.Dataset:
+    """Coordinates of all cases of a scene, in its order.
+
+    `study` holds the names of the studies of each case, with commas between. `METHOD_SETTING`, such as `bem_points`,
+    is there for each setting that differs between cases: NaN or an empty text where the method is not run, or the
+    setting is left to the method.
+    """
+    studies = np.array([", ".join(names) for names in scene.studies_of_cases])
+    columns: dict[str, tuple[NDArray[Any], str]] = {"study": (studies, "studies of the case")}
+    for name in scene.layout.methods:
+        method, run = find_method(name), [name in product.methods for product in scene.products]
+        own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
+        for setting in defaults(method):
+            values = [each[setting] for each in own]
+            if len(set(map(json.dumps, compress(values, run)))) > 1:
+                column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
+                columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
+    return xr.Dataset(
+        coords={
+            name: ("case", values, {"long_name": meaning, "units": "1", "coverage_content_type": LABEL})
+            for name, (values, meaning) in columns.items()
+        }
+    )
+
+
+def _column(values: list[Any]) -> NDArray[Any]:
+    """Numbers with NaN, or texts with "", where there is None."""
+    if any(isinstance(value, str | bool) for value in values):
+        return np.array([json.dumps(value) if isinstance(value, bool) else value or "" for value in values])
+    return np.array(values, float)
 
 
 def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:

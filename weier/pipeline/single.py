@@ -18,7 +18,7 @@ from weier.pipeline.batch import solve_batch
 from weier.pipeline.forecast import forecast
 from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.pipeline.solve import settings_by_method
-from weier.scene import Case, Scene
+from weier.scene import Case
 from weier.scene.case import trace_parameters
 from weier.theory.loads import check_range
 
@@ -50,14 +50,13 @@ def solve_one(
     lines = forecast(case, loads)
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
-    scene = Scene(name="one", title=title, loads=loads, studies={}, batch_size=1, text=_text(title, case, loads))
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
-        data = solve_batch(scene, [case], done=show, failed=failures.append, pause=TERMINAL_SECONDS)
+        data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS)
     if not (data["status"] == Status.solved).any():
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
-    return data.assign_attrs(title=title, scene=scene.text)
+    return data.assign_attrs(title=title, scene=_text(title, case, loads))
 
 
 def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:

@@ -105,14 +105,12 @@ def _solve_all(
 ) -> xr.Dataset:
     from weier.pipeline.batch import solve_batch  # scenes and threads, which one curve does not need
     from weier.scene.case import Case
-    from weier.scene.cases import Scene
 
     checked = settings_by_method(methods, settings)
     cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
-    scene = Scene("solve", title, loads, {}, len(cases), contact_edges=edges)
     failures: list[str] = []
-    data = solve_batch(scene, cases, done=lambda line: None, failed=failures.append)
+    data = solve_batch(cases, loads, edges, done=lambda line: None, failed=failures.append)
     for failure in failures:
         warnings.warn(failure, stacklevel=3)  # at the call of `solve`
     return name_cases(data.assign_attrs(provenance.of_results(title)))

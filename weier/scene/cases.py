@@ -17,7 +17,7 @@ from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.mistakes import SceneError
-from weier.scene.study import CaseProduct, Study, case_numbers
+from weier.scene.study import CaseProduct, Study
 
 Item = TypeVar("Item")
 MAX_BATCH_CASES = 1000  # that are solved and written together: a process then takes 0.3 GB
@@ -36,6 +36,15 @@ class Layout(NamedTuple):
     terms: int
     edges: int
     optional: frozenset[str] = frozenset()
+
+
+def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
+    """What the arrays of some cases must hold, which is nothing that other cases need."""
+    methods = dict.fromkeys(method for case in cases for method in case.methods)
+    finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
+    edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if contact_edges else 0
+    optional = frozenset(returned_by(tuple(methods))).union(*(profile.labels for profile in finite))
+    return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges, optional)
 
 
 @dataclass(frozen=True)
@@ -75,14 +84,15 @@ class Scene:
         Where it stands first among all studies, shape (cases,); each set of studies that cases belong to; and the
         number of that set, shape (cases,).
         """
-        _, first, numbers = np.unique(case_numbers(self._all), return_index=True, return_inverse=True)
+        seen: dict[tuple[str, ...], int] = {}
+        identities = itertools.chain.from_iterable(product.identities for product in self.products)
+        number = np.array([seen.setdefault(identity, len(seen)) for identity in identities], int)
         study = np.repeat(np.arange(len(self.studies)), [len(study) for study in self.studies.values()])
-        member = np.zeros((first.size, len(self.studies)), bool)
-        member[numbers, study] = True
-        order = np.argsort(first)
-        homes, home = np.unique(member[order], axis=0, return_inverse=True)
+        member = np.zeros((len(seen), len(self.studies)), bool)
+        member[number, study] = True
+        homes, home = np.unique(member, axis=0, return_inverse=True)
         names = [tuple(itertools.compress(self.studies, row)) for row in homes]
-        return first[order], names, home.ravel()
+        return np.unique(number, return_index=True)[1], names, home.ravel()
 
     @cached_property
     def distinct(self) -> Study:
@@ -115,15 +125,8 @@ class Scene:
     def layout(self) -> Layout:
         """What the arrays of all cases must hold."""
         products, kinds = self._all.products, ("gamma", "m")
-        return self.layout_of([case for product in products for case in product.of_all_kinds(*kinds)])
-
-    def layout_of(self, cases: Collection[Case]) -> Layout:
-        """What the arrays of some cases must hold, which is nothing that other cases need."""
-        methods = dict.fromkeys(method for case in cases for method in case.methods)
-        finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
-        edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if self.contact_edges else 0
-        optional = frozenset(returned_by(tuple(methods))).union(*(profile.labels for profile in finite))
-        return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges, optional)
+        cases = [case for product in products for case in product.of_all_kinds(*kinds)]
+        return layout_of(cases, self.contact_edges)
 
     def study(self, name: str) -> Study:
         """The cases of a study; a SceneError if there is no such study."""

@@ -11,13 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from weier.kernels.arrays import Indices
 from weier.scene.case import Case
 from weier.theory.phases import random_phases
-
-MAX_NUMBER = 2**62  # of a case, which a 64-bit integer holds
 
 
 @dataclass(frozen=True)
@@ -49,11 +45,12 @@ class CaseProduct:
             chosen[name] = values[index]
         return Case(chosen, self.methods, self.settings)
 
-    def indices(self, name: str) -> Indices:
-        """Which value of a parameter each case has, shape (count,)."""
-        names, lengths = list(self.axes), [len(values) for values in self.axes.values()]
-        at = names.index(name)
-        return np.tile(np.repeat(np.arange(lengths[at]), math.prod(lengths[at + 1 :])), math.prod(lengths[:at]))
+    @property
+    def identities(self) -> Iterator[tuple[str, ...]]:
+        """What tells each case from others, in turn: parameters by name and value, methods and settings, as texts."""
+        solved_by = json.dumps([self.methods, self.settings], sort_keys=True)
+        texts = [[json.dumps([name, value]) for value in values] for name, values in self.axes.items()]
+        return (tuple(sorted(row)) for row in itertools.product([solved_by], *texts))
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:
         """Cases with each combination of the values of some parameters; the others have their first value."""
@@ -108,31 +105,3 @@ class Study(Sequence[Case]):
         chosen = int(self._positions[position])
         product = bisect_right(self._ends, chosen) - 1
         return self.products[product].case(chosen - self._ends[product])
-
-
-def case_numbers(study: Study) -> Indices:
-    """A number for each case of a study, shape (cases,): the same for the same cases, another for others.
-
-    Cases are the same if their parameters have the same names and values, and methods and settings are the same.
-    """
-    names = dict.fromkeys(name for product in study.products for name in product.axes)
-    solved_by = [json.dumps([product.methods, product.settings], sort_keys=True) for product in study.products]
-    numbers = np.unique(solved_by, return_inverse=True)[1]
-    numbers = np.repeat(numbers, [product.count for product in study.products])
-    for name in names:
-        values = _value_numbers(study, name)
-        if (int(numbers.max(initial=0)) + 1) * (int(values.max(initial=0)) + 1) > MAX_NUMBER:
-            numbers = np.unique(numbers, return_inverse=True)[1]
-        numbers = numbers * (values.max(initial=0) + 1) + values
-    return numbers
-
-
-def _value_numbers(study: Study, name: str) -> Indices:
-    """A number for the value that each case has of a parameter, shape (cases,); 0 where it has none."""
-    table: dict[str, int] = {}
-    parts = []
-    for product in study.products:
-        texts = map(json.dumps, product.axes.get(name, ()))
-        own = np.array([table.setdefault(text, len(table) + 1) for text in texts], int)
-        parts.append(own[product.indices(name)] if own.size else np.zeros(product.count, int))
-    return np.concatenate(parts) if parts else np.empty(0, int)

@@ -26,11 +26,7 @@ MAX_DIGITS = 40  # of an integer in a message
 Condition = Callable[[Any], Any]
 
 
-def _always(value: Any) -> Any:
-    return np.ones(np.shape(value), bool)
-
-
-def checked_number(name: str, value: Any, condition: str = "be a number", holds: Condition = _always) -> float:
+def checked_number(name: str, value: Any, condition: str = "be a number", holds: Condition = np.isreal) -> float:
     """A number as a float.
 
     Parameters
@@ -55,7 +51,7 @@ def checked_number(name: str, value: Any, condition: str = "be a number", holds:
     return number
 
 
-def checked_numbers(name: str, values: Any, condition: str = "be numbers", holds: Condition = _always) -> Array:
+def checked_numbers(name: str, values: Any, condition: str = "be numbers", holds: Condition = np.isreal) -> Array:
     """A number, or an array or nested list of numbers, as an array of floats of the same shape; see `checked_number`.
 
     NaN is a number that `holds`, for a whole array, may refuse.

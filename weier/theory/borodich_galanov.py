@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.theory.arguments import checked_numbers
 
 
 def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
@@ -84,7 +85,4 @@ def stiffness_curve(x: ArrayLike) -> tuple[Array, Array]:
 
 
 def _checked(epsilon: ArrayLike) -> Array:
-    epsilon = np.asarray(epsilon, float)
-    if not np.all((epsilon >= 0) & (epsilon < 1)):
-        raise ValueError(f"epsilon must lie in [0, 1), got {epsilon}")
-    return epsilon
+    return checked_numbers("epsilon", epsilon, "lie in [0, 1)", lambda epsilon: (epsilon >= 0) & (epsilon < 1))

@@ -119,10 +119,8 @@ def resistance_bounds(
         other_h = np.concatenate([start, h], axis=-1)
     run = p[..., :, None] - other_p[..., None, :]
     rise = h[..., :, None] - other_h[..., None, :] + 2 * G
-    shallowest, steepest = _chords(run, rise)
+    lower, upper = _slopes(run, rise)
     missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
-    lower = np.maximum(np.fmax.reduce(shallowest, axis=-1), 0)
-    upper = np.fmin.reduce(steepest, axis=-1)
     return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
 
 
@@ -154,17 +152,17 @@ def chord_bounds(
     p, top = np.asarray(mean_pressure, float), np.asarray(compliance, float) + np.asarray(error, float)
     there, (h, margin) = np.asarray(other, float), np.asarray(others, float)
     run, rise = p[:, None] - there, top[:, None] - (h - margin)
-    shallowest, steepest = _chords(run, rise)
+    lower, upper = _slopes(run, rise)
     with np.errstate(over="ignore"):
-        start = top / p
-    return shallowest.max(axis=1, initial=0.0), np.minimum(steepest.min(axis=1, initial=np.inf), start)
+        return lower, np.minimum(upper, top / p)
 
 
-def _chords(run: Array, rise: Array) -> tuple[Array, Array]:
-    """Slopes of lines to heavier and to lighter loads: 0 and inf, which bound nothing, to all others."""
+def _slopes(run: Array, rise: Array) -> tuple[Array, Array]:
+    """The steepest line to heavier loads and the shallowest to lighter ones; 0 and inf where there is none."""
     with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
-        shallowest = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
-        return shallowest, np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+        to_heavier = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
+        to_lighter = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
+    return np.fmax.reduce(to_heavier, axis=-1, initial=0.0), np.fmin.reduce(to_lighter, axis=-1, initial=np.inf)
 
 
 def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: float) -> dict[str, Array]:

@@ -191,9 +191,8 @@ class Interface:
         if hasattr(data, "data_vars"):
             self._check_scale(data)
             # A dataset is asked to rebuild itself, so that nothing of xarray has to be imported here.
-            coordinates = {name: self._converted(data.variables[name]) for name in data.coords}
-            values = {name: self._converted(data.variables[name]) for name in data.data_vars}
-            found = data.assign_coords(coordinates).assign(values).assign_attrs(vars(self))
+            values = {name: self._converted(variable) for name, variable in data.variables.items()}
+            found = data.assign(values).assign_attrs(vars(self))
             for name in SCALARS.keys() & found.attrs.keys():
                 found.attrs[name] = found.attrs[name] * self._units[SCALARS[name]][0]
             found.attrs.pop("normalisation", None)

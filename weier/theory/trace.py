@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_file, checked_number, checked_numbers, checked_word, shown
 from weier.theory.profile import PARAMETERS
 from weier.theory.waves import Waves
@@ -101,7 +101,11 @@ class Trace(Waves):
         )  # fmt: skip
         level = _levelled(z, self.ends)
         _check_jumps(level if self.ends != PERIODIC else np.append(level, level[0]), step)
-        waves, coefficient = _waves(_continued(level, self.ends), self.period * self.lambda_0 / self.shortest)
+        period = _continued(level, self.ends)
+        # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
+        most = min(math.floor(self.period * self.lambda_0 / self.shortest * NEAR), (period.size - 1) // 2)
+        waves = np.arange(1, most + 1)
+        coefficient = 2 * np.fft.rfft(period)[waves] / period.size
         self.g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
         if not self.g_0 > ROUNDING * np.abs(z).max():
             raise ValueError(f"heights must be rough, got none with waves of {self.shortest:g} m or longer")
@@ -257,13 +261,6 @@ def _continued(z: Array, ends: str) -> Array:
     fall = np.arange(z.size) / (TAPER * z.size)
     share = np.clip(np.minimum(fall, fall[::-1]), 0, 1)
     return z * np.sin(np.pi / 2 * share) ** 2
-
-
-def _waves(z: Array, most: float) -> tuple[Indices, NDArray[np.complex128]]:
-    """The waves of a period of which no more than so many fit into it: their numbers and complex amplitudes."""
-    # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
-    waves = np.arange(1, min(math.floor(most * NEAR), (z.size - 1) // 2) + 1)
-    return waves, 2 * np.fft.rfft(z)[waves] / z.size
 
 
 def _table(path: Path) -> Array:

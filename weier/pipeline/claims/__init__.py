@@ -10,8 +10,7 @@ from weier.data.files import write_text
 from weier.methods import curves
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
-from weier.pipeline.claims.claim import Cases, Claim, Judgement
-from weier.pipeline.claims.ensemble import judge
+from weier.pipeline.claims.claim import Cases, Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
 from weier.scene import Mistake, Scene
 from weier.theory.arguments import suggestion

@@ -1,9 +1,17 @@
-"""What a claim is: a statement of the paper, and the conditions that it says of profiles of any phases."""
+"""What a claim is, and how it is judged: a statement of the paper, and the conditions that it says of any phases.
+
+The paper speaks of rough surfaces, and each profile is one of them. So a number is measured on each member of an
+ensemble of profiles that differ in their phases alone, and each member says yes, no, or leaves the question open. A
+statement about every load or every surface is refuted by one member, a statement of what usually happens by most of
+them. Where neither is the case, the statement is not decided.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+import numpy as np
 
 from weier.data.check import Check
 from weier.theory.tables import significant
@@ -14,6 +22,13 @@ if TYPE_CHECKING:
 Case: TypeAlias = "xr.Dataset"
 Cases: TypeAlias = Sequence[Case]
 OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and this times it, nothing is decided
+MIN_MEMBERS = 6  # of an ensemble: fewer profiles say nothing of the others
+MIN_SHARE = 5 / 6  # of an ensemble, to say what usually happens
+THIN = 2  # every second load is left out, to see what a number owes to the choice of loads
+
+
+class MissingError(ValueError):
+    """The studies lack what a claim is about."""
 
 
 class Limits(NamedTuple):
@@ -152,3 +167,48 @@ def written(value: float, unit: str) -> str:
     if value == 0:
         return "0"
     return f"{significant(100 * value, 2)} %" if unit == "%" else f"{significant(value, 2)} {unit}".rstrip()
+
+
+def judge(claim: Claim, cases: Cases) -> Judgement:
+    """A claim by its conditions, each of which has to hold on each of the ensembles that it is about."""
+    try:
+        ensembles = claim.ensembles(cases)
+        findings = tuple(_examine(each, on) for each in claim.conditions for on in ensembles[each.ensembles])
+    except MissingError as error:
+        return Judgement(claim.statement, Check.not_measured, missing=str(error))
+    outcomes = {finding.outcome for finding in findings}
+    outcome = next(each for each in (Check.no, Check.not_decided, Check.yes) if each in outcomes)
+    return Judgement(claim.statement, outcome, findings)
+
+
+def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
+    """What the members of an ensemble say of a condition.
+
+    Notes
+    -----
+    A value is uncertain by as much as it changes where every second load is left out: what depends on the choice of
+    the loads decides nothing.
+    """
+    limits, most = condition.limits, condition.most
+    values = [float(condition.measure(*member)) for member in ensemble.members]
+    fewer = [condition.measure(*map(_every_second_load, member)) for member in ensemble.members]
+    checks = [limits.check(value, abs(value - other)) for value, other in zip(values, fewer, strict=True)]
+    value = float(np.median(values)) if most else max(values, key=lambda value: limits.sign * value)
+    limit = f"{limits.word} {written(limits.nominal, condition.unit)}"
+    outcome = _outcome(checks, most, ensemble.complete)
+    words = condition.text, condition.quantity, condition.unit, ensemble.name, limit
+    return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome)
+
+
+def _every_second_load(case: Case) -> Case:
+    """The case at every second load, and at the last."""
+    return case.isel(mean_pressure=slice((case.sizes["mean_pressure"] - 1) % THIN, None, THIN))
+
+
+def _outcome(checks: Sequence[Check], most: bool, complete: bool) -> Check:
+    least = MIN_SHARE if most else 1.0
+    yes, no = (checks.count(check) / len(checks) for check in (Check.yes, Check.no))
+    enough = complete or len(checks) >= MIN_MEMBERS
+    if (no >= MIN_SHARE and enough) if most else no > 0:
+        return Check.no
+    return Check.yes if yes >= least and enough else Check.not_decided

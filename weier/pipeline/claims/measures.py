@@ -12,7 +12,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.methods import curves
 from weier.methods.registry import find_method
-from weier.pipeline.claims.claim import Case
+from weier.pipeline.claims.claim import Case, MissingError
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import tail_amplitude
 
@@ -23,10 +23,6 @@ LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, 
 INTERMEDIATE = (0.1, 0.9)
 MAX_ALIGNED_ANGLE = np.pi / 6  # "close to zero and pi": no farther from them than this
 ROUNDING = 1e-9  # a difference that rounding may make, of numbers close to 1
-
-
-class MissingError(ValueError):
-    """The studies lack what a claim is about."""
 
 
 def need(available: object, what: str) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from functools import partial
 
+import numpy as np
+
 from weier.methods import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
-from weier.pipeline.claims.claim import OPEN_FACTOR, Cases, Claim, Condition, Ensemble
+from weier.pipeline.claims.claim import MIN_MEMBERS, MIN_SHARE, OPEN_FACTOR, Case, Cases, Claim, Condition, Ensemble
 
 from weier.pipeline.claims.claim import at_least, at_most, negative, positive  # isort: skip
-from weier.pipeline.claims.ensemble import MIN_MEMBERS, MIN_SHARE, by_phases, series
 from weier.pipeline.claims.measures import ESTIMATES, INTERMEDIATE, LOW_COMPLIANCE, ROUNDING, describe, need
 from weier.theory.profile import PARAMETERS
 
@@ -41,6 +42,42 @@ MEANINGS = (
     "contact: below, one contact carries everything, and above, the resistance vanishes, so that no ratio has a "
     "meaning."
 )
+
+
+def by_phases(cases: Cases) -> list[Ensemble]:
+    """The cases by D, gamma and m, each a member of its ensemble; a single wave has no phases to differ in."""
+    need(cases, "cases")
+    return [
+        Ensemble(describe(group[0]), tuple((case,) for case in group), float(group[0]["m"]) == 1)
+        for group in curves.groups(cases, *PARAMETERS)
+    ]
+
+
+def series(cases: Cases, varied: str) -> list[Ensemble]:
+    """Members whose cases differ in one parameter, in its order, and agree in the phases of the terms of all."""
+    found = []
+    for group in curves.groups(cases, *(name for name in PARAMETERS if name != varied)):
+        largest = max(float(case[varied]) for case in group)
+        rows = [_row(group, last, varied) for last in group if float(last[varied]) == largest]
+        members = tuple(row for row in rows if len(row) > 1)
+        if members:
+            first, last = members[0][0], members[0][-1]
+            others = [f"{name} = {float(first[name]):g}" for name in PARAMETERS if name != varied]
+            name = ", ".join([f"{varied} from {float(first[varied]):g} to {float(last[varied]):g}", *others])
+            found.append(Ensemble(name, members))
+    need(found, f"cases of the same phases and different {varied}")
+    return found
+
+
+def _row(cases: Cases, last: Case, varied: str) -> Cases:
+    """One case of each value of a parameter, in its order, with the phases of the last."""
+    same = {float(case[varied]): case for case in cases if _same_phases(case, last)}
+    return [same[value] for value in sorted(same)]
+
+
+def _same_phases(one: Case, other: Case) -> bool:
+    differences = one["phases"].values - other["phases"].values
+    return bool((np.abs(differences[np.isfinite(differences)]) < 1e-12).all())
 
 
 def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
