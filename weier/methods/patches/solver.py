@@ -21,7 +21,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts, newton
 from weier.methods.patches.fields import ContactState, pressures_or_gaps, series_values
-from weier.methods.patches.inequalities import check_violation
+from weier.methods.patches.inequalities import NEW_GAP_WIDTH, check_violation, find_negative_intervals
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     Iterate,
@@ -238,14 +238,26 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
     """The state from one guess, and the steps to it.
 
-    A dense matrix solves for a few segments whose set is right. All other sets are corrected, and tightly, whatever
-    the tolerance: next to its birth a contact changes dh/dp far more than h. What is asked for beyond that is left to
-    a dense matrix again; and so are a few segments whose fast sums do not settle to it.
+    A dense matrix solves for a few segments whose set is right, and all other sets are corrected. Where tension is
+    left on contacts, the gaps tell more of those that are to merge.
     """
-    few = guess.segments.centre.size < many_contacts.MIN_CONTACTS
-    if few:
+    if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):
             return newton.solve_few_contacts(surface, guess, load, tolerance)
+    state, steps = _correct_set(surface, guess, load, tolerance)
+    if (gaps := _gaps_in_tension(surface, state)) is not None:
+        with suppress(ConvergenceError):
+            other, more = _solve(surface, gaps, load, min(tolerance, many_contacts.MIN_TOLERANCE))
+            return (other if other.error < state.error else state), steps + more
+    return state, steps
+
+
+def _correct_set(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+    """The state on a set that is corrected, and tightly, whatever the tolerance, and the steps.
+
+    Next to its birth a contact changes dh/dp far more than h. What is asked for beyond that is left to a dense matrix
+    again; and so are a few segments whose fast sums do not settle to it.
+    """
     try:
         state, steps = many_contacts.solve_many_contacts(surface, guess, load, many_contacts.MIN_TOLERANCE)
         if tolerance >= many_contacts.MIN_TOLERANCE:
@@ -253,13 +265,32 @@ def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> t
     except ConvergenceError:
         unsettled = UNSETTLED * many_contacts.MIN_TOLERANCE
         state, steps = many_contacts.solve_many_contacts(surface, guess, load, unsettled)
-    if few:
+    if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging
             again = newton.on_few_nodes(state.iterate, surface.series(state.dual))
             state, more = newton.solve_few_contacts(surface, again, load, tolerance)
             return state, steps + more
     check_violation(state, surface.heights.period, tolerance)
     return state, steps
+
+
+def _gaps_in_tension(surface: Surface, state: ContactState) -> Iterate | None:
+    """A guess on the gaps beside contacts, and on those so narrow that tension is left in their place; None without.
+
+    Contacts take the more nodes the narrower the gap between them is, but a narrow gap takes few.
+    """
+    negative = find_negative_intervals(state)
+    negative = negative[negative["share"] < -many_contacts.MAX_TENSION]
+    if state.dual or negative.size == 0:
+        return None
+    segments, at = state.segments, negative["segment"]
+    origin, centre, half_width = contacts_of(segments, True, surface.heights.period)
+    middle = segments.origin + segments.centre
+    closed = middle[at] + 0.5 * segments.half_width[at] * (negative["start"] + negative["end"])
+    width = 0.5 * NEW_GAP_WIDTH * segments.half_width[at] * (negative["end"] - negative["start"])
+    all_gaps = np.append(origin + centre, closed), np.append(half_width, width)
+    middle, half_width, _ = in_order(*all_gaps, surface.heights.period)
+    return _make_guess(surface.tensions, True, middle, half_width, 0.0)
 
 
 class Starts:
