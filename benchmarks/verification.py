@@ -16,8 +16,7 @@ from weier.methods.planned.solver import Curve
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.segment import QUANTITIES
 from weier.theory.bounds import complete_bounds
-from weier.theory.phases import RandomPhases, random_phases
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, RandomPhases, random_phases
 
 GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")
 MAX_TERMS = 5

@@ -18,7 +18,7 @@ import weier
 from tests.scenes import scene_in, solve_scene
 from weier import scene
 from weier.data import variables
-from weier.data.check import Check
+from weier.data.variables import Check
 from weier.figures import kinds
 from weier.methods import curves, registry
 from weier.pipeline import batch, claims

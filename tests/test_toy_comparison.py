@@ -12,7 +12,7 @@ from weier.accuracy import extremes, tradeoff
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.extremes.cases import variants
 from weier.data import dataset
-from weier.data.check import Check
+from weier.data.variables import Check
 from weier.methods import registry
 from weier.methods.method import Reference
 from weier.scene import Case

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from weier.pipeline.plan import plan as plan
     from weier.pipeline.solve import solve as solve
     from weier.theory.conduction import Interface as Interface
-    from weier.theory.phases import random_phases as random_phases
     from weier.theory.profile import Profile as Profile
+    from weier.theory.profile import random_phases as random_phases
     from weier.theory.spectrum import fit as fit
     from weier.theory.trace import Trace as Trace
 
@@ -40,7 +40,7 @@ _MODULES = {
     "load_scene": "figures.checks",
     "open": "data.dataset",
     "plan": "pipeline.plan",
-    "random_phases": "theory.phases",
+    "random_phases": "theory.profile",
     "solve": "pipeline.solve",
 }
 __all__ = sorted([*_MODULES, "__version__"])

@@ -15,8 +15,7 @@ from bokeh.models import Line, Scatter
 from tests.scenes import scene_in
 from weier import scene
 from weier.data import dataset, provenance
-from weier.data.check import Check
-from weier.data.variables import Status
+from weier.data.variables import Check, Status
 from weier.figures import kinds, page, style
 from weier.figures.page import explorer, plans
 from weier.figures.page.formulae import typeset

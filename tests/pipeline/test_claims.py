@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from weier.data import dataset
-from weier.data.check import Check
+from weier.data.variables import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
 from weier.pipeline.batches import Solutions

@@ -1,4 +1,4 @@
-"""The series: its numbers against mpmath, its crest by brute force, its refusals."""
+"""The series: its numbers against mpmath, its crest by brute force, its phases, its refusals."""
 
 import math
 from fractions import Fraction
@@ -6,10 +6,11 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from weier.theory.limits import check_resolvable
-from weier.theory.phases import random_phases
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, random_phases
 from weier.theory.series import leading_amplitude, tail_amplitude
 
 EPS = np.finfo(float).eps
@@ -208,3 +209,21 @@ def test_phases_tell_profiles_apart():
     ends = ["phase 0", "phases 0, 1, 2.5", "seed 7"]
     assert described == [f"D = 1.5, gamma = 3, m = 3, {end}" for end in ends]
     assert Profile(1.5, 3, 9, [0.0] * 9).describe_with_phases().endswith("0, 0, ...")
+
+
+@given(st.integers(0, 2**63), st.integers(1, 50), st.integers(1, 50))
+@settings(deadline=None, derandomize=True)
+def test_random_phases_of_a_longer_series_extend_the_shorter(seed, m, more):
+    shorter, longer = (Profile(1.5, 5, terms, random_phases(seed)).phase for terms in (m, m + more))
+    np.testing.assert_array_equal(longer[:m], shorter)
+    assert np.all((longer >= 0) & (longer < 2 * np.pi))
+
+
+def test_random_phases_differ_between_seeds():
+    assert np.all(random_phases(1).first(5) != random_phases(2).first(5))
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, True, "1", None])
+def test_random_phases_refuse_what_is_no_seed(seed):
+    with pytest.raises(ValueError, match="seed must be a non-negative integer, got"):
+        random_phases(seed)

@@ -34,12 +34,10 @@ def curve(
     """
     arrays = {name: value for name, value in values.items() if np.ndim(value) > 0}
     scalars = {name: value for name, value in values.items() if np.ndim(value) == 0}
-    data = xr.Dataset(
-        {name: (_over_loads(name), value, variables.attributes(name)) for name, value in arrays.items()}
-    )
-    for name in data.data_vars:
-        if related := variables.ancillary(str(name), set(arrays)):
-            data[name].attrs["ancillary_variables"] = related
+    data: dict[str, Any] = {
+        name: (_over_loads(name), value, variables.attributes(name) | variables.ancillary(name, arrays))
+        for name, value in arrays.items()
+    }
     table = VARIABLES | {"phases": PHASES_TEXT}
     coordinates: dict[str, Any] = {
         name: ((), value, variables.attributes(name, table)) for name, value in labels.items()
@@ -49,7 +47,7 @@ def curve(
     # netCDF knows no truth values.
     plain = {name: json.dumps(value) if isinstance(value, bool) else value for name, value in known.items()}
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
-    return data.assign_coords(coordinates).assign_attrs(provenance.of_results() | plain)
+    return xr.Dataset(data, coordinates, provenance.of_results() | plain)
 
 
 def blank(

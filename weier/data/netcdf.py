@@ -51,8 +51,7 @@ def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], wi
         _create_variable(file, str(name), values, str(name) in like.coords, widths)
     _relate_coordinates(file, like)
     for name in like.data_vars:
-        if related := ancillary(str(name), set(map(str, like.data_vars))):
-            file[str(name)].ancillary_variables = related
+        file[str(name)].setncatts(ancillary(str(name), like.data_vars))
     file.setncatts(like.attrs)
 
 

@@ -237,17 +237,16 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
     if given.ndim > 1 or given.size == 0:
         raise ValueError(f"phases must be a number or a list of numbers, got {shown(wanted)}")
     phases = data["phases"].values
-    expected = np.full(phases.shape[1], np.nan)
+    terms = phases.shape[1]
     if given.ndim == 0:
-        expected[:] = np.where(np.arange(expected.size) == 0, 0, given)
-    elif given.size > expected.size:
-        raise ValueError(f"phases must be a number or at most {expected.size} numbers, got {given.size}")
+        expected = np.where(np.arange(terms) == 0, 0, given)
+    elif given.size > terms:
+        raise ValueError(f"phases must be a number or at most {terms} numbers, got {given.size}")
     else:
-        expected[: given.size] = given
+        expected = np.pad(given, (0, terms - given.size), constant_values=np.nan)
     near = np.isclose(phases, expected, rtol=CLOSE, atol=CLOSE, equal_nan=True)
-    if given.ndim == 0:
-        near |= np.isnan(phases)  # a number is the phase of as many terms as there are
-    fits: Flags = near.all(axis=1) | np.isinf(data["m"].values)
+    # A number is the phase of as many terms as there are.
+    fits: Flags = (near | (np.isnan(phases) & (given.ndim == 0))).all(axis=1) | np.isinf(data["m"].values)
     if not fits.any():
         raise ValueError(f"no case has phases = {given.tolist()}: they are in the coordinate phases(case, term)")
     return fits

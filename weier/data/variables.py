@@ -5,8 +5,9 @@ To add a variable, add a row: batches, files, figures and pages find it here.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Container, Mapping
 from enum import IntEnum
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,6 +37,29 @@ class Status(IntEnum):
     not_requested = 1
     not_applicable = 2
     not_converged = 3
+
+
+class Check(IntEnum):
+    """Whether something is as it should be, a claim of the paper or a curve at the extremes: flags of a file.
+
+    not_measured : the data lack what is needed
+    not_decided : the data have it, and leave the question open
+    """
+
+    no = 0
+    yes = 1
+    not_measured = 2
+    not_decided = 3
+
+    @classmethod
+    def of(cls, holds: bool | None) -> Check:
+        """The check of what holds, does not, or could not be measured (None)."""
+        return cls.not_measured if holds is None else cls(holds)
+
+    @property
+    def text(self) -> str:
+        """In words for people."""
+        return self.name.replace("_", " ")
 
 
 class Variable(NamedTuple):
@@ -71,6 +95,11 @@ class Variable(NamedTuple):
     largest: str = ""
 
 
+OF_SERIES = f"{DATUM}, of that series."
+_label = partial(Variable, ("case",), content=LABEL)
+_of_trace = partial(_label, optional=True)
+_planned = partial(Variable, content=AUXILIARY, optional=True)
+
 # Text has a fixed width, so that files of many cases can be joined, compressed and read by any netCDF library.
 VARIABLES = {
     "solution_method": Variable(("solution_method",), "method of solution", dtype="U16", content=LABEL),
@@ -78,29 +107,18 @@ VARIABLES = {
         ("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL,
         axis=r"mean pressure $\bar{p}/p_0^{*}$", plot="mean pressure p/p_0*",
     ),
-    "key": Variable(("case",), "name of the case, a digest of its definition", dtype="U12", content=LABEL),
-    "D": Variable(("case",), "fractal dimension", symbol="D", least=1, most=2, content=LABEL),
-    "gamma": Variable(("case",), "ratio of successive wavelengths", symbol="gamma", least=1, content=LABEL),
-    "m": Variable(("case",), "number of terms of the series", symbol="m", least=1, content=LABEL),
+    "key": _label("name of the case, a digest of its definition", dtype="U12"),
+    "D": _label("fractal dimension", symbol="D", least=1, most=2),
+    "gamma": _label("ratio of successive wavelengths", symbol="gamma", least=1),
+    "m": _label("number of terms of the series", symbol="m", least=1),
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
-    "seed": Variable(("case",), "seed of the phases, where they are random", content=LABEL),
-    "trace": Variable(("case",), "name of the file of measured heights", dtype="U255", content=LABEL, optional=True),
-    "trace_digest": Variable(
-        ("case",), "digest of the measured heights and of how they are continued", dtype="U12", content=LABEL,
-        optional=True,
-    ),
-    "trace_ends": Variable(
-        ("case",), "how measured heights go on behind their ends", dtype="U8", content=LABEL, optional=True
-    ),
-    "trace_length": Variable(
-        ("case",), "length of the trace of heights, lambda_0", "m", least=0, content=LABEL, optional=True
-    ),
-    "trace_height": Variable(
-        ("case",), "root mean square height of the trace, g_0", "m", least=0, content=LABEL, optional=True
-    ),
-    "trace_shortest": Variable(
-        ("case",), "shortest wavelength kept of the trace", "m", least=0, content=LABEL, optional=True
-    ),
+    "seed": _label("seed of the phases, where they are random"),
+    "trace": _of_trace("name of the file of measured heights", dtype="U255"),
+    "trace_digest": _of_trace("digest of the measured heights and of how they are continued", dtype="U12"),
+    "trace_ends": _of_trace("how measured heights go on behind their ends", dtype="U8"),
+    "trace_length": _of_trace("length of the trace of heights, lambda_0", "m", least=0),
+    "trace_height": _of_trace("root mean square height of the trace, g_0", "m", least=0),
+    "trace_shortest": _of_trace("shortest wavelength kept of the trace", "m", least=0),
     "total_amplitude": Variable(
         ("case",), "sum of the amplitudes of the terms", "g_0", "G - G_m", least=0, files=ALL_MEASURED,
         comment="Of a trace, the height of its highest point above the mean: its compliance in full contact.",
@@ -119,12 +137,10 @@ VARIABLES = {
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": Variable(
-        CURVE, "lower bound on the compliance of the infinite series", "g_0", comment=f"{DATUM}, of that series.",
-        files=(CONVERGENCE,),
+        CURVE, "lower bound on the compliance of the infinite series", "g_0", comment=OF_SERIES, files=(CONVERGENCE,)
     ),
     "compliance_upper": Variable(
-        CURVE, "upper bound on the compliance of the infinite series", "g_0", comment=f"{DATUM}, of that series.",
-        files=(CONVERGENCE,),
+        CURVE, "upper bound on the compliance of the infinite series", "g_0", comment=OF_SERIES, files=(CONVERGENCE,)
     ),
     "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
     "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
@@ -155,23 +171,13 @@ VARIABLES = {
         files=(TRADEOFF, CONVERGENCE),
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
-    "planned_method": Variable(
-        LOAD_DIMS, "method that the plan chose at this load", dtype="U16", content=AUXILIARY, optional=True
-    ),
-    "planned_terms": Variable(
-        LOAD_DIMS, "terms that the method chosen by the plan models", least=1, content=AUXILIARY, optional=True
-    ),
-    "planned_points": Variable(
-        LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1, content=AUXILIARY, optional=True,
-    ),
-    "planned_seconds": Variable(
-        ("case",), "time that the plan expects all loads to take on one core", "s", least=0, content=AUXILIARY,
-        optional=True,
-    ),
-    "planned_error": Variable(
-        ("case",), "largest error that the plan expects, an estimate",
+    "planned_method": _planned(LOAD_DIMS, "method that the plan chose at this load", dtype="U16"),
+    "planned_terms": _planned(LOAD_DIMS, "terms that the method chosen by the plan models", least=1),
+    "planned_points": _planned(LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1),
+    "planned_seconds": _planned(("case",), "time that the plan expects all loads to take on one core", "s", least=0),
+    "planned_error": _planned(
+        ("case",), "largest error that the plan expects, an estimate", least=0,
         comment="Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.",
-        least=0, content=AUXILIARY, optional=True,
     ),
     "seconds": Variable(
         RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True
@@ -227,10 +233,11 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
     return known | (flags(entry.flags) if entry.flags else {})
 
 
-def ancillary(name: str, present: Collection[str]) -> str:
-    """What among the variables of a file says how good a quantity is, with blanks between, as CF has it."""
-    related = (*(f"{name}_{part}" for part in ("error", "lower", "upper")), "residual", "status")
-    return " ".join(other for other in related if name in QUANTITIES and other in present)
+def ancillary(name: str, present: Container[Any]) -> dict[str, str]:
+    """The attribute of a quantity that names what says how good it is among the variables of a file, as CF has it."""
+    names = (*(f"{name}_{part}" for part in ("error", "lower", "upper")), "residual", "status")
+    related = [other for other in names if name in QUANTITIES and other in present]
+    return {"ancillary_variables": " ".join(related)} if related else {}
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:

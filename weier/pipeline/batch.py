@@ -74,18 +74,17 @@ def solve_batch(
     for number, case in enumerate(cases):
         describe_case(curves, number, case)
         for name in case.methods:
-            method, position = find_method(name), {"case": number, "solution_method": methods.index(name)}
-            run, given = _row("status", position), case.settings.get(name, {})
-            curves["settings"][run] = json.dumps(all_settings(method, given), sort_keys=True)
+            method, given = find_method(name), case.settings.get(name, {})
+            found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
             try:
                 with telling(progress):
-                    solution, curves["seconds"][run] = _solve(case, method, given, loads, known)
-                _store(curves, position, solution._asdict() | _bounds(case, method, solution, loads))
-                curves["status"][run] = Status.solved
+                    solution, found["seconds"] = _solve(case, method, given, loads, known)
+                found |= solution._asdict() | _bounds(case, method, solution, loads)
             except (NotApplicableError, ConvergenceError) as error:
                 unconverged = isinstance(error, ConvergenceError)
-                curves["status"][run] = Status.not_converged if unconverged else Status.not_applicable
+                found["status"] = Status.not_converged if unconverged else Status.not_applicable
                 failed(f"{case.profile.describe()}, {name}: {error}")
+            _store(curves, {"case": number, "solution_method": methods.index(name)}, found)
             progress.end_curve()
     return data
 
@@ -115,19 +114,17 @@ def arrays(data: xr.Dataset) -> Arrays:
 def describe_case(values_of: Arrays, number: int, case: Case) -> None:
     """Fill in the coordinates of a case."""
     profile = case.profile
-    values = {"key": case.key, **profile.labels}
-    del values["phases"]  # as text
+    finite = np.isfinite(profile.m)
+    phases = profile.phase[: profile.listed_terms] if finite else []  # which the labels have as text
+    values = profile.labels | {"key": case.key, "phases": phases}
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
-    if np.isfinite(profile.m):
-        if resolvable(profile):
-            values["first_contact"] = first_contact(profile)
-        values_of["phases"][number, : profile.listed_terms] = profile.phase[: profile.listed_terms]
-    for name, value in values.items():
-        values_of[name][number] = value
+    if finite and resolvable(profile):
+        values["first_contact"] = first_contact(profile)
+    _store(values_of, {"case": number}, values)
 
 
 def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any]) -> None:
-    """Write one curve into its row of each array.
+    """Write one case, or one curve, into its row of each array.
 
     Whatever a method returns is stored if the table of variables knows it, as arrays over the loads or as one number:
     so a plan brings along what it expected, `planned_seconds` and `planned_error`.

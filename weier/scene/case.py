@@ -16,8 +16,7 @@ import numpy as np
 from weier.data.yaml import number
 from weier.methods.registry import find_method
 from weier.theory.limits import check_resolvable
-from weier.theory.phases import RandomPhases, random_phases
-from weier.theory.profile import Profile
+from weier.theory.profile import Profile, RandomPhases, random_phases
 from weier.theory.trace import Trace
 from weier.theory.waves import Waves
 

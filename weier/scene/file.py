@@ -21,9 +21,8 @@ from weier.scene.case import trace_parameters
 from weier.scene.cases import MAX_BATCH_CASES, Scene
 from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
-from weier.scene.products import MAX_CASES, axis, check_count, distinct_values, products
 from weier.scene.schema import mistakes_of_form
-from weier.scene.study import CaseProduct, Study, check_value
+from weier.scene.study import MAX_CASES, CaseProduct, Study, axis, check_count, check_value, distinct_values, products
 from weier.theory.arguments import checked_file, shown, suggestion
 from weier.theory.conduction import Interface
 from weier.theory.loads import check_range, checked_loads
@@ -95,7 +94,6 @@ def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
         mistakes.attempt(("max_cases",), partial(check_count, known, int(most)), None)
     wanted = {} if mistakes.within("max_cases") else known
     read = {study: _study(study, raw, plan, path.parent, mistakes) for study in wanted}
-    _check_references(raw, known, mistakes)
     interface = mistakes.attempt(("interface",), partial(_interface, raw), None)
     scene = Scene(
         name=path.stem,
@@ -108,6 +106,7 @@ def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
         contact_edges=sound("contact_edges", False),
         text=text,
     )
+    _check_references(scene, known, mistakes)
     asked = sound("batch", None)
     if mistakes:
         return scene
@@ -283,13 +282,10 @@ def _axis(given: str | Raw) -> Axis:
     return axis
 
 
-def _check_references(raw: Raw, studies: Raw, mistakes: Mistakes) -> None:
+def _check_references(scene: Scene, studies: Raw, mistakes: Mistakes) -> None:
     """Refuse figures and claims of studies that are not there."""
-    figures = _mapping(raw, "figures")
-    lists: dict[Keys, Any] = {
-        ("figures", name, "studies"): _mapping(figures, name).get("studies", ()) for name in figures
-    }
-    lists |= {("claims", name): of for name, of in _mapping(raw, "claims").items()}
+    lists: dict[Keys, Sequence[str]] = {("claims", name): of for name, of in scene.claims.items()}
+    lists |= {("figures", name, "studies"): figure.studies for name, figure in scene.figures.items()}
     for keys, listed in lists.items():
         for position, study in enumerate(() if mistakes.within(*keys) else listed):
             if study not in studies:

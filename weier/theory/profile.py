@@ -19,8 +19,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.theory import series
-from weier.theory.arguments import checked_count, checked_number, shown
-from weier.theory.phases import Phases, RandomPhases, checked_phases, random_phases
+from weier.theory.arguments import checked_count, checked_number, checked_numbers, shown
 from weier.theory.tables import html_table
 from weier.theory.waves import Waves
 
@@ -30,6 +29,39 @@ MAX_PHASES_DESCRIBED = 8  # phases in a line
 MAX_PHASES_LISTED = 1000  # of random ones, which the seed gives as well
 MAX_TERMS_SHOWN = 12  # rows of a notebook's table
 MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, and pi is no ratio
+
+
+@dataclass(frozen=True)
+class RandomPhases:
+    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of one sequence without end."""
+
+    seed: int
+
+    def first(self, m: int) -> Array:
+        """The first m phases, shape (m,), in radians."""
+        return np.random.default_rng(self.seed).uniform(0, 2 * np.pi, m)
+
+
+def random_phases(seed: int) -> RandomPhases:
+    """Phases drawn from `seed`; a longer series extends a shorter one of the same seed.
+
+    Raises
+    ------
+    ValueError
+        If `seed` is not a non-negative integer.
+
+    Examples
+    --------
+    >>> import weier
+    >>> weier.Profile(D=1.25, gamma=5, m=2, phases=weier.random_phases(7)).phase.round(3)
+    array([3.928, 5.637])
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"seed must be a non-negative integer, got {shown(seed)}")
+    return RandomPhases(int(seed))
+
+
+Phases = float | tuple[float, ...] | RandomPhases
 
 
 @dataclass(frozen=True)
@@ -202,6 +234,22 @@ class Profile(Waves):
         more = f"; {len(rows) - MAX_TERMS_SHOWN} more terms" if len(rows) > MAX_TERMS_SHOWN else ""
         header = ["n", "amplitude, g_0", "full-contact pressure, p_0*", "phase, rad"]
         return html_table(self.describe_with_phases(), header, rows[:MAX_TERMS_SHOWN], total + more)
+
+
+def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: float) -> Phases:
+    """The phases, if they are finite, and one for all terms or one for each of m."""
+    if isinstance(phases, RandomPhases):
+        return phases
+    values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite)
+    if values.ndim > 1:
+        raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
+    if values.ndim == 0:
+        return float(values)
+    if values.size != m:
+        raise ValueError(
+            f"phases must be one number for all terms or one for each of the m = {m:g} terms, got {values.size}"
+        )
+    return tuple(values.tolist())
 
 
 def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:

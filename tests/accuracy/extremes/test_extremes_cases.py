@@ -7,7 +7,7 @@ import xarray as xr
 
 from weier import Profile
 from weier.accuracy.extremes import cases, extremes
-from weier.accuracy.extremes.cases import SWEEP, around, beside, variants
+from weier.accuracy.extremes.cases import around, beside, variants
 
 USUAL = np.geomspace(1e-6, 100, 25)
 

@@ -11,7 +11,7 @@ from weier.accuracy import extremes, runner
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.runner import Outcome
 from weier.data import dataset
-from weier.data.check import Check
+from weier.data.variables import Check
 from weier.methods.method import Variant
 from weier.scene import Case
 

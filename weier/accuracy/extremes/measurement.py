@@ -15,8 +15,7 @@ from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import find_reference, uncertainty
 from weier.accuracy.runner import Outcome, attempt
-from weier.data.check import Check
-from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Variable, variables_of_file
+from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Check, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.method import Noise, Variant
 from weier.methods.registry import find_method

@@ -12,8 +12,8 @@ import xarray as xr
 from weier.accuracy.extremes.measurement import CHECKS
 from weier.accuracy.report import Column, number, rows_as_table, write_page
 from weier.accuracy.runner import Outcome
-from weier.data.check import Check
 from weier.data.markdown import plain, table
+from weier.data.variables import Check
 
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
 FAULTS = (Outcome.unclear_error, Outcome.not_finite)

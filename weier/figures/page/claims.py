@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from weier.data.check import Check
+from weier.data.variables import Check
 from weier.pipeline.claims.claim import Finding, written
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
-from weier.data.check import Check
+from weier.data.variables import Check
 from weier.theory.tables import significant
 
 if TYPE_CHECKING:

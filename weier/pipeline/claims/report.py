@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weier.data import markdown
-from weier.data.check import Check
-from weier.data.variables import flags
+from weier.data.variables import Check, flags
 from weier.pipeline.claims.claim import Finding, Judgement, written
 from weier.pipeline.claims.paper import MEANINGS, RULE
 
