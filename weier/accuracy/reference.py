@@ -41,10 +41,9 @@ def find_reference(method: Method, profile: Profile, loads: Array, result: Run) 
     h, R = [np.full(loads.size, mp.nan, object) for _ in range(2)]
     solved = result.outcome == Outcome.finite
     values = _look_up(method, profile, loads[solved], result) if solved.any() else None
-    if values is None:
-        return Reference(h, R, "")
-    h[solved], R[solved] = values.compliance, values.resistance
-    return Reference(h, R, values.source)
+    if values is not None:
+        h[solved], R[solved] = values.compliance, values.resistance
+    return Reference(h, R, values.source if values else "")
 
 
 def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:

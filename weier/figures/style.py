@@ -99,10 +99,11 @@ def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Datase
     """
     drawn: dict[str, None] = {}
     for case, datum, color in rows:
-        for method, values in curves.less_accurate(case, quantity).items():
-            look = points(method) | SPARSE_POINTS | {"color": color, "label": None}
-            axes.plot(case["mean_pressure"].values, values + datum, **look)
-            drawn[method] = None
+        for method in curves.numerical_methods(case)[1:]:
+            if (values := curves.curve(case, quantity, method)) is not None:
+                look = points(method) | SPARSE_POINTS | {"color": color, "label": None}
+                axes.plot(case["mean_pressure"].values, values + datum, **look)
+                drawn[method] = None
     for method in drawn:
         axes.plot([], [], **points(method) | SPARSE_POINTS | {"color": BLACK})
 

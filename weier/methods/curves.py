@@ -55,12 +55,6 @@ def numerical(case: xr.Dataset, name: str) -> Array | None:
     return curve(case, name, numerical_method(case))
 
 
-def less_accurate(case: xr.Dataset, name: str) -> dict[str, Array]:
-    """The values of a variable by the numerical methods beside the most accurate one, by method."""
-    rows = {method: curve(case, name, method) for method in numerical_methods(case)[1:]}
-    return {method: row for method, row in rows.items() if row is not None}
-
-
 def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
     """The first load at which all cases are close to full contact, or the last load there is."""
     return max((_full_contact_load(case) for case in cases), default=np.nan)

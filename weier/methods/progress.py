@@ -15,18 +15,14 @@ def count_load() -> None:
         told()
 
 
-def all_told() -> tuple[Callable[[], None], ...]:
-    """What is told of each load."""
-    return _TOLD.get()
-
-
 @contextmanager
 def telling(*told: Callable[[], None]) -> Iterator[None]:
-    """Call these for each load that is done in a `with` statement; none for loads that are part of another one.
+    """Call these, too, for each load that is done in a `with` statement; without any, its loads are told to nobody.
 
-    An error that one of them raises stops the solver between two loads.
+    So it is with loads that are part of another one. An error that one of them raises stops the solver between two
+    loads.
     """
-    token = _TOLD.set(told)
+    token = _TOLD.set((*_TOLD.get(), *told) if told else ())
     try:
         yield
     finally:

@@ -13,12 +13,9 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.estimate import multiprecision_sums
 from weier.methods.method import Estimate, Method, Style
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
-
-SECONDS_LOAD = 1e-6
 
 
 def compliance(xi: ArrayLike) -> Array:
@@ -86,11 +83,7 @@ def _applies(profile: Profile) -> None:
 def _candidates(task: Task) -> Iterator[Segment]:
     """The only way that a plan takes for one wave."""
     if task.profile.m == 1:
-        seconds = np.full(task.mean_pressure.size, SECONDS_LOAD)
-        yield make_segment(
-            task, "westergaard", "one wave has a closed form", _solution, seconds_start=SECONDS_LOAD,
-            seconds_load=seconds,
-        )  # fmt: skip
+        yield make_segment(task, "westergaard", "one wave has a closed form", _solution)
 
 
 def _solution(loads: Array) -> SegmentSolution:
@@ -107,5 +100,4 @@ METHOD = Method(
     uses_phases=False,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
     candidates=_candidates,
-    reference=multiprecision_sums("westergaard"),
 )

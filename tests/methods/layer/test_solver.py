@@ -92,7 +92,7 @@ def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
 def test_loads_of_any_shape_and_order():
     loads = np.array([[3.0, 1e-4], [0.2, 3.0]])
     together = layer.curve(loads, 1.25, 5, 3)
-    assert together.compliance.shape == together.work.shape == (2, 2)
+    assert together.compliance.shape == together.resistance.shape == (2, 2)
     np.testing.assert_array_equal(together.compliance[0, 0], together.compliance[1, 1])
     alone = [float(layer.compliance(load, 1.25, 5, 3)) for load in loads.flat]
     np.testing.assert_array_equal(together.compliance.ravel(), alone)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import POSITION_SCALE, Closure
 from weier.methods.layer.conditions import violations
@@ -82,13 +82,12 @@ class Scale(NamedTuple):
             position, np.log(h), solutions.rate / h * stretch, solutions.state, solutions.tangent * stretch[:, None]
         )
 
-    def solve(self, log_load: Array) -> tuple[Array, Array, Array, Indices]:
-        """h, dh/d ln xi, residual in g and Newton steps under loads of any order, each of shape (loads,).
+    def solve(self, log_load: Array) -> tuple[Array, Array, Array]:
+        """h, dh/d ln xi and residual in g under loads of any order, each of shape (loads,).
 
         The contact conditions are checked on a freshly applied operator.
         """
         h, (rate, residual) = np.full(log_load.size, self.amplitude), np.zeros((2, log_load.size))
-        work = np.zeros(log_load.size, np.int64)
         partial = log_load < self.log_full  # beyond: full contact, exactly
         if partial.any():
             loads = log_load[partial]
@@ -96,8 +95,8 @@ class Scale(NamedTuple):
             breach = violations(waves.state, loads, self.closure, waves.compliance)
             self._check_residual(loads, breach, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
             h[partial], rate[partial] = np.minimum(waves.compliance, self.amplitude), waves.rate
-            residual[partial], work[partial] = breach * depth_of(waves.state[:, -1]).total, waves.work
-        return h, rate, residual, work
+            residual[partial] = breach * depth_of(waves.state[:, -1]).total
+        return h, rate, residual
 
     def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
         solutions = solve_waves(log_load, self.closure, self.mesh, self.tolerance, guess)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
@@ -38,13 +38,11 @@ class Curve(NamedTuple):
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*
     residual : largest violation of a contact condition by the coarsest wave, on a freshly applied operator, in g_0
-    work : Newton steps for the coarsest wave
     """
 
     compliance: Array
     resistance: Array
     residual: Array
-    work: Indices
 
 
 def curve(
@@ -107,8 +105,7 @@ def curve(
     given = _checked_loads(mean_pressure)
     loads, position = np.unique(given, return_inverse=True)
     if m == 1:
-        h, R = westergaard.compliance(loads), westergaard.resistance(loads)
-        solution = Curve(h, R, np.zeros(loads.size), np.zeros(loads.size, np.int64))
+        solution = Curve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
     else:
         # Light loads have tables that begin lower, and heavy ones on a finite series tables up to full contact.
         top = _top(model)
@@ -150,10 +147,9 @@ def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[
     So many waves of the infinite series are taken for flat that its table reaches this load. At the end of the
     table the pressure along a wave varies by so little that w(p) is straight.
     """
-    if math.isfinite(waves.log_full):
-        return log_load, np.zeros(log_load.size), np.ones(log_load.size)
     beyond = log_load - log_load_at(waves.rows.position[-1])
-    number = np.maximum(np.ceil(beyond / model.log_pressure), 0.0)
+    most = 0.0 if math.isfinite(waves.log_full) else math.inf
+    number = np.clip(np.ceil(beyond / model.log_pressure), 0.0, most)
     scale = np.exp(number * model.log_height)
     return log_load - number * model.log_pressure, (1 - scale) * waves.amplitude, scale
 
@@ -163,8 +159,8 @@ def _solve(loads: Array, bottom: float, top: float, model: Model) -> Curve:
     """The coarsest wave under these loads, on the layer of all finer ones."""
     waves = _finer_waves(bottom, top, model)
     carried, height, scale = _flat_waves(np.log(loads), waves, model)
-    h, rate, residual, work = scale_on(waves, model).solve(carried)
-    return Curve(height + scale * h, scale * rate / loads, scale * residual, work)
+    h, rate, residual = scale_on(waves, model).solve(carried)
+    return Curve(height + scale * h, scale * rate / loads, scale * residual)
 
 
 @one_thread

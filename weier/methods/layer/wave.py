@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags
 from weier.methods.layer.closure import Closure, log_compression
 
 MAX_NEWTON_STEPS = 60  # from a neighbouring load; 2 or 3 are usual
@@ -80,7 +80,7 @@ class Balance(NamedTuple):
 
 
 class Solutions(NamedTuple):
-    """Solutions at the loads: h, dh/d ln xi, relative residual and Newton steps, of shape (loads,), and the states.
+    """Solutions at the loads: h, dh/d ln xi and relative residual, of shape (loads,), and the states.
 
     The states and their derivatives by ln xi have the shape (loads, M + 1).
     """
@@ -88,7 +88,6 @@ class Solutions(NamedTuple):
     compliance: Array
     rate: Array
     residual: Array
-    work: Indices
     state: Array
     tangent: Array
 
@@ -168,9 +167,9 @@ def _moved(state: Array, step: Array, trust: Array) -> Array:
 
 def _newton(
     state: Array, log_load: Array, closure: Closure, mesh: Mesh, limit: Array, max_steps: int
-) -> tuple[Array, Array, Indices]:
-    """Newton's method for every load by itself: the states where it stopped, their errors, the steps taken."""
-    state, error, steps = state.copy(), np.full(log_load.size, np.inf), np.zeros(log_load.size, np.int64)
+) -> tuple[Array, Array]:
+    """Newton's method for every load by itself: the states where it stopped, and their errors."""
+    state, error = state.copy(), np.full(log_load.size, np.inf)
     active = np.arange(log_load.size)
     for step in range(max_steps + 1):
         equations = _balance(state[active], log_load[active], closure, mesh)
@@ -181,8 +180,7 @@ def _newton(
             break
         direction = _solve(equations.jacobian[wrong], equations.residual[wrong])
         state[active] = _moved(state[active], -direction, equations.trust[wrong])
-        steps[active] += 1
-    return state, error, steps
+    return state, error
 
 
 def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array, Array]:
@@ -226,22 +224,21 @@ def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
     return np.column_stack([y, np.where(closed, w, np.log(sine_squared))])
 
 
-def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array, Indices]:
+def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array]:
     """The solution at a load whose first guess fails: from a lighter one upwards, in strides along the tangent."""
     here, stride = np.array([min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE]), MAX_STRIDE
     state = _first_guess(here, closure, mesh)
-    state, error, work = _newton(state, here, closure, mesh, limit, MAX_NEWTON_STEPS)
+    state, error = _newton(state, here, closure, mesh, limit, MAX_NEWTON_STEPS)
     while here[0] < log_load and error[0] <= limit[0] and stride > MIN_STRIDE:
         there = np.minimum(here + stride, log_load)
         equations = _balance(state, here, closure, mesh)
         ahead = _moved(state, (there - here) * _solve(equations.jacobian, -equations.drift), equations.trust)
-        ahead, error_ahead, steps = _newton(ahead, there, closure, mesh, limit, MAX_NEWTON_STEPS)
-        work += steps
+        ahead, error_ahead = _newton(ahead, there, closure, mesh, limit, MAX_NEWTON_STEPS)
         if error_ahead[0] <= limit[0]:
             state, error, here, stride = ahead, error_ahead, there, MAX_STRIDE
         else:
             stride /= 2
-    return state, error if here[0] == log_load else np.array([np.inf]), work
+    return state, error if here[0] == log_load else np.array([np.inf])
 
 
 def attainable(log_load: Array, tolerance: float) -> Array:
@@ -249,6 +246,7 @@ def attainable(log_load: Array, tolerance: float) -> Array:
     return np.maximum(tolerance, LOG_ROUNDING * np.abs(log_load))
 
 
+@np.errstate(all="ignore")  # what overflows on the way to no solution has no residual
 def solve_waves(
     log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, guess: Array | None = None
 ) -> Solutions:
@@ -272,23 +270,18 @@ def solve_waves(
     Solutions
         Where a load does not converge its residual is above the tolerance or NaN.
     """
-    batch_size = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
-    parts = [
-        _solve_some(some, closure, mesh, tolerance, None if guess is None else guess[first : first + batch_size])
-        for first in range(0, log_load.size, batch_size)
-        for some in [log_load[first : first + batch_size]]
-    ]
+    start = _first_guess(log_load, closure, mesh) if guess is None else guess
+    size = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
+    batches = (slice(first, first + size) for first in range(0, log_load.size, size))
+    parts = [_solve_some(log_load[some], closure, mesh, tolerance, start[some]) for some in batches]
     return Solutions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, guess: Array | None) -> Solutions:
+def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, start: Array) -> Solutions:
     limit = attainable(log_load, tolerance)
-    with np.errstate(all="ignore"):  # what overflows on the way to no solution has no residual
-        start = _first_guess(log_load, closure, mesh) if guess is None else guess
-        state, residual, work = _newton(start, log_load, closure, mesh, limit, MAX_DIRECT_STEPS)
-        for i in np.flatnonzero(~(residual <= limit)):
-            at = slice(i, i + 1)
-            state[at], residual[at], further = _approach(float(log_load[i]), closure, mesh, limit[at])
-            work[at] += further
-        h, rate, tangent = _finish(state, log_load, closure, mesh)
-    return Solutions(h, rate, residual, work, state, tangent)
+    state, residual = _newton(start, log_load, closure, mesh, limit, MAX_DIRECT_STEPS)
+    for i in np.flatnonzero(~(residual <= limit)):
+        at = slice(i, i + 1)
+        state[at], residual[at] = _approach(float(log_load[i]), closure, mesh, limit[at])
+    h, rate, tangent = _finish(state, log_load, closure, mesh)
+    return Solutions(h, rate, residual, state, tangent)

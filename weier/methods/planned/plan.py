@@ -18,8 +18,8 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.candidates import candidates
-from weier.methods.planned.truncations import resolvable_lengths, truncation_error
-from weier.methods.segment import COMPLIANCE, QUANTITIES, Segment
+from weier.methods.planned.truncations import expected_chords, resolvable_lengths
+from weier.methods.segment import COMPLIANCE, QUANTITIES, RESISTANCE, Segment
 from weier.theory.arguments import checked_number, checked_word
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
@@ -172,8 +172,10 @@ def _cover(offers: Sequence[Segment], tolerance: float) -> bool:
 
 def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]) -> str:
     terms = resolvable_lengths(profile)[-1]
-    change = truncation_error(profile, terms, loads, quantity).max()
+    change = profile.amplitude_beyond(terms)  # of the compliance, by the bounds theorem
     if change > 0:
+        if quantity == RESISTANCE:
+            change = expected_chords(profile.truncated(terms), loads, change)[0].max()
         need = "larger, or the series shorter"
         why = f"{terms} terms are the most that can be resolved, and the others may change it by {change:.1e}"
     else:

@@ -16,7 +16,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.plan import Plan, plan
-from weier.methods.progress import all_told, telling
+from weier.methods.progress import telling
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
@@ -104,6 +104,8 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[Segment]
 
 
 def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], without: Sequence[Segment]) -> Curve:
+    """Run a segment; loads that it leaves with larger errors are planned and run again `without` it."""
+
     def plan_again(loads: Array) -> Plan:
         return plan(made.profile, loads, methods, made.tolerance, made.quantity, without)
 
@@ -138,7 +140,7 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
                 f"{seconds:.0f} s with {done} of {count} loads solved"
             )
 
-    with telling(*all_told(), look_at_clock):
+    with telling(look_at_clock):
         return _attempt(profile, segment)
 
 

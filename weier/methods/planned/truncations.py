@@ -10,7 +10,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem.error_model import MAX_POINTS, PLANNED_POINTS_PER_WAVE
 from weier.methods.planned import forecast
-from weier.methods.segment import COMPLIANCE, RESISTANCE, Task
+from weier.methods.segment import COMPLIANCE, Task
 from weier.theory.profile import Profile, terms_within
 
 MAX_LENGTHS = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
@@ -48,14 +48,6 @@ def chord_tasks(profile: Profile, loads: Array, lengths: Sequence[int]) -> Itera
         width, other_loads = expected_chords(kept, loads, amplitude + error)
         contacts = forecast.contacts(kept, loads)
         yield Task(kept, loads, width, error, COMPLIANCE, contacts, np.inf), other_loads
-
-
-def truncation_error(profile: Profile, terms: int, loads: Array, quantity: str) -> Array:
-    """What the terms after these may change, by the bounds theorem, shape (loads,)."""
-    amplitude = profile.amplitude_beyond(terms)
-    if quantity == RESISTANCE and amplitude > 0:
-        return expected_chords(profile.truncated(terms), loads, amplitude)[0]
-    return np.full(loads.size, amplitude)
 
 
 def expected_chords(kept: Profile, loads: Array, amplitude: float) -> tuple[Array, Array]:
