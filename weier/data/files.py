@@ -93,10 +93,8 @@ def bring_to_present(*folders: str | Path) -> None:
 def _runs(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # of another user
-        return True
+    except OSError as error:  # one of another user may not be asked
+        return isinstance(error, PermissionError)
     return True
 
 

@@ -29,6 +29,7 @@ CHUNK_CASES = 256
 CHUNK_BYTES = 2**19  # a case of many contact edges is large by itself
 CACHE_BYTES = 2**22  # a variable: the library's 16 MB for each would be most of the memory that is taken
 DEFLATE: Final = 1
+WIDTHS = {name: int(entry.dtype[1:]) for name, entry in VARIABLES.items() if entry.dtype.startswith("U")}
 
 
 def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], widths: Mapping[str, int]) -> None:
@@ -88,12 +89,7 @@ def damaged_error(path: str | Path, error: Exception) -> Exception:
 def text_widths(data: xr.Dataset) -> dict[str, int]:
     """Bytes of the longest text in each variable of text: for those of the table, what the table says."""
     texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
-    return {name: _table_width(name) or _encoded(values.values).itemsize for name, values in texts.items()}
-
-
-def _table_width(name: str) -> int:
-    dtype = VARIABLES[name].dtype if name in VARIABLES else ""
-    return int(dtype[1:]) if dtype.startswith("U") else 0
+    return {name: WIDTHS.get(name) or _encoded(values.values).itemsize for name, values in texts.items()}
 
 
 def _create_variable(

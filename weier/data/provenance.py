@@ -32,7 +32,6 @@ SUMMARY = (
 KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surface, fractal, Weierstrass profile"
 DEVELOPERS = "The weier developers"
 VERSION = "0.1.0"
-CHANGED = " with changes"
 
 # The attributes that all files share.
 FIXED = {
@@ -128,7 +127,7 @@ def commit() -> str:
     if not (PACKAGE.parent / ".git").exists():  # not the repository of whoever installed weier into theirs
         return ""
     name, changed = _git("rev-parse", "HEAD"), _git("status", "--porcelain", "--", PACKAGE.name)
-    return f"{name}{CHANGED}" if name and changed else name
+    return f"{name} with changes" if name and changed else name
 
 
 def _git(*arguments: str) -> str:

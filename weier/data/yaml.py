@@ -61,10 +61,8 @@ def read_yaml(text: str) -> Document:
     try:
         loader = _Loader(text)
         root = loader.get_single_node()
-        if root is None:
-            return Document(None, None)
         _size(root, {})
-        return Document(loader.construct_document(root), root)
+        return Document(loader.construct_document(root) if root else None, root)
     except RecursionError:
         raise ValueError("the values are nested too deep, or contain themselves") from None
     except yaml.MarkedYAMLError as error:
@@ -84,7 +82,7 @@ def number(name: str, value: Any) -> float:
         raise ValueError(f"{name} must be a number, got {shown(value)}") from None
 
 
-def _size(node: yaml.Node, known: dict[int, int]) -> int:
+def _size(node: yaml.Node | None, known: dict[int, int]) -> int:
     """How many values a node stands for, each alias written out; a node within itself never ends."""
     if id(node) not in known:
         children = _children(node)
@@ -94,16 +92,16 @@ def _size(node: yaml.Node, known: dict[int, int]) -> int:
     return known[id(node)]
 
 
-def _children(node: yaml.Node) -> list[yaml.Node]:
+def _children(node: yaml.Node | None) -> list[yaml.Node]:
     if isinstance(node, yaml.MappingNode):
-        seen = set()
+        seen = set[str]()
         for key, _ in node.value:
-            if isinstance(key, yaml.ScalarNode) and key.value in seen:
-                raise ValueError(f"line {key.start_mark.line + 1}: the key {key.value!r} stands twice in one place")
-            seen.add(key.value if isinstance(key, yaml.ScalarNode) else None)
-        odd = [key.start_mark.line + 1 for key, _ in node.value if key.tag not in KEY_TAGS]
-        if odd:
-            raise ValueError(f"a key must be a word, got another kind of value in line {odd[0]}")
+            line = key.start_mark.line + 1
+            if key.tag not in KEY_TAGS or not isinstance(key, yaml.ScalarNode):
+                raise ValueError(f"a key must be a word, got another kind of value in line {line}")
+            if key.value in seen:
+                raise ValueError(f"line {line}: the key {key.value!r} stands twice in one place")
+            seen.add(key.value)
         return [child for pair in node.value for child in pair]
     return node.value if isinstance(node, yaml.SequenceNode) else []
 

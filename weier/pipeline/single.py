@@ -24,10 +24,7 @@ from weier.theory.loads import check_range
 
 
 def solve_one(
-    profile: Mapping[str, Any],
-    loads: Array,
-    methods: Sequence[str],
-    settings: Mapping[str, Mapping[str, Any]],
+    profile: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
 ) -> xr.Dataset:
     """The curves of one profile, as a dataset of one case with the seconds of each method.
 

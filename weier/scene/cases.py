@@ -73,17 +73,13 @@ class Scene:
     text: str = ""
 
     @cached_property
-    def _all(self) -> Study:
-        """All studies, one after the other."""
-        return Study([product for study in self.studies.values() for product in study.products])
+    def products(self) -> tuple[CaseProduct, ...]:
+        """The products of all studies, in the order of the file."""
+        return tuple(product for study in self.studies.values() for product in study.products)
 
     @cached_property
-    def _distinct(self) -> tuple[Indices, list[tuple[str, ...]], Indices]:
-        """Each case once, in order of appearance.
-
-        Where it stands first among all studies, shape (cases,); each set of studies that cases belong to; and the
-        number of that set, shape (cases,).
-        """
+    def _distinct(self) -> tuple[Indices, list[tuple[str, ...]]]:
+        """Where each case stands first among all studies, shape (cases,), and the studies that it belongs to."""
         seen: dict[tuple[str, ...], int] = {}
         identities = itertools.chain.from_iterable(product.identities for product in self.products)
         number = np.array([seen.setdefault(identity, len(seen)) for identity in identities], int)
@@ -92,22 +88,17 @@ class Scene:
         member[number, study] = True
         homes, home = np.unique(member, axis=0, return_inverse=True)
         names = [tuple(itertools.compress(self.studies, row)) for row in homes]
-        return np.unique(number, return_index=True)[1], names, home.ravel()
+        return np.unique(number, return_index=True)[1], [names[each] for each in home.ravel().tolist()]
 
     @cached_property
     def distinct(self) -> Study:
         """Every case once, in order of appearance."""
-        return Study(self._all.products, self._distinct[0])
+        return Study(self.products, self._distinct[0])
 
     @property
     def cases(self) -> dict[str, Case]:
         """Every case by its key, each once, in order of appearance: all of them in memory."""
         return {case.key: case for case in self.distinct}
-
-    @property
-    def products(self) -> tuple[CaseProduct, ...]:
-        """The products of all studies, in the order of the file."""
-        return self._all.products
 
     @property
     def product_of_cases(self) -> Indices:
@@ -118,14 +109,12 @@ class Scene:
     @property
     def studies_of_cases(self) -> list[tuple[str, ...]]:
         """The studies that each case belongs to, in order of appearance."""
-        _, names, home = self._distinct
-        return [names[number] for number in home.tolist()]
+        return self._distinct[1]
 
     @cached_property
     def layout(self) -> Layout:
         """What the arrays of all cases must hold."""
-        products, kinds = self._all.products, ("gamma", "m")
-        cases = [case for product in products for case in product.of_all_kinds(*kinds)]
+        cases = [case for product in self.products for case in product.of_all_kinds("gamma", "m")]
         return layout_of(cases, self.contact_edges)
 
     def study(self, name: str) -> Study:

@@ -27,25 +27,18 @@ class Mistake(NamedTuple):
     text: str
 
 
-class Mistakes:
+class Mistakes(dict[Keys, str]):
     """The mistakes that are found while a scene is read, one at each place."""
-
-    def __init__(self) -> None:
-        self._found: dict[Keys, str] = {}
-
-    def __bool__(self) -> bool:
-        """Whether there are any."""
-        return bool(self._found)
 
     def add(self, found: Iterable[Mistake]) -> None:
         """Add some, but for parts of the file that have one: it may be the cause of the others."""
         for keys, text in found:
             if not self.within(*keys):
-                self._found[keys] = text
+                self[keys] = text
 
     def within(self, *keys: str | int) -> bool:
         """Whether there are any in the part of the file that these keys lead to."""
-        return any(place[: len(keys)] == keys for place in self._found)
+        return any(place[: len(keys)] == keys for place in self)
 
     def attempt(self, keys: Keys, read: Callable[[], Value], instead: Other) -> Value | Other:
         """What `read` finds there, or another value where there is a mistake: a ValueError or OSError tells it."""
@@ -54,12 +47,12 @@ class Mistakes:
         try:
             return read()
         except (OSError, ValueError) as error:
-            self._found[keys] = str(error)
+            self[keys] = str(error)
             return instead
 
     def error(self, path: Path, document: Document) -> SceneError:
         """All of them as one error, in the order of their lines: a line for one, a list of lines for several."""
-        ordered = sorted((document.line(keys), _told(keys, text)) for keys, text in self._found.items())
+        ordered = sorted((document.line(keys), _told(keys, text)) for keys, text in self.items())
         told = [f"line {line}: {text}" for line, text in ordered[:MAX_TOLD]]
         if len(ordered) == 1:
             return SceneError(f"{path}, {told[0]}")

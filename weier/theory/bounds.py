@@ -63,10 +63,7 @@ def complete_bounds(
 
 
 def resistance_bounds(
-    mean_pressure: ArrayLike,
-    compliance: ArrayLike,
-    amplitude: ArrayLike,
-    first_contact: ArrayLike | None = None,
+    mean_pressure: ArrayLike, compliance: ArrayLike, amplitude: ArrayLike, first_contact: ArrayLike | None = None
 ) -> tuple[Array, Array]:
     """Bounds on dh/dp of the complete series: the shallowest and steepest line that its concave curve allows.
 

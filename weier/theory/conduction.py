@@ -68,18 +68,13 @@ def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
 
 
 # What the values of a quantity must do, and whether they do.
-_MODULUS = "be positive (inf for a rigid body)", lambda mu: mu > 0
-_POISSON = "lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5)
-_RESISTIVITY = "be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf)
-_LENGTH = "be positive and finite", lambda length: (length > 0) & (length < math.inf)
-_RADIUS = "be positive", lambda radius: radius > 0
 RANGES: dict[str, tuple[str, Condition]] = {
-    "mu_1": _MODULUS, "mu_2": _MODULUS, "modulus": _MODULUS, "nu_1": _POISSON, "nu_2": _POISSON,
-    "rho_1": _RESISTIVITY, "rho_2": _RESISTIVITY, "lambda_0": _LENGTH, "g_0": _LENGTH,
-    "radii": _RADIUS, "contour_radius": _RADIUS,
-}  # fmt: skip
-
-
+    **dict.fromkeys(("mu_1", "mu_2", "modulus"), ("be positive (inf for a rigid body)", lambda mu: mu > 0)),
+    **dict.fromkeys(("nu_1", "nu_2"), ("lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5))),
+    **dict.fromkeys(("rho_1", "rho_2"), ("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf))),
+    **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf))),
+    **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0)),
+}
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
 SAME_SCALE = 1e-6  # relative: what a person copies of a number
 OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}  # coordinates of curves, in m

@@ -149,7 +149,7 @@ class Profile(Waves):
             return np.array(self.phases)
         return np.where(np.arange(self.terms) == 0, 0.0, self.phases)
 
-    @property
+    @cached_property
     def total_amplitude(self) -> float:
         """Sum of all g_n, in g_0: the compliance at full contact (22)."""
         if math.isinf(self.m):
@@ -172,7 +172,7 @@ class Profile(Waves):
         terms = checked_number("terms", terms, f"lie in [1, m = {self.m}]", lambda terms: 1 <= terms <= self.m)
         return 0.0 if terms == self.m else self.total_amplitude - self.truncated(int(terms)).total_amplitude
 
-    @property
+    @cached_property
     def period(self) -> int:
         """Length after which the truncated series repeats, in lambda_0: denominator(gamma)^(m-1)."""
         return int(self.gamma.denominator ** (self.terms - 1))
@@ -191,13 +191,13 @@ class Profile(Waves):
         except OverflowError:
             return math.inf
 
-    @property
+    @cached_property
     def parameters(self) -> dict[str, Any]:
         """What a scene says of this series: see `Profile`."""
         phases = {"seed": self.phases.seed} if isinstance(self.phases, RandomPhases) else {"phases": self.phases}
         return {"D": self.D, "m": self.m, "gamma": str(self.gamma), **phases}
 
-    @property
+    @cached_property
     def labels(self) -> dict[str, Any]:
         """What tells this series from others, by the names of coordinates: the seed is NaN where there is none."""
         seed: float = math.nan
@@ -228,8 +228,7 @@ class Profile(Waves):
         total = f"sum of the amplitudes: {self.total_amplitude:.6g} g_0"
         if math.isinf(self.m):
             return html_table(self.describe_with_phases(), ["term"], [["every n = 0, 1, 2, ..."]], total)
-        columns = self.amplitude, self.full_contact_pressure, self.phase
-        numbers = list(zip(*(column.tolist() for column in columns), strict=True))
+        numbers = np.transpose([self.amplitude, self.full_contact_pressure, self.phase])
         rows = [[str(n), *(f"{value:.6g}" for value in row)] for n, row in enumerate(numbers)]
         more = f"; {len(rows) - MAX_TERMS_SHOWN} more terms" if len(rows) > MAX_TERMS_SHOWN else ""
         header = ["n", "amplitude, g_0", "full-contact pressure, p_0*", "phase, rad"]

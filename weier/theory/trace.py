@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,10 @@ class Trace(Waves):
         The units of lengths and heights, in m: the length of the trace, and the root mean square of its waves.
     samples, digest : int, str
         The number of heights, and twelve letters that differ where heights or waves do.
+    amplitude, phase : ndarray, shape (m,)
+        Of the waves, in g_0 and in radians; x = 0 is the first height.
+    waves_per_period, period : list of int, int
+        Waves of each kind in one period, ascending, and its length in lambda_0: 2 if the trace is mirrored, else 1.
 
     Raises
     ------
@@ -80,13 +85,10 @@ class Trace(Waves):
     trace of 400 heights over 0.002 m, 2 waves down to 8e-05 m; g_0 = 7.21e-07 m
     """
 
+    listed_terms = 0  # the file of heights tells the waves
+
     def __init__(
-        self,
-        heights: ArrayLike,
-        length: float,
-        shortest: float | None = None,
-        ends: str = MIRRORED,
-        source: str = "",
+        self, heights: ArrayLike, length: float, shortest: float | None = None, ends: str = MIRRORED, source: str = ""
     ) -> None:
         if isinstance(heights, str | Path):
             raise ValueError(f"heights must be numbers, got {shown(heights)}: weier.Trace.read takes a file")
@@ -101,17 +103,18 @@ class Trace(Waves):
         )  # fmt: skip
         level = _levelled(z, self.ends)
         _check_jumps(level if self.ends != PERIODIC else np.append(level, level[0]), step)
-        period = _continued(level, self.ends)
+        z_of_period = _continued(level, self.ends)
+        self.period = z_of_period.size // z.size  # 2 if it is mirrored
         # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
-        most = min(math.floor(self.period * self.lambda_0 / self.shortest * NEAR), (period.size - 1) // 2)
+        most = min(math.floor(self.period * self.lambda_0 / self.shortest * NEAR), (z_of_period.size - 1) // 2)
         waves = np.arange(1, most + 1)
-        coefficient = 2 * np.fft.rfft(period)[waves] / period.size
+        coefficient = 2 * np.fft.rfft(z_of_period)[waves] / z_of_period.size
         self.g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
         if not self.g_0 > ROUNDING * np.abs(z).max():
             raise ValueError(f"heights must be rough, got none with waves of {self.shortest:g} m or longer")
         rough = np.abs(coefficient) > ROUNDING * self.g_0
-        self._waves, self._coefficient = waves[rough], coefficient[rough]
-        self.m = self._waves.size
+        self.waves_per_period, self.m = waves[rough].tolist(), int(rough.sum())
+        self.amplitude, self.phase = np.abs(coefficient[rough]) / self.g_0, np.angle(coefficient[rough])
         told = [self.lambda_0, self.shortest, self.ends]
         self.digest = hashlib.sha256(repr(told).encode() + z.tobytes()).hexdigest()[:12]
         if (finest := self.waves_per_period[-1]) > MAX_WAVES:
@@ -161,42 +164,17 @@ class Trace(Waves):
             length = _length(table[:, 0]) * UNITS[checked_word("x_unit", x_unit, UNITS)]
         return cls(heights, length, shortest, ends, Path(path).name)
 
-    @property
-    def amplitude(self) -> Array:
-        """Amplitudes of the waves, shape (m,), in g_0."""
-        return np.abs(self._coefficient) / self.g_0
-
-    @property
-    def phase(self) -> Array:
-        """Phases, shape (m,), in radians; x = 0 is the first height."""
-        return np.angle(self._coefficient)
-
-    @property
-    def waves_per_period(self) -> list[int]:
-        """Waves of each kind in one period, ascending, m of them."""
-        return [int(waves) for waves in self._waves]
-
-    @property
-    def period(self) -> int:
-        """Length after which the surface repeats, in lambda_0: 2 if it is mirrored, else 1."""
-        return 2 if self.ends == MIRRORED else 1
-
-    @property
+    @cached_property
     def total_amplitude(self) -> float:
         """The highest point above the mean plane, in g_0: compliance counts from first contact."""
         return self.crest[1]
 
-    @property
-    def listed_terms(self) -> int:
-        """None: the file of heights tells the waves."""
-        return 0
-
-    @property
+    @cached_property
     def parameters(self) -> dict[str, Any]:
         """What a scene knows this trace by: its name, and the digest of its heights."""
         return {"trace": {"file": self.source, "digest": self.digest}}
 
-    @property
+    @cached_property
     def labels(self) -> dict[str, Any]:
         """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
         return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {

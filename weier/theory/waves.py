@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -24,44 +23,39 @@ MAX_X = 1e15  # lambda_0: from here on a float does not tell the crest of a wave
 
 
 class Waves(ABC):
-    """The periodic surface z(x) = sum_n a_n cos(2 pi k_n x/L + phi_n), with k_n waves in a period L."""
+    """The periodic surface z(x) = sum_n a_n cos(2 pi k_n x/L + phi_n), with k_n waves in a period L.
 
-    m: float  # the number of waves; a series may have inf
+    Attributes
+    ----------
+    m : float
+        The number of waves; a series may have inf.
+    amplitude : ndarray, shape (m,)
+        Amplitudes a_n, in g_0.
+    phase : ndarray, shape (m,)
+        Phases phi_n, in radians.
+    waves_per_period : list of int
+        Waves k_n of each term in one period: exact integers, ascending, m of them.
+    period : int
+        Length L after which the surface repeats, in lambda_0.
+    total_amplitude : float
+        Height above the mean plane that the compliance counts from, in g_0: what it is at full contact.
+    tail_amplitude : float
+        Sum of the amplitudes of finer waves that are left out, in g_0; NaN where nobody knows it.
+    parameters : dict
+        What a scene says of this surface, as plain values.
+    labels : dict
+        What tells this surface from others, by the names of coordinates.
+    """
 
-    @property
-    @abstractmethod
-    def amplitude(self) -> Array:
-        """Amplitudes a_n, shape (m,), in g_0."""
-
-    @property
-    @abstractmethod
-    def phase(self) -> Array:
-        """Phases phi_n, shape (m,), in radians."""
-
-    @property
-    @abstractmethod
-    def waves_per_period(self) -> Sequence[int]:
-        """Waves k_n of each term in one period: exact integers, ascending, m of them."""
-
-    @property
-    @abstractmethod
-    def period(self) -> int:
-        """Length L after which the surface repeats, in lambda_0."""
-
-    @property
-    @abstractmethod
-    def total_amplitude(self) -> float:
-        """Height above the mean plane that the compliance counts from, in g_0: what it is at full contact."""
-
-    @property
-    @abstractmethod
-    def parameters(self) -> dict[str, Any]:
-        """What a scene says of this surface, as plain values."""
-
-    @property
-    @abstractmethod
-    def labels(self) -> dict[str, Any]:
-        """What tells this surface from others, by the names of coordinates."""
+    m: float
+    amplitude: Array
+    phase: Array
+    waves_per_period: list[int]
+    period: int
+    total_amplitude: float
+    tail_amplitude: float = math.nan
+    parameters: dict[str, Any]
+    labels: dict[str, Any]
 
     @abstractmethod
     def describe(self) -> str:
@@ -80,11 +74,6 @@ class Waves(ABC):
     def finest(self) -> float:
         """Waves of the finest kind in one period; inf if they are more than a float holds."""
         return float(self.waves_per_period[-1])
-
-    @property
-    def tail_amplitude(self) -> float:
-        """Sum of the amplitudes of finer waves that are left out, in g_0; NaN where nobody knows it."""
-        return math.nan
 
     @property
     def terms(self) -> int:
