@@ -15,7 +15,7 @@ from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import registry
 from weier.methods.method import Reference
-from weier.scene import Case
+from weier.scene import Case, Figure
 
 LOADS = np.array([0.01, 0.1, 2.0])
 
@@ -37,7 +37,7 @@ def test_the_trade_measures_all_its_variants(monkeypatch, tmp_path):
     dataset.write(data, tmp_path / "toy.nc", "Toy")
     tradeoff.write_table(dataset.read(tmp_path / "toy.nc"), "Toy", tmp_path / "toy.md")
     assert "| toy 0.5 | 1 |" in (tmp_path / "toy.md").read_text()
-    figures.draw("work_precision", [data], "", tmp_path / "toy.png")
+    figures.draw(Figure("work_precision"), [data], tmp_path / "toy.png")
 
 
 def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
@@ -59,4 +59,4 @@ def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
     ]
     extremes.write_summary(data, "Toy", tmp_path / "toy.md")
     assert "\n- two waves, toy: not within band\n" in (tmp_path / "toy.md").read_text()
-    figures.draw("extremes", [data], "", tmp_path / "toy.png")
+    figures.draw(Figure("extremes"), [data], tmp_path / "toy.png")

@@ -16,6 +16,7 @@ from weier.methods import registry
 from weier.methods.compile import compile_kernels
 from weier.pipeline import batch
 from weier.pipeline.gather import gather
+from weier.scene import Figure
 
 PROFILE = weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 LOADS = np.array([0.01, 0.1, 1.0])
@@ -53,7 +54,7 @@ def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
     assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
     gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
     gathered = dataset.read(tmp_path / "contact.nc")
-    figures.draw("compliance", [gathered], "", tmp_path / "figure.png")
+    figures.draw(Figure("compliance"), [gathered], tmp_path / "figure.png")
     drawn = style.line("toy")
     assert (drawn["label"], drawn["color"]) == ("a toy", TOY.style.color)
     assert (tmp_path / "figure.png").stat().st_size > 0

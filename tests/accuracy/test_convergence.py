@@ -9,6 +9,7 @@ from weier import Profile, figures, random_phases
 from weier.accuracy import convergence as study
 from weier.figures import convergence as convergence_figure
 from weier.methods import bem
+from weier.scene import Figure
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, np.inf, random_phases(2))
@@ -52,7 +53,7 @@ def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
     low, high = (found[f"compliance_{side}"].values[:4] for side in ("lower", "upper"))
     assert np.all(low.max(axis=0) <= high.min(axis=0))
     assert np.all(high <= float(found["total_amplitude"]))
-    figures.draw("convergence", [data], "", tmp_path / "figure.png")
+    figures.draw(Figure("convergence"), [data], tmp_path / "figure.png")
 
 
 def test_bad_loads_are_not_taken_for_too_many_points():
@@ -78,8 +79,8 @@ def test_bounds_are_seen_in_the_figure_and_never_beyond_full_contact(convergence
 
 
 def test_the_figure(convergence, tmp_path):
-    figures.draw("convergence", [convergence.expand_dims("case")], "", tmp_path / "figure.png")
+    figures.draw(Figure("convergence"), [convergence.expand_dims("case")], tmp_path / "figure.png")
     assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
     shortest = convergence.isel(resolved_terms=[0])
     with pytest.raises(ValueError, match="resolve more terms"):
-        figures.draw("convergence", [shortest.expand_dims("case")], "", tmp_path / "one.png")
+        figures.draw(Figure("convergence"), [shortest.expand_dims("case")], tmp_path / "one.png")

@@ -25,7 +25,6 @@ WRONG_USAGE = [
     (["solve", "-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
     (["plan"], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
     (["plan", "--tolerance", "1e-3"], "got neither"),
-    (["plan", "--trace", "shaft.csv"], "plans are for series: take the one that weier.fit finds for the trace"),
     (["plan", "scene.yaml", *PROFILE], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got both"),
     (["plan", "-D", "1.5"], "a profile takes -D, --gamma and -m; missing: --gamma, -m"),
     (["table", "curve.nc", "curves.txt"], "the name must end in one of .csv"),

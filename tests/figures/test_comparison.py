@@ -9,6 +9,7 @@ from weier import figures
 from weier.data import dataset
 from weier.figures import compliance
 from weier.scene import Axis, Grouping
+from weier.scene import Figure as Wanted
 from weier.theory.conduction import Interface
 
 LOADS = np.geomspace(0.01, 4, 12)
@@ -127,13 +128,13 @@ def test_a_scene_may_set_scales_and_ends_of_axes_and_the_size(kind, sweep, tmp_p
     axis = "y" if kind == "contact_tree" else "x"
     for scale in ("log", "linear"):
         wanted = {axis: Axis(scale, 0.05, 3.0)}
-        figures.draw(kind, [given], "", tmp_path / "f.png", **wanted, size=(5.0, 4.0))
+        figures.draw(Wanted(kind, **wanted, size=(5.0, 4.0)), [given], tmp_path / "f.png")
         axes = kept[-1].axes[0] if kind != "contact_tree" else kept[-1].axes[1]
         assert getattr(axes, f"get_{axis}scale")() == scale
         assert getattr(axes, f"get_{axis}lim")() == pytest.approx((0.05, 3))
         assert kept[-1].get_size_inches() == pytest.approx((5, 4))
         kept[-1].draw_without_rendering()
-    figures.draw(kind, [given], "", tmp_path / "f.png", x=Axis("linear"))
+    figures.draw(Wanted(kind, x=Axis("linear")), [given], tmp_path / "f.png")
     assert kept[-1].axes[0].get_xlim()[0] == (0 if kind != "contact_tree" else kept[-1].axes[0].get_xlim()[0])
 
 
@@ -145,7 +146,7 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     bodies = Interface(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
     grouping = Grouping("gamma", ("method",), ("seed",))
     for interface in (None, bodies):
-        figures.draw(kind, [sweep], "", tmp_path / "f.png", grouping, interface=interface)
+        figures.draw(Wanted(kind, grouping=grouping, interface=interface), [sweep], tmp_path / "f.png")
     normalised, converted = kept
     of_value = {"compliance": bodies.compliance, "resistance": bodies.resistance}[kind]
     for before, after in zip(normalised.axes, converted.axes, strict=True):
@@ -160,18 +161,6 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     unit = {"compliance": "(m)", "resistance": r"($\Omega\,$m$^2$)"}[kind]
     assert converted.axes[0].get_ylabel().endswith(unit)
     assert [axes.get_xlabel()[-4:] for axes in converted.axes] == ["(Pa)", "(Pa)"]
-    figures.draw(kind, [sweep], "", tmp_path / "f.png", grouping, Axis("log", 1e6, 1e8), interface=bodies)
+    wanted = Wanted(kind, grouping=grouping, x=Axis("log", 1e6, 1e8), interface=bodies)
+    figures.draw(wanted, [sweep], tmp_path / "f.png")
     assert kept[-1].axes[0].get_xlim() == pytest.approx((1e6, 1e8))
-
-
-def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: xr.Dataset) -> None:
-    one = sweep.isel(case=[0]).copy(deep=True)
-    one["compliance_error"] = one["compliance"] * 0.1
-    (axes,) = compliance.draw([one.assign(compliance_error=one["compliance"] * 1e-4)], "").axes
-    assert not axes.collections
-    (axes,) = compliance.draw([one], "").axes
-    (band, _) = axes.collections
-    values = one["compliance"].sel(solution_method="demelio").values[0]
-    assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.1 * values.max())
-    said = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert said[2:] == ["error stated by Demelio", "error stated by boundary elements"]

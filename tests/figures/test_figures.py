@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tests.scenes import scene_in, solve_scene
-from weier import figures
+from weier import figures, scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import style, truncation
@@ -64,7 +64,7 @@ def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.D
 
 
 def file_bytes(kind: str, given: list[xr.Dataset], folder: Path) -> list[bytes]:
-    figures.draw(kind, given, "A title", folder / "figure.pdf")
+    figures.draw(scene.Figure(kind, title="A title"), given, folder / "figure.pdf")
     return [(folder / f"figure.{suffix}").read_bytes() for suffix in FORMATS]
 
 
@@ -105,13 +105,13 @@ def test_many_cases_with_holes(kind: str) -> None:
 def test_nothing_to_draw(kind: str, tmp_path: Path) -> None:
     empty = dataset.blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
     with pytest.raises(ValueError, match="there are no "):
-        figures.draw(kind, [empty], "", tmp_path / "figure.pdf")
+        figures.draw(scene.Figure(kind), [empty], tmp_path / "figure.pdf")
     assert not list(tmp_path.iterdir())
 
 
 def test_the_infinite_series_has_no_profile(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no profiles"):
-        figures.draw("profiles", [many_cases().isel(case=[8])], "", tmp_path / "figure.pdf")
+        figures.draw(scene.Figure("profiles"), [many_cases().isel(case=[8])], tmp_path / "figure.pdf")
 
 
 @pytest.mark.parametrize(
@@ -156,13 +156,11 @@ figures:
   all: {draw: resistance, studies: [all]}
   many: {draw: resistance, studies: [many]}
 """
-BANDS = "bands show the errors that they state where these are wide enough to be seen"
 SENTENCES = {
     "bare": "Colours show the estimates.",
-    "elements": "Colours show the estimates, a solid line shows boundary elements, and {bands}.",
-    "both": "A solid line shows contact patches, markers show boundary elements, and {bands}.",
-    "all": "Colours show the estimates, a solid line shows contact patches, markers show boundary elements, and "
-    "{bands}.",
+    "elements": "Colours show the estimates and a solid line shows boundary elements.",
+    "both": "A solid line shows contact patches and markers show boundary elements.",
+    "all": "Colours show the estimates, a solid line shows contact patches, and markers show boundary elements.",
     "many": "A solid line shows contact patches and markers show boundary elements. Lines are medians over the "
     "phases, and bands hold all curves.",
 }
@@ -174,7 +172,7 @@ def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
     assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.kinds()['profiles'].caption}")
     assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
     for name, sentence in SENTENCES.items():
-        assert f" over mean pressure. {sentence.format(bands=BANDS)} " in caption(loaded, name).text
+        assert f" over mean pressure. {sentence} " in caption(loaded, name).text
 
 
 def test_studies_of_different_methods_stand_in_one_figure(studies: dict[str, xr.Dataset]) -> None:

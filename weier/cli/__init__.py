@@ -6,12 +6,12 @@ May use all other folders of weier, and none of them uses it.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from functools import cache
 from typing import NoReturn
 
 import click
 
-from weier.cli import measure, plan, profile, scene, table
+from weier.cli import jobs, plan, profile, table
 from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
@@ -50,15 +50,15 @@ def cli() -> None:
 
 for _command in (
     profile.solve, profile.plot, plan.plan, table.table,
-    scene.compile, scene.batch, scene.figures, scene.claims, scene.page,
-    measure.tradeoff, measure.convergence, measure.extremes, measure.draw,
+    jobs.compile, jobs.batch, jobs.figures, jobs.claims, jobs.page,
+    jobs.tradeoff, jobs.convergence, jobs.extremes, jobs.draw,
 ):  # fmt: skip
     cli.add_command(_command)
 
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
-    announce_compiling(_say_compiling())
+    announce_compiling(lambda module: _say_compiling(module.removeprefix("weier.methods.").partition(".")[0]))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
     except click.Abort:  # which click makes of Ctrl-C, and standing alone ends with exit code 1
@@ -85,17 +85,10 @@ def _told(error: Exception) -> str:
     return str(error) if isinstance(error, SceneError) else " ".join(str(error).split())
 
 
-def _say_compiling() -> Callable[[str], None]:
-    """What tells which method is compiled, once for each."""
-    told: set[str] = set()
-
-    def say(module: str) -> None:
-        name = module.removeprefix("weier.methods.").partition(".")[0]
-        if name not in told:
-            click.echo(f"compiling {name}, once for all later runs", err=True)
-        told.add(name)
-
-    return say
+@cache
+def _say_compiling(method: str) -> None:
+    """Tell which method is compiled, once for each."""
+    click.echo(f"compiling {method}, once for all later runs", err=True)
 
 
 def _stop(why: str) -> NoReturn:

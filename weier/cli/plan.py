@@ -19,12 +19,6 @@ from weier.theory.loads import check_range
 PRESSURES = loads(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
 
 
-def _refuse_trace(context: click.Context, option: click.Parameter, path: str | None) -> None:
-    """Name what takes the place of a trace, rather than an option with a similar name."""
-    if path is not None:
-        raise click.UsageError("plans are for series: take the one that weier.fit finds for the trace")
-
-
 @click.command(params=[*OF_SERIES, PRESSURES])
 @click.argument("scene_file", metavar="[SCENE]", required=False, type=FILE)
 @click.option(
@@ -38,14 +32,13 @@ def _refuse_trace(context: click.Context, option: click.Parameter, path: str | N
     type=click.Choice(QUANTITIES),
     help="Which of the two has to be that accurate  [default: that of the scene, or compliance].",
 )
-@click.option("--trace", hidden=True, expose_value=False, callback=_refuse_trace)
 def plan(
     scene_file: Path | None, loads: Array | None, tolerance: float | None, quantity: str | None, **series: Any
 ) -> None:
     """Show which methods reach a tolerance, and at what cost.
 
     The plan is for one profile, or for each case of a scene. It names the cheapest methods, load by load, with their
-    errors, seconds and memory. Nothing is solved.
+    errors, seconds and memory. Nothing is solved. For measured heights, take the series that weier.fit finds.
 
     \b
     weier plan -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --tolerance 1e-4

@@ -12,6 +12,7 @@ from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one
 from weier.kernels.arrays import Array
 from weier.methods.registry import DEFAULT, PLOTTED
 from weier.methods.segment import QUANTITIES
+from weier.scene import Figure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,5 +70,5 @@ def plot(path: Path, quantity: str, **options: Any) -> None:
     from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
 
     data = _solved(PLOTTED, **options)
-    draw(quantity, [data], "", path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
+    draw(Figure(quantity), [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
     result.check_solved(data)

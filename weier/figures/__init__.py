@@ -19,14 +19,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weier.data.files import replacing
-from weier.scene import BY_DEFAULT, Axis, Grouping
-from weier.scene.figure import FREE
+from weier.scene import BY_DEFAULT, Figure
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
-
-    from weier.theory.conduction import Interface
+    from matplotlib import figure
 
 MAX_PANELS = 4  # in one column: more would not fit a page
 
@@ -73,38 +70,19 @@ def _kind(module: str) -> FigureKind | None:
 
 
 def draw(
-    kind: str,
-    studies: Sequence[xr.Dataset],
-    title: str,
-    path: str | Path,
-    grouping: Grouping = BY_DEFAULT,
-    x: Axis = FREE,
-    y: Axis = FREE,
-    size: tuple[float, float] | None = None,
-    interface: Interface | None = None,
-    formats: Collection[str] = tuple(METADATA),
+    wanted: Figure, studies: Sequence[xr.Dataset], path: str | Path, formats: Collection[str] = tuple(METADATA)
 ) -> None:
     """Draw one figure, in several formats beside each other.
 
     Parameters
     ----------
-    kind : str
-        One of `kinds()`.
+    wanted : weier.scene.Figure
+        What to draw, one of `kinds()`, and how. Curves of a trace in SI units are in those of its own length and
+        height, whatever lambda_0 and g_0 the interface has.
     studies : sequence of Dataset
         What the figure shows, over case, solution_method, mean_pressure and term.
-    title : str
-        One line over the figure; empty for none.
     path : path
         Where to write: its suffix is replaced by those of the formats.
-    grouping : Grouping
-        By which parameters to draw, for a kind that is `grouped`.
-    x, y : Axis
-        Scales and ends of the axes of all panels, where they are not those of the kind.
-    size : tuple of float, optional
-        Width and height in inches.
-    interface : Interface, optional
-        The bodies by which the axes, and the ends of x and y, are in SI units, for a kind that has `units`. Curves of
-        a trace are in units of its own length and height, whatever lambda_0 and g_0 the interface has.
     formats : collection of str
         Some of pdf, svg and png.
 
@@ -114,20 +92,20 @@ def draw(
         If there is no such kind, the studies are of another kind, or they hold nothing that it could show.
 
     """
-    _check_studies(kind, studies)
+    _check_studies(wanted.draw, studies)
     import matplotlib.style
 
     from weier.figures.style import SHEET, set_axes
 
+    options: dict[str, Any] = {} if wanted.grouping == BY_DEFAULT else {"grouping": wanted.grouping}
+    options |= {"interface": wanted.interface} if wanted.interface else {}
     # The reset keeps the user's own matplotlibrc out of the figure.
-    wanted: dict[str, Any] = {} if grouping == BY_DEFAULT else {"grouping": grouping}
-    wanted |= {"interface": interface} if interface else {}
     with matplotlib.style.context(SHEET, after_reset=True):
-        figure = import_module(f"weier.figures.{kind}").draw(studies, title, **wanted)
-        set_axes(figure, x, y)
-        if size:
-            figure.set_size_inches(*size)
-        save(figure, path, formats)
+        drawn = import_module(f"weier.figures.{wanted.draw}").draw(studies, wanted.title, **options)
+        set_axes(drawn, wanted.x, wanted.y)
+        if wanted.size:
+            drawn.set_size_inches(*wanted.size)
+        save(drawn, path, formats)
 
 
 def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
@@ -138,15 +116,15 @@ def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
         raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {known[kind].command}`")
 
 
-def save(figure: Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
+def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
     """Save a figure in the style that is set, in several formats beside each other."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    FigureCanvasAgg(figure)  # measures texts, of which each takes milliseconds, once for the layout and for PNG
-    if engine := figure.get_layout_engine():
-        engine.execute(figure)
-    figure.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
+    FigureCanvasAgg(drawn)  # measures texts, of which each takes milliseconds, once for the layout and for PNG
+    if engine := drawn.get_layout_engine():
+        engine.execute(drawn)
+    drawn.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
     with ExitStack() as stack:
         for suffix in formats:
             file = stack.enter_context(replacing(Path(path).with_suffix(f".{suffix}")))
-            figure.savefig(file, format=suffix, metadata=METADATA[suffix])
+            drawn.savefig(file, format=suffix, metadata=METADATA[suffix])

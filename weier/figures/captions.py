@@ -44,7 +44,7 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
     sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]
     if grouping.colour in ("", "method"):
-        sentences += [_describe_methods(methods, bool(grouping.median_over))] if methods else []
+        sentences += [_describe_methods(methods)] if methods else []
     else:
         dashes = ", dashes or markers the method" if "method" not in grouping.facet and len(methods) > 1 else ""
         sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
@@ -54,14 +54,12 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     return " ".join(sentences)
 
 
-def _describe_methods(methods: Collection[str], medians: bool) -> str:
+def _describe_methods(methods: Collection[str]) -> str:
     """A sentence that tells the curves of methods apart."""
     parts = ["colours show the estimates"] if set(methods).difference(numerical_names()) else []
     numerical = [find_method(method).label for method in numerical_names() if method in methods]
     for number, label in enumerate(numerical):
         parts.append(f"{'markers show' if number else 'a solid line shows'} {label}")
-    if not medians and any("compliance_error" in find_method(method).returns for method in methods):
-        parts.append("bands show the errors that they state where these are wide enough to be seen")
     *former, last = parts
     sentence = f"{', '.join(former)}{',' * (len(former) > 1)} and {last}" if former else last
     return f"{sentence[:1].upper()}{sentence[1:]}."

@@ -32,10 +32,6 @@ LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}  # a solid line, where dashes of its colour may hide it
-STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band of stated errors
-# A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
-# the resistance there.
-VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 SURFACES = (*PARAMETERS, "trace")  # what tells the surfaces of curves apart beside phases
 EACH_CASE = Grouping(facet=("case",))
 
@@ -89,14 +85,12 @@ def compare(
     shared = _describe(
         drawn, [name for name in alike if name not in grouping.facet and drawn[0].parameters[name] != ""]
     )
-    handles: list[Any] = []
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [each for each in drawn if tuple(each.parameters[name] for name in grouping.facet) == value]
-        stated = _draw(axes, members, drawn, grouping, quantity)
-        handles += stated if not handles else []
+        _draw(axes, members, drawn, grouping)
         own = ",  ".join(filter(None, map(partial(_label, drawn), grouping.facet, value)))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else ",  ".join(filter(None, [own, shared])))
-    _add_legend(figure, panels, _legend(drawn, grouping) + handles)
+    _add_legend(figure, panels, _legend(drawn, grouping))
     if interface:  # a power of ten stands beside the title
         for axes in panels:
             axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
@@ -187,21 +181,11 @@ def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str,
     return look | {"color": own["color"]} | (BELOW if look["linestyle"] == "-" else {})
 
 
-def _draw(
-    axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grouping, quantity: str
-) -> list[Patch]:
-    """The median of the curves that look alike, within a band that holds all of them, or one curve with its errors.
-
-    Returns
-    -------
-    list of Patch
-        What the legend says of the errors.
-
-    """
+def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grouping) -> None:
+    """The median of the curves that look alike, within a band that holds all of them, or the one curve there is."""
     alike: dict[tuple[Hashable, Hashable], list[Curve]] = {}
     for curve in members:
         alike.setdefault((curve.parameters[grouping.colour], curve.method), []).append(curve)
-    stated: list[Patch] = []
     for same in alike.values():
         if hidden := grouping.hidden(_differing(same)):
             raise ValueError(grouping.proposal(hidden))
@@ -212,9 +196,6 @@ def _draw(
         axes.plot(loads, np.median(values, axis=0), **look)
         if len(same) > 1:
             axes.fill_between(loads, values.min(axis=0), values.max(axis=0), color=look["color"], **BAND)
-        elif grouping.colour in ("", "method"):
-            stated += _draw_errors(axes, same[0], quantity)
-    return stated
 
 
 def _differing(same: Sequence[Curve]) -> list[str]:
@@ -223,23 +204,6 @@ def _differing(same: Sequence[Curve]) -> list[str]:
     several = [curve for curve in same if curve.parameters["m"] != 1]
     by_phases = "m" not in differing and len(_values(several, "phases")) > 1
     return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases
-
-
-def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> list[Patch]:
-    """The errors that a method states, as a band, if it is anywhere so wide that one sees it."""
-    stated = curves.curve(curve.case, f"{quantity}_error", curve.method)
-    values = curves.curve(curve.case, quantity, curve.method)
-    if stated is None or values is None:
-        return []
-    width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
-    of = np.where(values > 0, values, 1.0) if quantity == "resistance" else values.max()  # by its logarithmic axis
-    wide = width / of >= VISIBLE[quantity]
-    if not (wide[1:] & wide[:-1]).any():
-        return []
-    look, label = style.line(curve.method)["color"], f"error stated by {style.line(curve.method)['label']}"
-    low = np.maximum(values - width, values * np.finfo(float).eps)  # on a logarithmic axis, too
-    axes.fill_between(curve.case["mean_pressure"].values, low, values + width, color=look, **STATED)
-    return [Patch(color=look, label=label, **STATED)]
 
 
 def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:

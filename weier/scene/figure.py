@@ -63,8 +63,8 @@ class Figure(NamedTuple):
     """
 
     draw: str
-    studies: tuple[str, ...]
-    title: str
+    studies: tuple[str, ...] = ()
+    title: str = ""
     grouping: Grouping = BY_DEFAULT
     x: Axis = FREE
     y: Axis = FREE

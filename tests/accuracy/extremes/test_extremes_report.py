@@ -13,7 +13,7 @@ from weier.accuracy.runner import Outcome
 from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods.method import Variant
-from weier.scene import Case
+from weier.scene import Case, Figure
 
 LOADS = np.array([1e-300, 1e-21, 1e-3, 0.1, 1.0, 10.0])
 
@@ -73,11 +73,11 @@ def test_the_data_are_by_the_conventions(measured, tmp_path):
 def test_figure_and_data(measured, tmp_path):
     dataset.write(measured, tmp_path / "extremes.nc", "Small", "examined")
     again = dataset.read(tmp_path / "extremes.nc")
-    figures.draw("extremes", [again], "", tmp_path / "extremes.png")
+    figures.draw(Figure("extremes"), [again], tmp_path / "extremes.png")
     assert {path.suffix for path in tmp_path.iterdir()} == {".nc", ".png", ".pdf", ".svg"}
     without = again.assign(compliance_digits=again["compliance_digits"] * np.nan)
     with pytest.raises(ValueError, match="no digits"):
-        figures.draw("extremes", [without], "", tmp_path / "no.png")
+        figures.draw(Figure("extremes"), [without], tmp_path / "no.png")
 
 
 def test_the_summary_has_the_worst_of_each_method(measured, tmp_path):

@@ -15,6 +15,7 @@ from weier.methods.error_model import estimate_error
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
 from weier.methods.settings import check_names
+from weier.scene import Figure
 
 TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12)
 PATCHES = [f"patches {tolerance:.0e}" for tolerance in TOLERANCES]
@@ -83,12 +84,12 @@ def test_files_table_and_figure(measured, tmp_path):
     text = (tmp_path / "tradeoff.md").read_text()
     assert text.startswith("# Small")
     assert text.count("\n| bem ") == sum(method == "bem" for method in measured["solution_method"].values)
-    figures.draw("work_precision", [again], "", tmp_path / "figure.png")
+    figures.draw(Figure("work_precision"), [again], tmp_path / "figure.png")
     assert (tmp_path / "figure.svg").exists()
     legend = work_precision.draw([again], "").legends[0]
     assert "one profile" in [text.get_text() for text in legend.get_texts()]  # which each dot is
     with pytest.raises(ValueError, match="no times"):
-        figures.draw("work_precision", [again.assign(seconds=again["seconds"] * np.nan)], "", tmp_path / "none.png")
+        figures.draw(Figure("work_precision"), [again.assign(seconds=again["seconds"] * np.nan)], tmp_path / "no.png")
 
 
 def test_a_solver_that_misses_its_tolerance_has_a_status(monkeypatch, tmp_path):

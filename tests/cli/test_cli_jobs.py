@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from weier import scene
-from weier.cli.job import job
+from weier.cli.jobs import job
 from weier.kernels import jit
 from weier.pipeline.batches import Solutions
 

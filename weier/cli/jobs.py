@@ -1,19 +1,35 @@
-"""What the pipeline does with a scene, a command a rule: `weier compile`, `batch`, `figures`, `claims` and `page`."""
+"""What the rules of the pipeline call, a command a rule: of a scene, and of what weier measures of itself."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache, partial
 from pathlib import Path
+from time import perf_counter
 
 import click
 
 import weier
-from weier.cli.job import job
-from weier.cli.options import FILE, SCENE, output
+from weier.cli.options import FILE, FILES, SCENE, output
+from weier.kernels import jit
+from weier.scene import Figure
 
 # From a folder, since the names of some thousands of files fit no command.
 BATCHES = click.argument("batches", type=FILE)
+
+
+@contextmanager
+def job(*words: str, announce_compiling: bool = False) -> Iterator[None]:
+    """One line for a job that is done: its rule, what for, and the seconds that it took.
+
+    What it compiles is not announced, unless asked for: a rule of Snakemake says so once for all jobs.
+    """
+    if not announce_compiling:
+        jit.LISTENERS.clear()
+    start = perf_counter()
+    yield
+    click.echo(f"{' '.join(words)}: {perf_counter() - start:.1f} s", err=True)
 
 
 @click.command()
@@ -67,10 +83,8 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         loaded = weier.load_scene(scene_file)
         study = cache(partial(read_study, Solutions(loaded, batches)))
         for name in names or loaded.figures:
-            one = loaded.figure(name)
-            studies = [study(each) for each in one.studies]
-            path = folder / f"{name}.png"
-            draw(one.draw, studies, one.title, path, one.grouping, one.x, one.y, one.size, one.interface)
+            wanted = loaded.figure(name)
+            draw(wanted, [study(each) for each in wanted.studies], folder / f"{name}.png")
 
 
 @click.command(hidden=True)
@@ -109,3 +123,77 @@ def page(scene_file: Path, batches: Path, contact: Path, path: Path, drawn: Path
         loaded = weier.load_scene(scene_file)
         pictures = [drawn / f"{name}.png" for name in loaded.figures]
         pages.write(loaded, contact, pictures, read_cost(Solutions(loaded, batches)), path)
+
+
+@click.command(hidden=True)
+@SCENE
+@output("path")
+@output("table")
+def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
+    """Measure the errors and seconds of all methods and settings.
+
+    The profiles are those of a scene. The data go to PATH, and the page to TABLE.
+    """
+    from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
+    from weier.data import dataset
+
+    with job("tradeoff", scene_file.stem):
+        loaded = weier.load_scene(scene_file)
+        data = trade.measure(loaded)
+        dataset.write(data, path, loaded.title, "measured", loaded.text)
+        trade.write_table(data, loaded.title, table)
+
+
+@click.command(hidden=True)
+@SCENE
+@output("path")
+@click.option(
+    "--terms", type=click.IntRange(1, 100), default=8, show_default=True, help="Waves to resolve, from 1 up to this."
+)
+def convergence(scene_file: Path, path: Path, terms: int) -> None:
+    """Solve infinite series by the number of terms resolved.
+
+    The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it.
+    """
+    from weier.accuracy import convergence as study
+    from weier.data import dataset
+
+    with job("convergence", scene_file.stem):
+        loaded = weier.load_scene(scene_file)
+        profiles = [case.profile for case in loaded.cases.values()]
+        data = study.measure_convergence(profiles, loaded.loads, terms)
+        dataset.write(data, path, loaded.title, "solved", loaded.text)
+
+
+@click.command(hidden=True)
+@output("path")
+@output("summary")
+def extremes(path: Path, summary: Path) -> None:
+    """Examine every method where digits are lost.
+
+    The data go to PATH, and a page of the worst to SUMMARY.
+    """
+    from weier.accuracy import extremes as report  # as in tradeoff
+    from weier.data import dataset
+
+    title = "Stability at the extremes"
+    with job("extremes"):
+        data = report.measure()
+        dataset.write(data, path, title, "examined")
+        report.write_summary(data, title, summary)
+
+
+@click.command(hidden=True)
+@click.argument("kind")
+@output("path")
+@FILES
+def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
+    """Draw a kind of figure from files.
+
+    It is written as PDF, SVG and PNG beside PATH.
+    """
+    from weier.data import dataset
+    from weier.figures import draw as draw_files  # matplotlib, as in `weier plot`
+
+    with job("draw", kind):
+        draw_files(Figure(kind), [dataset.read(file) for file in files], path)
