@@ -79,7 +79,6 @@ def test_an_unknown_figure_is_refused(scene_file):
         (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
         (["page", "test.yaml", "none", "contact.nc", "x.html", "."], 1, "is not solved by all of demelio in none"),
-        (["convergence", "test.yaml", "x.nc", "--terms", "0"], 2, "0 is not in the range"),
     ],
 )
 def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):

@@ -11,10 +11,11 @@ from time import perf_counter
 import click
 
 import weier
-from weier.cli.options import FILE, FILES, SCENE, output
+from weier.cli.options import FILE, output
 from weier.kernels import jit
 from weier.scene import Figure
 
+SCENE = click.argument("scene_file", type=FILE)
 # From a folder, since the names of some thousands of files fit no command.
 BATCHES = click.argument("batches", type=FILE)
 
@@ -147,11 +148,8 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 @click.command(hidden=True)
 @SCENE
 @output("path")
-@click.option(
-    "--terms", type=click.IntRange(1, 100), default=8, show_default=True, help="Waves to resolve, from 1 up to this."
-)
-def convergence(scene_file: Path, path: Path, terms: int) -> None:
-    """Solve infinite series by the number of terms resolved.
+def convergence(scene_file: Path, path: Path) -> None:
+    """Solve infinite series by the number of terms resolved, from 1 to 8.
 
     The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it.
     """
@@ -161,7 +159,7 @@ def convergence(scene_file: Path, path: Path, terms: int) -> None:
     with job("convergence", scene_file.stem):
         loaded = weier.load_scene(scene_file)
         profiles = [case.profile for case in loaded.cases.values()]
-        data = study.measure_convergence(profiles, loaded.loads, terms)
+        data = study.measure_convergence(profiles, loaded.loads, max_terms=8)
         dataset.write(data, path, loaded.title, "solved", loaded.text)
 
 
@@ -186,7 +184,7 @@ def extremes(path: Path, summary: Path) -> None:
 @click.command(hidden=True)
 @click.argument("kind")
 @output("path")
-@FILES
+@click.argument("files", nargs=-1, type=FILE)
 def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
     """Draw a kind of figure from files.
 

@@ -98,8 +98,6 @@ def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path 
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}  # of a series
 SERIES = (*NEEDED.values(), "phases", "seed")
 FILE = click.Path(path_type=Path)
-SCENE = click.argument("scene_file", type=FILE)
-FILES = click.argument("files", nargs=-1, type=FILE)
 INTO = click.option(
     "-o",
     "--output",

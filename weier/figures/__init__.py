@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Collection, Sequence
-from contextlib import ExitStack
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -24,8 +23,6 @@ from weier.scene import BY_DEFAULT, Figure
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib import figure
-
-MAX_PANELS = 4  # in one column: more would not fit a page
 
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
@@ -124,7 +121,6 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
     if engine := drawn.get_layout_engine():
         engine.execute(drawn)
     drawn.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
-    with ExitStack() as stack:
-        for suffix in formats:
-            file = stack.enter_context(replacing(Path(path).with_suffix(f".{suffix}")))
+    for suffix in formats:
+        with replacing(Path(path).with_suffix(f".{suffix}")) as file:
             drawn.savefig(file, format=suffix, metadata=METADATA[suffix])

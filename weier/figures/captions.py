@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from weier import figures
 from weier.methods.registry import find_method, numerical_names
-from weier.scene import BY_DEFAULT, Grouping, Scene
-from weier.scene.figure import MEDIAN_OVER_PHASES
+from weier.scene import Grouping, Scene
 from weier.theory.profile import PARAMETERS
 
 NOUNS = {name: name for name in PARAMETERS}
@@ -30,8 +29,7 @@ def caption(scene: Scene, name: str) -> Caption:
     figure = scene.figure(name)
     products = [product for study in figure.studies for product in scene.study(study).products]
     methods = {method for product in products for method in product.methods}
-    few = sum(product.count for product in products) <= figures.MAX_PANELS
-    grouping = figure.grouping if few or figure.grouping != BY_DEFAULT else MEDIAN_OVER_PHASES
+    grouping = figure.grouping.of(sum(product.count for product in products))
     text = figures.kinds()[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
     title = name.replace("_", " ").capitalize()
     subject, *_ = re.split(r"[:.;] ?", text)
@@ -40,7 +38,7 @@ def caption(scene: Scene, name: str) -> Caption:
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     """Sentences that say what panels, colours, lines and bands show."""
-    facets = [NOUNS[name].removeprefix("the ") for name in grouping.facet]
+    facets = [NOUNS[name].removeprefix("the ") for name in grouping.facet if name in NOUNS]
     parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
     sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]
     if grouping.colour in ("", "method"):

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from weier import scene
-from weier.figures import MAX_PANELS, kinds
+from weier.figures import kinds
 from weier.pipeline import claims
 from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
-from weier.scene.figure import MEDIAN_OVER_PHASES, PHASES
+from weier.scene.figure import PHASES
 from weier.scene.study import CaseProduct
 from weier.theory.arguments import suggestion
 from weier.theory.profile import PARAMETERS
@@ -98,11 +98,9 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
     """What varies between the curves of a figure, and is not shown."""
-    panel_each = figure.grouping == BY_DEFAULT and sum(product.count for product in products) <= MAX_PANELS
-    if not panel_each:
-        grouping = MEDIAN_OVER_PHASES if figure.grouping == BY_DEFAULT else figure.grouping
-        hidden = grouping.hidden(_varying(products))
-        yield from [grouping.proposal(hidden)] if hidden else []
+    grouping = figure.grouping.of(sum(product.count for product in products))
+    if hidden := grouping.hidden(_varying(products)):
+        yield grouping.proposal(hidden)
     for method in dict.fromkeys(method for product in products for method in product.methods):
         own = [product.settings.get(method, {}) for product in products if method in product.methods]
         if len({json.dumps(settings, sort_keys=True) for settings in own}) > 1:

@@ -18,22 +18,21 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from weier.figures import MAX_PANELS, lines, style
+from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.kernels.arrays import Array
 from weier.methods import curves
 from weier.methods.registry import names, numerical_names
-from weier.scene import BY_DEFAULT, Grouping
-from weier.scene.figure import MEDIAN_OVER_PHASES
+from weier.scene import Grouping
+from weier.scene.figure import EACH_CASE
 from weier.theory.conduction import Interface, at_scale_of
 from weier.theory.profile import PARAMETERS
 
-LEGEND_ROW, TITLE_ROW = 0.17, 0.2  # inches
+TITLE_ROW = 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}  # a solid line, where dashes of its colour may hide it
 SURFACES = (*PARAMETERS, "trace")  # what tells the surfaces of curves apart beside phases
-EACH_CASE = Grouping(facet=("case",))
 
 
 class Curve(NamedTuple):
@@ -72,8 +71,7 @@ def compare(
     cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
     if not cases:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
-    if grouping == BY_DEFAULT:
-        grouping = EACH_CASE if len(cases) <= MAX_PANELS else MEDIAN_OVER_PHASES
+    grouping = grouping.of(len(cases))
     drawn = _curves(cases, quantity, grouping, interface)
     of_each = [_values(drawn, name) for name in grouping.facet]
     columns = len(of_each[1]) if len(of_each) == 2 else None
@@ -235,5 +233,5 @@ def _add_legend(figure: Figure, panels: Sequence[Axes], handles: Sequence[Any]) 
         panels[0].legend(handles=handles, loc="best")
         return
     columns = 2 if len(panels) == 1 else 3
-    figure.set_figheight(figure.get_figheight() + LEGEND_ROW * -(-len(handles) // columns))
+    figure.set_figheight(figure.get_figheight() + style.LEGEND_ROW * -(-len(handles) // columns))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)

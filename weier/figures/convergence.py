@@ -26,7 +26,6 @@ VARIABLE = "resolved_terms"
 HEIGHT = 2.1  # inches, of a panel
 BANDS = (1, 2, 4)  # resolved terms whose bounds are drawn, from light to dark, beside those of the most
 EDGE: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.3}
-LEGEND_ROW = 0.17  # inches
 COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # of cases
 
 
@@ -38,7 +37,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     title, cases = style.limit_panels(title, found, "cases")
     names = [*(style.describe(case, *PARAMETERS) for case in cases), "largest over the loads"]
     figure, axes = style.column(title, names, HEIGHT)
-    figure.set_figheight(figure.get_figheight() + LEGEND_ROW * len(cases))
+    figure.set_figheight(figure.get_figheight() + style.LEGEND_ROW * len(cases))
     for panel, case, color in zip(axes, cases, COLORS, strict=False):
         _draw_bounds(panel, case)
         _draw_convergence(axes[-1], case, color)

@@ -14,10 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
-from weier.figures import MAX_PANELS
 from weier.methods import curves, registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
+from weier.scene.figure import MAX_PANELS
 from weier.theory.profile import MAX_DENOMINATOR, PARAMETERS
 
 Group = TypeVar("Group")
@@ -25,6 +25,7 @@ Color = tuple[float, ...]
 
 WIDTH = 3.5  # inches: one column of a journal
 HEIGHT = 2.6
+LEGEND_ROW = 0.17
 GRID_PANELS = {1: (WIDTH, HEIGHT), 2: (2.9, 2.4), 3: (2.3, 2.0)}  # inches, by panels beside each other
 MAX_GRID = 12  # panels
 LINEAR_DECADES = 2  # of loads: a linear axis hides the lightest ones if there are more

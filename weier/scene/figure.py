@@ -10,6 +10,9 @@ from weier.theory.conduction import Interface
 PHASES = ("phases", "seed")  # names of what differs between profiles of the same D, gamma and m
 
 
+MAX_PANELS = 4  # in one column: more would not fit a page
+
+
 class Grouping(NamedTuple):
     """Which parameters of a sweep a figure shows, and how; none where the figure chooses.
 
@@ -22,12 +25,16 @@ class Grouping(NamedTuple):
     facet: tuple[str, ...] = ()
     median_over: tuple[str, ...] = ()
 
+    def of(self, cases: int) -> Grouping:
+        """By what so many cases are drawn: each has a panel, or more a median over phases, unless one is named."""
+        return self if self != BY_DEFAULT else EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES
+
     def hidden(self, varying: Iterable[str]) -> list[str]:
         """Which of the parameters that vary among the curves no key shows; a method always has a line of its own."""
         shown = {self.colour, *self.facet, *self.median_over, "method"}
         if shown.intersection(PHASES):
             shown |= {*PHASES}
-        return [name for name in varying if name not in shown]
+        return [name for name in varying if name not in shown and self != EACH_CASE]
 
     def proposal(self, hidden: Sequence[str]) -> str:
         """A sentence that proposes how to show the parameters that are hidden."""
@@ -40,7 +47,7 @@ class Grouping(NamedTuple):
 
 
 BY_DEFAULT = Grouping()
-MEDIAN_OVER_PHASES = Grouping(median_over=PHASES)  # by default, where there are more cases than panels
+EACH_CASE, MEDIAN_OVER_PHASES = Grouping(facet=("case",)), Grouping(median_over=PHASES)
 
 
 class Axis(NamedTuple):

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from bokeh.document import Document
 from bokeh.layouts import column, row
-from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, HoverTool, IndexFilter
+from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, IndexFilter
 from bokeh.models.widgets import Checkbox, Select
 from bokeh.plotting import figure
 
@@ -25,7 +25,8 @@ LABELS = ("trace", *PARAMETERS, "phase", "case")
 NONE = "-"  # what a trace or a series has no label for; a list of nothing else is hidden
 TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMALL LETTER PHI}, rad"}
 MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of the drop-down lists, in rem
-QUANTITIES = {name: entry.plot for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE}
+AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items() if entry.plot}
+QUANTITIES = [name for name in AXES if VARIABLES[name].dims == CURVE]
 LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
 MAX_POINTS = 30  # of a curve that is drawn as points
 LINE_WIDTH = 2  # pixels
@@ -100,42 +101,33 @@ def _label(method: str) -> str:
 
 
 def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
+    pressure = "mean pressure", "@mean_pressure{0.0000e+0}"
     plot = figure(
         height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
-        x_axis_label=_with_subscripts(VARIABLES["mean_pressure"].plot),
-        y_axis_label=_with_subscripts(QUANTITIES[quantity]),
+        x_axis_label=AXES["mean_pressure"], y_axis_label=AXES[quantity],
         tools="pan,wheel_zoom,box_zoom,reset", name=quantity,
+        tooltips=[("method", "$name"), pressure, (quantity, f"@{quantity}{{0.00000}}")],
         styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"}, **STRETCHED,
     )  # fmt: skip
     for method, source in zip(methods, sources, strict=True):
-        line = (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
-        tips = [
-            ("method", _label(method)),
-            ("mean pressure", "@mean_pressure{0.0000e+0}"),
-            (quantity, f"@{quantity}{{0.00000}}"),
-        ]
-        plot.add_tools(HoverTool(renderers=[line], tooltips=tips, mode="mouse"))
+        (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
     plot.legend.location = LEGENDS.get(quantity, "top_left")
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(**SMALL_LEGEND)
     return plot
 
 
-def _with_subscripts(label: str) -> str:
-    return label.replace("_0", "\N{SUBSCRIPT ZERO}")
-
-
-def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> Any:
+def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> None:
     look = style.line(method)
     dash = [] if look["linestyle"] == "-" else [round(LINE_WIDTH * length) for length in look["linestyle"][1]]
-    return plot.line("mean_pressure", quantity, source=source, legend_label=look["label"], color=look["color"],
-                     line_dash=dash, line_width=LINE_WIDTH)  # fmt: skip
+    plot.line("mean_pressure", quantity, source=source, name=look["label"], legend_label=look["label"],
+              color=look["color"], line_dash=dash, line_width=LINE_WIDTH)  # fmt: skip
 
 
-def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> Any:
+def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> None:
     """Points at some of the loads, evenly spread, so that they do not hide what lies below them."""
     count = len(source.data["mean_pressure"])
     view = CDSView(filter=IndexFilter(indices=list(range(0, count, -(-count // MAX_POINTS)))))
     look = style.line(method)
-    return plot.scatter("mean_pressure", quantity, source=source, view=view, legend_label=look["label"],
-                        line_color=look["color"], fill_color="white", size=6)  # fmt: skip
+    plot.scatter("mean_pressure", quantity, source=source, view=view, name=look["label"], legend_label=look["label"],
+                 line_color=look["color"], fill_color="white", size=6)  # fmt: skip
