@@ -158,11 +158,11 @@ figures:
 """
 SENTENCES = {
     "bare": "Colours show the estimates.",
-    "elements": "Colours show the estimates and a solid line shows boundary elements.",
-    "both": "A solid line shows contact patches and markers show boundary elements.",
-    "all": "Colours show the estimates, a solid line shows contact patches, and markers show boundary elements.",
-    "many": "A solid line shows contact patches and markers show boundary elements. Lines are medians over the "
-    "phases, and bands hold all curves.",
+    "elements": "Colours show the estimates. A solid line shows boundary elements.",
+    "both": "A solid line shows contact patches. Markers show boundary elements.",
+    "all": "Colours show the estimates. A solid line shows contact patches. Markers show boundary elements.",
+    "many": "A solid line shows contact patches. Markers show boundary elements. Lines are medians over the phases, "
+    "and bands hold all curves.",
 }
 
 

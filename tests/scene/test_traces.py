@@ -192,5 +192,5 @@ def test_a_page_lists_the_traces_and_their_units(folder):
     with dataset.reading(folder / "contact.nc") as data:
         labels = {name: explorer._labels(data, name) for name in explorer.LABELS}
     assert {name: sorted(texts) for name, texts in labels.items() if name != "case"} == {
-        "trace": ["-", "shaft.csv"], "D": ["-", "1.5"], "gamma": ["-", "2"], "m": ["-", "2"], "phase": ["-", "0"],
+        "trace": ["-", "shaft.csv"], "D": ["-", "1.5"], "gamma": ["-", "2"], "m": ["2", "2"], "phase": ["-", "0"],
     }  # fmt: skip

@@ -42,7 +42,7 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
     sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]
     if grouping.colour in ("", "method"):
-        sentences += [_describe_methods(methods)] if methods else []
+        sentences += _describe_methods(methods)
     else:
         dashes = ", dashes or markers the method" if "method" not in grouping.facet and len(methods) > 1 else ""
         sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
@@ -52,12 +52,9 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
     return " ".join(sentences)
 
 
-def _describe_methods(methods: Collection[str]) -> str:
-    """A sentence that tells the curves of methods apart."""
-    parts = ["colours show the estimates"] if set(methods).difference(numerical_names()) else []
+def _describe_methods(methods: Collection[str]) -> list[str]:
+    """Sentences that tell the curves of methods apart."""
+    estimates = ["Colours show the estimates."] if set(methods).difference(numerical_names()) else []
     numerical = [find_method(method).label for method in numerical_names() if method in methods]
-    for number, label in enumerate(numerical):
-        parts.append(f"{'markers show' if number else 'a solid line shows'} {label}")
-    *former, last = parts
-    sentence = f"{', '.join(former)}{',' * (len(former) > 1)} and {last}" if former else last
-    return f"{sentence[:1].upper()}{sentence[1:]}."
+    looks = ("A solid line shows", *["Markers show"] * len(numerical))
+    return estimates + [f"{look} {label}." for look, label in zip(looks, numerical, strict=False)]
