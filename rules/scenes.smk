@@ -9,7 +9,7 @@ from weier.data.files import check_target
 from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
-from weier.kernels.digests import KERNELS, PACKAGE, digest
+from weier.kernels.digests import KERNELS, PACKAGE
 from weier.kernels.jit import announce_compiling, cache_folder, disabled
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import Solutions, read_batch
@@ -120,17 +120,15 @@ def kernels(*names):
 def compiled(method):
     """The file that says that a method is compiled: in the cache, so that it serves runs in all folders.
 
-    Since numba compiles again what is called from another path or of another date, both are in its name.
+    Since numba compiles again what is called from a file of another date, the newest one is in its name.
     """
-    return str(cache_folder() / "compiled" / f"{method}-{checkout_state()}")
+    return str(cache_folder() / "compiled" / f"{method}-{newest_source()}")
 
 
 @cache
-def checkout_state():
-    """The path of the sources and the date of the newest one."""
-    sources = [path for part in KERNELS for path in (PACKAGE / part).rglob("*.py")]
-    newest = max(path.stat().st_mtime_ns for path in sources)
-    return digest([str(PACKAGE), newest])[:12]
+def newest_source():
+    """The date of the newest source of kernels, in nanoseconds."""
+    return max(path.stat().st_mtime_ns for part in KERNELS for path in (PACKAGE / part).rglob("*.py"))
 
 
 def drawn_together():

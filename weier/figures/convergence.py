@@ -16,7 +16,7 @@ from weier.methods import curves
 from weier.theory.profile import PARAMETERS
 
 CAPTION = (
-    "The infinite series. Bands are rigorous bounds, which hold whatever the terms are that are not resolved: the "
+    "The infinite series. Bands are bounds, which hold whatever the terms are that are not resolved: the "
     "more terms k, the narrower the band. The line is the best estimate. Below, the half-width of the bounds and the "
     "error of the estimates: their distance from that of most terms, or from the middle of bounds that go further."
 )

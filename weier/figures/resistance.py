@@ -13,7 +13,7 @@ from weier.scene import BY_DEFAULT, Grouping
 from weier.theory.conduction import Interface
 
 CAPTION = (
-    "Contact resistance over mean pressure. {methods} The exact curve has a step at each load at which a contact is "
+    "Contact resistance over mean pressure. {methods} The exact curve drops at each load at which a contact is "
     "born, and a kink where two merge."
 )
 

@@ -44,7 +44,7 @@ def fields(
     mean_pressure : float
         Positive, in p_0*.
     method : "patches" or "bem"
-        Exact contact edges, or boundary elements.
+        Exact contact edges, or boundary elements with the edges of contact on nodes, which `weier.solve` corrects.
     points : int, optional
         Positions x in one period, the nodes of "bem"; by default, 64 for each of the finest waves.
 
@@ -106,7 +106,8 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     -------
     Dataset
         Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (1) or merge (0), and
-        patch_count just above, which is one number for all events of one load. The resistance has its kinks there.
+        patch_count just above, which is one number for all events of one load. The resistance drops at
+        births and has a kink at mergers.
 
     Raises
     ------

@@ -67,8 +67,8 @@ def solve(
 
     Notes
     -----
-    With "bem" a load starts from the pressure of the next heavier one. Alone and in a list its numbers differ, by up
-    to 2.6e-8 g_0 and 1e-5 of the resistance: both are within the errors that stand beside them.
+    With "bem" a load above half of the next heavier one starts from its pressure. Alone and in a list its
+    numbers differ, by up to 2.6e-8 g_0 and 1e-5 of the resistance, within the errors that stand beside them.
 
     Examples
     --------

@@ -12,8 +12,8 @@ from weier.methods.bem.grid_solution import GridSolution
 # A contact, with its left edge in [0, period):
 #
 # left, right : edges, in lambda_0
-# force, share : force per length, in p_0* lambda_0, and its rate per mean pressure, in lambda_0
-LISTED = record_type(("left right force share", np.float64, ()))
+# force : per length, in p_0* lambda_0
+LISTED = record_type(("left right force", np.float64, ()))
 
 
 @kernel
@@ -33,42 +33,33 @@ def list_contacts(
     for i in range(used):
         contact, each = contacts[(first + i) % used], corrected[(first + i) % used]
         if each.touching:
-            _enter(listed[count], contact, each)
+            left, right = _edges(contact, each)
             if closed:  # the one before goes on
-                before, after = listed[count - 1], listed[count]
-                before.right += after.right - after.left
-                before.force += after.force
-                before.share += after.share
+                listed[count - 1].right += right - left
+                listed[count - 1].force += each.force
             else:
+                listed[count].left, listed[count].right, listed[count].force = left, right, each.force
                 count += 1
         closed = contact.closed_after and count > 0
     for gap in opened:
         if count == 0:  # all nodes touch
             listed[0].left, listed[0].right = gap[1], gap[0] + period
-            listed[0].force, listed[0].share = solution.pressure.mean() * period, period
-            count = 1
+            listed[0].force, count = solution.pressure.mean() * period, 1
         else:
             count = _divide(listed, count, gap, solution, period)
-    ordered = np.zeros(count, LISTED)
-    for at in range(count):  # nearly all are in order already
-        turns = period * np.floor(listed[at].left / period)
-        listed[at].left, listed[at].right = listed[at].left - turns, listed[at].right - turns
-        to = at
-        while to > 0 and ordered[to - 1].left > listed[at].left:
-            ordered[to] = ordered[to - 1]
-            to -= 1
-        ordered[to] = listed[at]
-    return ordered
+    for each in listed[:count]:
+        turns = period * np.floor(each.left / period)
+        each.left, each.right = each.left - turns, each.right - turns
+    return listed[np.argsort(listed["left"][:count])]
 
 
 @kernel
-def _enter(entry: Record, contact: Record, each: Record) -> None:
-    """Enter a contact that touches."""
-    entry.left, entry.right = contact.left, max(contact.left, contact.right)
-    if contact.kind != WIDE:
-        middle, reach = contact.origin + each.centre * contact.scale, each.half_width * contact.scale
-        entry.left, entry.right = middle - reach, middle + reach
-    entry.force, entry.share = each.force, each.share
+def _edges(contact: Record, each: Record) -> tuple[float, float]:
+    """Edges of a contact that touches."""
+    if contact.kind == WIDE:
+        return contact.left, max(contact.left, contact.right)
+    middle, reach = contact.origin + each.centre * contact.scale, each.half_width * contact.scale
+    return middle - reach, middle + reach
 
 
 @kernel
@@ -78,23 +69,20 @@ def _divide(listed: Records, count: int, gap: Array, solution: GridSolution, per
         turns = period * np.ceil((before.left - gap[0]) / period)
         left, right = gap[0] + turns, gap[1] + turns
         if right < before.right:
-            force, share = _carried(before.left, left, solution, period)
-            all_force, all_share = _carried(before.left, before.right, solution, period)
+            carried = _carried(before.left, left, solution, period)
+            all_carried = _carried(before.left, before.right, solution, period)
             after = listed[count]
             after.left, after.right, before.right = right, before.right, left
-            after.force, after.share = before.force * (1 - force / all_force), before.share * (1 - share / all_share)
+            after.force = before.force * (1 - carried / all_carried)
             before.force -= after.force
-            before.share -= after.share
             return count + 1
     return count
 
 
 @kernel
-def _carried(left: float, right: float, solution: GridSolution, period: float) -> tuple[float, float]:
-    """What the nodes between two places carry of force and share."""
-    points = solution.pressure.size
-    force = share = 0.0
+def _carried(left: float, right: float, solution: GridSolution, period: float) -> float:
+    """The pressure that the nodes between two places carry together."""
+    points, pressure = solution.pressure.size, 0.0
     for node in range(int(np.ceil(left * points / period)), int(np.floor(right * points / period)) + 1):
-        force += solution.pressure[node % points]
-        share += solution.per_load[node % points]
-    return force, share
+        pressure += solution.pressure[node % points]
+    return pressure

@@ -174,7 +174,7 @@ def place_edge(
         contact.edge_drop += step.drop
         if step.load > 0:
             contact.edge_yield += step.drop / (step.load * contact.share)
-        beyond = step.place + EDGE
+        beyond = step.position + EDGE
         position = (node - beyond if begins else node - 1 + beyond) * continuum.period / points
     elif run == 0 and begins:  # the gap before it ends in the next period
         position -= continuum.period

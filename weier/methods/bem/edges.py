@@ -17,13 +17,13 @@ from weier.methods.bem.grid_solution import GridSolution
 # condition number of the preconditioned matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
 REACH = 2
 CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
-# Where an edge moves evenly, for how many times the load of a step longer the node behind has touched than the last
-# one, and the node beyond needs to touch than the next one.
+# Behind an edge that moves evenly, p/q grows with the distance by twice the load of a step a node, and beyond it g/t
+# by two thirds, since p goes as the root of the distance and g as its power 3/2. So measured beside the edge itself:
 BEHIND, BEYOND = 2.7, 0.6
 
-# The step of an edge: `drop` is D of the resistance, `load` is a + b, and `place`, from -1/2 to 1/2, tells how far
-# the edge is in it. It is `uneven` if the steps beside it take far more load than this one.
-STEP = record_type(("drop load place", np.float64, ()), ("uneven", np.bool_, ()))
+# The step of an edge: `drop` is D of the resistance, `load` is a + b, and `position`, from -1/2 to 1/2, tells how
+# far the edge is in it. It is `uneven` if the steps beside it take far more load than this one.
+STEP = record_type(("drop load position", np.float64, ()), ("uneven", np.bool_, ()))
 
 
 @kernel
@@ -81,9 +81,9 @@ def find_steps(solution: GridSolution) -> Records:
     """The steps of all edges, of shape (edges,); zeros where one is not known."""
     points, steps = solution.pressure.size, np.zeros(solution.edge.size - 2, STEP)
     closing = solution.rate - solution.displacement
-    # The loads since a node has touched and until it does, each where it means anything.
-    since = np.maximum(solution.pressure, 0.0) / solution.per_load
-    until = np.maximum(solution.plane - solution.deformed, 0.0) / closing
+    # The loads since a node has touched and until it does; 0 where that means nothing.
+    since = np.maximum(solution.pressure, 0.0) / np.where(solution.per_load > 0, solution.per_load, np.inf)
+    until = np.maximum(solution.plane - solution.deformed, 0.0) / np.where(closing > 0, closing, np.inf)
     for at in range(steps.size):
         start = solution.edge[at + 1] % points
         outwards = -1 if solution.contact[start] else 1
@@ -93,7 +93,7 @@ def find_steps(solution: GridSolution) -> Records:
         if solution.per_load[inside] > 0 and closing[outside] > 0 and load > 0:
             step, behind, beyond = steps[at], (inside - outwards) % points, (outside + outwards) % points
             step.drop = solution.per_load[inside] * closing[outside] / points
-            step.load, step.place = load, since[inside] / load - 0.5
+            step.load, step.position = load, since[inside] / load - 0.5
             step.uneven = solution.contact[behind] and since[behind] - since[inside] > UNEVEN * BEHIND * load
             step.uneven |= not solution.contact[beyond] and until[beyond] - until[outside] > UNEVEN * BEYOND * load
     return steps
@@ -101,5 +101,5 @@ def find_steps(solution: GridSolution) -> Records:
 
 @kernel
 def correct_edge(step: Record) -> tuple[float, float]:
-    """What a lone edge adds to compliance and resistance, by its place in the step."""
-    return step.drop * step.load * ((0.25 - step.place**2) / 2 - CURVATURE), -step.place * step.drop
+    """What a lone edge adds to compliance and resistance, by its position in the step."""
+    return step.drop * step.load * ((0.25 - step.position**2) / 2 - CURVATURE), -step.position * step.drop

@@ -18,9 +18,10 @@ from weier.methods.bem import factors
 from weier.methods.bem.contacts import WIDE
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.local_fit import DEGREE, derivative, shift, size, slopes
-from weier.methods.bem.narrow_contacts import means, move_edges, punch_compliance
+from weier.methods.bem.narrow_contacts import means, move_edges
 from weier.methods.bem.narrow_gaps import Gaps
 from weier.methods.bem.redistribution import Redistribution
+from weier.theory.halfplane import displacement_of_punch
 
 MAX_BEND = DEGREE**2 * (DEGREE**2 - 1) / 3  # second derivative of T_8 at most: of heights, what rounding adds to it
 
@@ -28,13 +29,11 @@ MAX_BEND = DEGREE**2 * (DEGREE**2 - 1) / 3  # second derivative of T_8 at most: 
 class Errors(NamedTuple):
     """Errors of compliance, in g_0, and resistance, in g_0/p_0*; what they say of contacts.
 
-    uncertain : whether a contact may be one too many or too few
     judged : False where a crest stands above the plane by more than its own error
     """
 
     compliance: float
     resistance: float
-    uncertain: bool
     judged: bool
 
 
@@ -51,14 +50,14 @@ def estimate_errors(
     for at in range(contacts.size):
         contact, each = contacts[at], forces.contacts[at]
         if each.touching:
-            compliance += factors.MOMENTS * each.second
-            resistance += factors.MOMENTS * each.rate_second
+            compliance += factors.MOMENTS_LEFT * each.second
+            resistance += factors.MOMENTS_LEFT * each.rate_second
             if contact.kind != WIDE:
                 of_rest = _errors_of_the_polynomial(contact, each, abs(solution.plane), period)
                 compliance += factors.REST * of_rest[0]
                 resistance += factors.REST * of_rest[1]
     birth_compliance = birth_resistance = 0.0
-    uncertain, judged = False, True
+    judged = True
     for at in range(contacts.size):
         contact, each = contacts[at], forces.contacts[at]
         if contact.kind == WIDE:
@@ -70,7 +69,6 @@ def estimate_errors(
             height *= max(1 - each.share / period, 0.0)
         else:
             judged &= each.penetration <= height
-        uncertain |= abs(each.penetration) <= height
         drop = _drop(contact, each, height, relief, period) - _drop(contact, each, -height, relief, period)
         birth_resistance += drop
         if each.closing > 0:  # the load between where it is born and where it seems to be, times the drop
@@ -78,8 +76,7 @@ def estimate_errors(
     for gap in gaps.runs:
         birth_compliance += gap.compliance_error
         birth_resistance += gap.resistance_error
-        uncertain |= gap.uncertain
-    return Errors(compliance + birth_compliance, resistance + birth_resistance, uncertain, judged)
+    return Errors(compliance + birth_compliance, resistance + birth_resistance, judged)
 
 
 @kernel
@@ -169,10 +166,10 @@ def _effects_of_others(
     """How far others may displace a crest by moments that are not corrected, and how much they relieve its force.
 
     These moments are the second of wide contacts, by K''/2 of each, and those after the third of contacts with
-    polynomials. They displace no more, it is taken, than third and fourth moments of dipoles at the edges that have
-    the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A change of force acts in the middles, and not on all of
-    either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses displaces both by
-    f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
+    polynomials. They displace no more, it is taken, than three times what third and fourth moments of dipoles at the
+    edges that have the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A change of force acts in the middles,
+    and not on all of either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses
+    displaces both by f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
     displacement = relief = 0.0
     for i in range(contacts.size):
@@ -182,14 +179,14 @@ def _effects_of_others(
         apart = abs(np.sin(np.pi / period * (contacts[at].position - contact.position)))
         near, yielding = np.pi / period / apart, contact.self_compliance
         if contact.kind == WIDE:
-            displacement += factors.MOMENT * contact.force * (near * period / points) ** 2
+            displacement += factors.WIDE_MOMENT * contact.force * (near * period / points) ** 2
         elif other.touching:
             change, first, second = abs(other.moments[0]), abs(other.moments[1]), abs(other.moments[2])
             half_width = other.half_width * contact.scale
-            displacement += factors.MOMENTS * near * (near * half_width) ** 2 * (2 * first + near * second)
+            displacement += factors.MOMENTS_LEFT * near * (near * half_width) ** 2 * (2 * first + near * second)
             widths = half_width**2 + (corrected[at].half_width * contacts[at].scale) ** 2
             displacement += near**2 / 2 * widths * change
-            yielding = punch_compliance(half_width, period)
+            yielding = displacement_of_punch(half_width, period)
         if other.touching:
             relief = min(relief, yielding + 4 * np.log(2 * apart))
     return displacement, relief
@@ -199,7 +196,8 @@ def _effects_of_others(
 def _drop(contact: Record, each: Record, higher: float, relief: float, period: float) -> float:
     """What a contact takes off the resistance that a crest makes by penetrating so much farther.
 
-    One that is hollow in its middle is taken for the parabola that would be as wide.
+    One that is hollow in its middle is taken for the parabola that would be as wide. Where the plane cuts a parabola
+    at the half width b, dH/dF is C(a) = C(b) + ln((1 + C(a))/2), which 1 + C(b) stands for (docs/subgrid.md).
     """
     penetration, bend = each.penetration + higher, -slopes(contact.height, each.centre)[1]
     if bend <= 0 and each.touching:
@@ -207,4 +205,4 @@ def _drop(contact: Record, each: Record, higher: float, relief: float, period: f
     if penetration <= 0 or bend <= 0:
         return 0.0
     half_width = min(np.sqrt(2 * penetration / bend) * contact.scale, period / 4)
-    return each.closing**2 / max(1 + punch_compliance(half_width, period) + relief, 1.0) / period
+    return each.closing**2 / max(1 + displacement_of_punch(half_width, period) + relief, 1.0) / period

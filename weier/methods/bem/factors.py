@@ -21,13 +21,13 @@ GAP = np.array([0.006, 0.035])  # times (2 pi/points a wave)^2, for gaps with a 
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
 IMAGES = 0.13  # times (narrower run/both)^4, for one contact and its images
 # Contacts that bear on each other.
-MOMENTS = 3.0  # times what second moments of contacts change
+MOMENTS_LEFT = 3.0  # times what second moments of contacts change, and what those that are not corrected displace
 # Births, by how far off the height of a crest may be.
-HEIGHT_SHARE = 5.0  # errors of the compliance
-# Of the nodes' spacing squared times the force of a contact: how far the second moment of its pressure on the grid
-# may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. Those with a polynomial have it
-# taken off.
-MOMENT = 0.6
+HEIGHT_SHARE = 5.0  # errors of the compliance, beside those of its polynomial and of what displaces it
+# Of the nodes' spacing squared times the force of a wide contact: how far the second moment of its pressure on the
+# grid may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. Contacts with a polynomial have
+# it taken off.
+WIDE_MOMENT = 0.6
 # Rounding.
 ROUNDING = 1e-14  # of the heights: 45 units in the last place; no step below it says anything
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures

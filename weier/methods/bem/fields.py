@@ -28,7 +28,7 @@ class Field(NamedTuple):
 
 
 def field(profile: Waves, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
-    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
+    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements, with the edges on nodes.
 
     Parameters are those of `curve` with edges "nodes".
 

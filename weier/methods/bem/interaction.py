@@ -17,6 +17,7 @@ from weier.kernels.jit import kernel
 from weier.kernels.transform import Spectrum
 from weier.methods.bem.fft import circulant_product
 from weier.methods.bem.grid_solution import Continuum
+from weier.theory.halfplane import displacement_at_distance
 
 MAX_DENSE = 64  # contacts that act on each other by a matrix; more do so by products on the grid
 MOMENTS = 4  # of a contact, from its force on, and nodes for them
@@ -73,8 +74,7 @@ def _mutual(position: Array, contacts: int, period: float) -> Array:
     matrix = np.zeros((contacts, contacts))
     for i in range(contacts):
         for j in range(i):
-            apart = np.sin(np.pi / period * (position[i] - position[j]))
-            matrix[i, j] = matrix[j, i] = -2 * np.log(abs(2 * apart))
+            matrix[i, j] = matrix[j, i] = displacement_at_distance(position[i] - position[j], period)
     return matrix
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.bem.local_fit import MEANS, derivative, expansion, second_kind, shift, slopes
+from weier.theory.halfplane import displacement_of_punch
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual
 CLOSE = 1e-13  # relative size of the last of them
@@ -96,12 +97,6 @@ def _step(
 
 
 @kernel
-def punch_compliance(half_width: float, period: float) -> float:
-    """Displacement per force of a flat punch on a half-plane, but for its images: -2 ln(pi a/L)."""
-    return -2 * np.log(np.pi * half_width / period)
-
-
-@kernel
 def contact_energies(height: Array, rate: Array, force: float, share: float) -> tuple[float, float]:
     """Energies of a contact, with this force and share, in the rates of others: of its pressure and of its rate.
 
@@ -164,5 +159,5 @@ def plane_height(
     centre, half_width, found = contact_edges(height, force, centre, half_width)
     if not found:
         return np.nan, np.nan, centre, half_width
-    compliance = punch_compliance(half_width * scale, period)
+    compliance = displacement_of_punch(half_width * scale, period)
     return expansion(height, centre, half_width)[0] - force * compliance, compliance, centre, half_width

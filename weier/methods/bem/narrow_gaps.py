@@ -43,11 +43,7 @@ ALIAS = 2 * ZETA_3 / (2 * np.pi) ** 4  # times z'''' dx^3: what aliases of the t
 # left, right : edges of a gap with a polynomial, in lambda_0, the same where it is closed; else NaN
 # compliance, resistance : what it adds to these, or what the gaps between the nodes of a contact add
 # compliance_error, resistance_error : by what polynomials leave
-# uncertain : whether one of these gaps may be closed or open
-GAP = record_type(
-    ("left right compliance resistance compliance_error resistance_error", np.float64, ()),
-    ("uncertain", np.bool_, ()),
-)
+GAP = record_type(("left right compliance resistance compliance_error resistance_error", np.float64, ()))
 
 
 class Gaps(NamedTuple):
@@ -192,7 +188,6 @@ def _add_errors_of_depth(
         resistance = (2 * np.pi * per_load * scale * spacing) ** 2 * error / (bend * continuum.period)
         correction.compliance_error += resistance * (max(depth, 0.0) + error) / per_load
         correction.resistance_error += resistance
-        correction.uncertain |= abs(depth) <= error
 
 
 @kernel

@@ -14,7 +14,8 @@ from weier.methods.bem.fft import dot
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.interaction import MOMENTS, Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
-from weier.methods.bem.narrow_contacts import contact_energies, plane_height, punch_compliance
+from weier.methods.bem.narrow_contacts import contact_energies, plane_height
+from weier.theory.halfplane import displacement_of_punch
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
@@ -238,7 +239,7 @@ def _touch_and_let_go(
             if above > CLOSE * abs(plane) and bend > 0:
                 state.touching[i] = changed = True
                 half_width = np.sqrt(2 * above / bend)
-                state.change[i] = above / (1 + punch_compliance(half_width * contact.scale, period))
+                state.change[i] = above / (1 + displacement_of_punch(half_width * contact.scale, period))
                 state.centre[i], state.half_width[i] = top, 2 * np.sqrt(state.change[i] / bend)
     return changed
 
@@ -325,7 +326,7 @@ def _sum_up(
         if contact.kind == WIDE:
             continue
         if each.touching:
-            compliance_here = punch_compliance(each.half_width * contact.scale, period)
+            compliance_here = displacement_of_punch(each.half_width * contact.scale, period)
             each.penetration = each.force * compliance_here
             each.closing = weights[i].closing if contact.kind == CREST else contact.share * compliance_here
         else:
@@ -355,7 +356,7 @@ def _weigh(contacts: Records, rate: float, period: float, state: State) -> tuple
             weight.slope, weight.more = contact.self_compliance + own, own * contact.share
             continue
         others = expansion(contact.rate, centre, half_width)
-        weight.slope = punch_compliance(half_width * contact.scale, period)
+        weight.slope = displacement_of_punch(half_width * contact.scale, period)
         if contact.kind == CREST:
             weight.closing = rate - others[0]
             continue

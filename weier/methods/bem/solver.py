@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import direct, error_model, fft
-from weier.methods.bem.contact_list import LISTED
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
@@ -33,12 +32,14 @@ class Curve(NamedTuple):
     contact_fraction : length in contact per length; with edges "nodes", nodes in contact per node
     patch_count : contacts in one period, those between two nodes among them; 0 in full contact
     residual : largest violation of a contact condition on the grid, on a freshly applied operator, in g_0
-    work : pairs of FFTs (solver "fft"; those of coarser grids by their size) or dense solutions ("direct")
-    compliance_error : an estimate, in g_0, whose coverage is measured; with edges "nodes", a bound at all loads
+    work : pairs of FFTs (solver "fft"; those of other grids by their size) or dense solutions ("direct")
+    compliance_error : an estimate, in g_0, whose coverage is measured; with edges "nodes", the most that a grid can
+        miss at first touch, and no larger error was measured at any load
     resistance_error : an estimate, in g_0/p_0*; NaN with edges "nodes": a grid does not see births between its nodes
     contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
         with edges "nodes" there are none
-    points, edges : nodes in one period, and where the edges of contact stand; scalars
+    points, edges : nodes in one period, as asked for, and where the edges of contact stand; scalars. A load whose
+        correction is not verified is solved on twice or four times as many nodes, or by contact patches.
     """
 
     compliance: Array
@@ -52,23 +53,6 @@ class Curve(NamedTuple):
     contact_edge: Array
     points: int
     edges: str
-
-
-class Contacts(NamedTuple):
-    """The contacts under one load, in one period from left to right, each of shape (contacts,); none in full contact.
-
-    centre, half_width : in lambda_0; the left edge lies in [0, period)
-    force : per length, in p_0* lambda_0
-    share : its rate per mean pressure, in lambda_0: these sum to the period
-    uncertain : whether a contact or a gap may be one too many or too few, by the estimated errors of heights:
-        a crest is about to touch or has just touched, or a gap is about to close
-    """
-
-    centre: Array
-    half_width: Array
-    force: Array
-    share: Array
-    uncertain: bool
 
 
 def curve(
@@ -116,7 +100,7 @@ def curve(
         If the loads are not positive and increasing, `solver` or `edges` is unknown or one does not go with the
         other, or there are too few points for the finest wave, or too many, or both their numbers are given.
     ConvergenceError
-        If a load misses the tolerance, or the correction of its edges of contact is not finite.
+        If a load misses the tolerance, or neither finer grids nor contact patches verify its solution.
 
     Notes
     -----
@@ -125,8 +109,8 @@ def curve(
     the edges of contact move by whole nodes.
 
     With edges "subgrid" and up to 64 points for each of the finest waves, a load starts from the pressure of the next
-    heavier one. In a list and alone its numbers differ, by up to 2.6e-8 g_0 and 1e-5 of the resistance on 16 to 64
-    points: both are within what is stated.
+    heavier one, if it is more than half of that. In a list and alone its numbers differ, by up to 2.6e-8 g_0 and 1e-5
+    of the resistance on 16 to 64 points: both are within what is stated.
 
     """
     loads = checked_loads(mean_pressure)
@@ -189,24 +173,6 @@ def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:
         row[: 2 * each.contacts.size : 2] = each.contacts["left"]
         row[1 : 2 * each.contacts.size : 2] = each.contacts["right"]
     return edge
-
-
-def contacts(
-    profile: Waves, mean_pressure: ArrayLike, points: int | None = None, tolerance: float = 1e-10
-) -> list[Contacts]:
-    """The contacts under each of several loads, with their edges between the nodes.
-
-    The parameters, and what is raised, are those of `curve` with edges "subgrid".
-    """
-    loads = checked_loads(mean_pressure)
-    check_tolerance(tolerance)
-    points = checked_points(profile, points, "subgrid")
-    found, none = solve_curve(profile, points, tolerance, loads), np.zeros(0, LISTED)
-    listed = [(each.contacts, each.uncertain) for each in found] + [(none, False)] * (loads.size - len(found))
-    return [
-        Contacts((at["left"] + at["right"]) / 2, (at["right"] - at["left"]) / 2, at["force"], at["share"], uncertain)
-        for at, uncertain in listed
-    ]
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

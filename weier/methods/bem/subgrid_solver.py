@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,16 +21,11 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
 from weier.theory.waves import MAX_POINTS, Waves
 
-if TYPE_CHECKING:
-    from weier.methods import patches
-
 MAX_ROUNDS = 5  # of judging crests again
 MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
 RATE_TOLERANCE = 1e-8  # of the rate, how flat A q is in contact: corrections are linear in what is left of it
-MAX_DOUBLINGS = 2  # of the points under a load that is not verified
-QUADRATURE_NODES = 64  # of each contact of patches
-SHARE_STEP = 1e-6  # of the load, for a difference of the forces of patches, which are known to 1e-12
+FINER = (2, 4)  # times the points, for a load that is not verified
 PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
 PATCHES_TOLERANCE = 1e-12  # of patches: at a looser one a resistance within 1e-10 of a birth is off by more
 
@@ -44,8 +38,8 @@ class LoadSolution(NamedTuple):
     resistance : dh/dp, in g_0/p_0*
     compliance_error, resistance_error : estimates, in the same units
     contacts : in the continuum, from left to right, LISTED each; none in full contact
-    uncertain : whether a contact or a gap may be one too many or too few
-    residual, work : of the solution on the grid
+    residual : of the solution on the grid, in g_0
+    work : pairs of FFTs
     """
 
     verified: bool
@@ -54,7 +48,6 @@ class LoadSolution(NamedTuple):
     compliance_error: float
     resistance_error: float
     contacts: Records
-    uncertain: bool
     residual: float
     work: float
 
@@ -91,7 +84,6 @@ def correct_contacts(
         errors.compliance,
         errors.resistance,
         list_contacts(contacts, forces.contacts, gaps.opened, solution, continuum.period),
-        errors.uncertain,
         residual,
         work,
     )
@@ -154,7 +146,7 @@ class GridSolver:
 
 def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
     """A load that was not solved on the grid, or whose rate was not."""
-    return LoadSolution(False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED), True, residual, pairs)
+    return LoadSolution(False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED), residual, pairs)
 
 
 def solve_curve(profile: Waves, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
@@ -163,56 +155,37 @@ def solve_curve(profile: Waves, points: int, max_residual: float, loads: Array) 
     for load in map(float, loads[loads < profile.full_contact_load][::-1]):
         solution = grid_on(points).solve(load)
         check_residual(np.array([solution.residual]), np.array([load]), points, max_residual)
-        for doubling in range(1, MAX_DOUBLINGS + 1):
-            if not solution.verified and points * 2**doubling <= MAX_POINTS:
-                solution = grid_on(points * 2**doubling).solve_alone(load)
-        found.append(solution if solution.verified else _solve_by_patches(profile, load))
+        work = solution.work
+        for finer in FINER:
+            if not solution.verified and points * finer <= MAX_POINTS:
+                solution = grid_on(points * finer).solve_alone(load)
+                work += finer * solution.work
+        solution = solution if solution.verified else _solve_by_patches(profile, load)
+        found.append(solution._replace(work=work))
         count_load()
     return found[::-1]
 
 
 def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
-    """A load that the grids leave in doubt, by the method that needs none."""
+    """A load that the grids leave in doubt, by the method that needs none; it does not tell forces."""
     from weier.methods import patches  # which begins with boundary elements itself
 
     try:
         with telling():
-            solution = patches.solve_load(profile, load, PATCHES_TOLERANCE)
-            carried = forces_of(solution), _shares(profile, solution)
-            contacts = np.rec.fromarrays([*solution.edges.T, *carried], LISTED)
+            found = patches.curve(profile, [load], PATCHES_TOLERANCE)
     except (ConvergenceError, ValueError) as error:  # so many waves in so many contacts may not fit into memory
         raise ConvergenceError(
             f"neither boundary elements nor contact patches verify a solution under the mean pressure {load:.6g} "
             f'p_0*: {error}; try more points, or edges="nodes"',
             getattr(error, "residual", np.nan),
         ) from error
-    assert solution.state is not None  # in full contact nothing is solved
-    resistance, residual = float(solution.state.sensitivity[-1]), solution.state.residual
+    contacts = np.zeros(found.contact_edge.size // 2, LISTED)
+    contacts["left"], contacts["right"], contacts["force"] = *found.contact_edge.reshape(-1, 2).T, np.nan
+    resistance, residual = float(found.resistance[0]), float(found.residual[0])
     return LoadSolution(
-        True, solution.mean_gap, resistance, residual, PATCHES_RESISTANCE * max(resistance, 1.0), contacts, False,
-        residual, 0.0,
+        True, float(profile.total_amplitude - found.compliance[0]), resistance, float(found.compliance_error[0]),
+        PATCHES_RESISTANCE * max(resistance, 1.0), contacts, residual, 0.0,
     )  # fmt: skip
-
-
-def forces_of(solution: patches.Solution) -> Array:
-    """Forces of the contacts of patches, by quadrature that is exact for roots at both edges times polynomials."""
-    angle = np.pi * np.arange(1, QUADRATURE_NODES + 1) / (QUADRATURE_NODES + 1)
-    x = solution.centre[:, None] + solution.half_width[:, None] * np.cos(angle)
-    pressure = solution.pressure(x.ravel()).reshape(x.shape)
-    return np.asarray(solution.half_width * (pressure @ np.sin(angle)) * np.pi / (QUADRATURE_NODES + 1))
-
-
-def _shares(profile: Waves, solution: patches.Solution) -> Array:
-    """Shares of one more load, by the forces under a load nearby with as many contacts; NaN where there is none."""
-    from weier.methods import patches
-
-    forces = forces_of(solution)
-    for step in (SHARE_STEP, -SHARE_STEP):
-        with suppress(ConvergenceError):
-            other = patches.solve_load(profile, solution.mean_pressure * (1 + step), PATCHES_TOLERANCE)
-            if other.centre.size == solution.centre.size:
-                return (forces_of(other) - forces) / (other.mean_pressure - solution.mean_pressure)
-    return np.full(solution.centre.size, np.nan)
 
 
 def check_residual(residual: Array, loads: Array, points: int, max_residual: float) -> None:

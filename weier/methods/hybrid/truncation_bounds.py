@@ -1,4 +1,4 @@
-"""Rigorous bounds on the infinite series: the bounds theorem on a plain grid that resolves its first terms."""
+"""Bounds on the infinite series: the bounds theorem on a plain grid that resolves its first terms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The loads at which contacts are born or merge, where dh/dp has its kinks.
+"""The loads at which contacts are born or merge, where dh/dp drops or has a kink.
 
 Contacts never split or vanish as the load grows: an increment of load acts on the contact like a flat punch, whose
 pressure is nowhere negative. So the contacts under two loads tell what happened in between, unless one was born and

@@ -68,11 +68,10 @@ def _counted(kept: Profile) -> tuple[Array, Array]:
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
         with telling():
-            found = bem.contacts(kept, loads, points, COUNTED_RESIDUAL)
+            found = bem.curve(kept, loads, points=points, tolerance=COUNTED_RESIDUAL, resistance=False)
     except ConvergenceError:  # the most that there can be
         return np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS
-    number = np.array([max(each.centre.size, 1) for each in found], float)
-    return number, np.array([2 * each.half_width.sum() for each in found]) / kept.period
+    return np.maximum(found.patch_count, 1.0), found.contact_fraction
 
 
 def _interpolated(counted: tuple[Array, Array], share_of_full_contact: Array) -> tuple[Array, Array]:
