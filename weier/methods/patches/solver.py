@@ -25,6 +25,7 @@ from weier.methods.patches.inequalities import NEW_GAP_WIDTH, check_violation, f
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     Iterate,
+    Segments,
     contacts_of,
     degrees,
     distances_between,
@@ -247,7 +248,7 @@ def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> t
     state, steps = _correct_set(surface, guess, load, tolerance)
     if (gaps := _gaps_in_tension(surface, state)) is not None:
         with suppress(ConvergenceError):
-            other, more = _solve(surface, gaps, load, min(tolerance, many_contacts.MIN_TOLERANCE))
+            other, more = _solve(surface, gaps, load, many_contacts.MIN_TOLERANCE)
             return (other if other.error < state.error else state), steps + more
     return state, steps
 
@@ -284,12 +285,17 @@ def _gaps_in_tension(surface: Surface, state: ContactState) -> Iterate | None:
     if state.dual or negative.size == 0:
         return None
     segments, at = state.segments, negative["segment"]
-    origin, centre, half_width = contacts_of(segments, True, surface.heights.period)
-    middle = segments.origin + segments.centre
-    closed = middle[at] + 0.5 * segments.half_width[at] * (negative["start"] + negative["end"])
-    width = 0.5 * NEW_GAP_WIDTH * segments.half_width[at] * (negative["end"] - negative["start"])
-    all_gaps = np.append(origin + centre, closed), np.append(half_width, width)
-    middle, half_width, _ = in_order(*all_gaps, surface.heights.period)
+    middle = segments.origin[at] + segments.centre[at]
+    middle += 0.5 * segments.half_width[at] * (negative["start"] + negative["end"])
+    half_width = 0.5 * NEW_GAP_WIDTH * segments.half_width[at] * (negative["end"] - negative["start"])
+    return _gaps_guess(surface, segments, middle, half_width)
+
+
+def _gaps_guess(surface: Surface, contacts: Segments, middle: Array, half_width: Array) -> Iterate:
+    """A guess on the gaps between contacts and on others within these."""
+    origin, centre, open_width = contacts_of(contacts, True, surface.heights.period)
+    gaps = np.append(origin + centre, middle), np.append(open_width, half_width)
+    middle, half_width, _ = in_order(*gaps, surface.heights.period)
     return _make_guess(surface.tensions, True, middle, half_width, 0.0)
 
 
@@ -312,12 +318,17 @@ class Starts:
         for find, series in ((lone_contacts, self.surface.heights), (lone_gaps, self.surface.tensions)):
             if (lone := find(series, load)) is not None:
                 yield lone
+        guess = None
         for per_wave in POINTS_PER_WAVE:
             found = self._grid(per_wave).solve_alone(load).contacts
             found = found[found["right"] > found["left"]]
             if found.size:
                 middle, half_width = 0.5 * (found["left"] + found["right"]), 0.5 * (found["right"] - found["left"])
-                yield contacts_guess(self.surface, middle, half_width, found["force"], self.tolerance)
+                guess = contacts_guess(self.surface, middle, half_width, found["force"], self.tolerance)
+                yield guess
+        # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
+        if guess is not None and not guess.dual:
+            yield _gaps_guess(self.surface, guess.segments, np.empty(0), np.empty(0))
 
 
 def _make_guess(series: CosineSeries, dual: bool, middle: Array, half_width: Array, force: Array | float) -> Iterate:
