@@ -89,7 +89,12 @@ def draw(
         If there is no such kind, the studies are of another kind, or they hold nothing that it could show.
 
     """
-    _check_studies(wanted.draw, studies)
+    known = kinds()
+    if wanted.draw not in known:
+        raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(known)}")
+    kind = known[wanted.draw]
+    if kind.command and [kind.variable in study for study in studies] != [True]:
+        raise ValueError(f"the figure {wanted.draw} is drawn from one file, that of `weier {kind.command}`")
     import matplotlib.style
 
     from weier.figures.style import SHEET, set_axes
@@ -103,14 +108,6 @@ def draw(
         if wanted.size:
             drawn.set_size_inches(*wanted.size)
         save(drawn, path, formats)
-
-
-def _check_studies(kind: str, studies: Sequence[xr.Dataset]) -> None:
-    known = kinds()
-    if kind not in known:
-        raise ValueError(f"there is no figure {kind!r}: choose from {', '.join(known)}")
-    if known[kind].command and [known[kind].variable in study for study in studies] != [True]:
-        raise ValueError(f"the figure {kind} is drawn from one file, that of `weier {known[kind].command}`")
 
 
 def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:

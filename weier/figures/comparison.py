@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,20 +73,18 @@ def compare(
     grouping = grouping.of(len(cases))
     drawn = _curves(cases, quantity, grouping, interface)
     of_each = [_values(drawn, name) for name in grouping.facet]
-    columns = len(of_each[1]) if len(of_each) == 2 else None
     noun = " and ".join(grouping.facet) or "curves"
     title, shown = style.limit_panels(title, list(itertools.product(*of_each)), noun, style.MAX_GRID)
     labels = style.SI_LABELS if interface else style.LABELS
-    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], columns)
-    alike = () if grouping == EACH_CASE else ("method", *SURFACES, "seed")
-    shared = _describe(
-        drawn, [name for name in alike if name not in grouping.facet and drawn[0].parameters[name] != ""]
-    )
+    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, of_each[1:]))
+    of_all = {name: _values(drawn, name) for name in ("method", *SURFACES, "seed") if name not in grouping.facet}
+    alike = {name: values[0] for name, values in of_all.items() if len(values) == 1 and values[0] != ""}
+    shared = "" if grouping == EACH_CASE else _join(_label(drawn, *each) for each in alike.items())
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [each for each in drawn if tuple(each.parameters[name] for name in grouping.facet) == value]
         _draw(axes, members, drawn, grouping)
-        own = ",  ".join(filter(None, map(partial(_label, drawn), grouping.facet, value)))
-        style.name_panel(axes, number, len(shown), own if len(shown) > 1 else ",  ".join(filter(None, [own, shared])))
+        own = _join(_label(drawn, *each) for each in zip(grouping.facet, value, strict=True))
+        style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
     _add_legend(figure, panels, _legend(drawn, grouping))
     if interface:  # a power of ten stands beside the title
         for axes in panels:
@@ -154,17 +151,13 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
 
 
-def _describe(members: Sequence[Curve], parameters: Sequence[str]) -> str:
-    """The values of those parameters that all of these curves share."""
-    alike = [name for name in parameters if len(_values(members, name)) == 1]
-    return ",  ".join(filter(None, (_label(members, name, members[0].parameters[name]) for name in alike)))
+def _join(labels: Iterable[str]) -> str:
+    return ",  ".join(filter(None, labels))
 
 
 def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
     """Whether dashes tell the methods apart, since colours and panels do not."""
-    return (
-        grouping.colour not in ("", "method") and "method" not in grouping.facet and len(_values(drawn, "method")) > 1
-    )
+    return "method" not in (grouping.colour or "method", *grouping.facet) and len(_values(drawn, "method")) > 1
 
 
 def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:

@@ -26,21 +26,15 @@ SAMPLES = 2000  # of the height of the profile
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """The profile of the first case with contact edges, and below it its contacts over all mean pressures."""
-    cases = [
-        case for case in curves.cases(studies) if "contact_edge" in case and case["contact_edge"].notnull().any()
-    ]
-    if not cases:
-        raise ValueError(
-            "there are no contact edges in these studies: set contact_edges and a method that finds them"
-        )
-    note = f"the first of {len(cases)} cases" if len(cases) > 1 else ""
-    case = cases[0]
+    cases = (case for case in curves.cases(studies) if "contact_edge" in case)
+    known = [case for case in cases if case["contact_edge"].notnull().any()]
+    title, (case,) = style.limit_panels(title, known, "cases with contact edges", most=1)
     figure = Figure(figsize=(style.WIDTH, 1.5 * style.HEIGHT), layout="constrained")
     top, tree = figure.subplots(2, 1, sharex=True, height_ratios=(1, 4))
     _draw_profile(top, case)
     _draw_tree(tree, case)
     top.set_title(style.describe(case))
-    style.set_title(figure, ": ".join(filter(None, [title, note])))
+    style.set_title(figure, title)
     return figure
 
 

@@ -32,9 +32,7 @@ COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # of cases
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """A panel a case, its best estimate within bounds of more and more terms, and one of how all cases converge."""
     found = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
-    if not found:
-        raise ValueError("there are no estimates to compare in these data: resolve more terms")
-    title, cases = style.limit_panels(title, found, "cases")
+    title, cases = style.limit_panels(title, found, "cases with several estimates")
     names = [*(style.describe(case, *PARAMETERS) for case in cases), "largest over the loads"]
     figure, axes = style.column(title, names, HEIGHT)
     figure.set_figheight(figure.get_figheight() + style.LEGEND_ROW * len(cases))

@@ -199,8 +199,7 @@ def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
     """One axis; where its scale changes, a linear one begins at 0, and a logarithmic one at the least value drawn."""
     low, high = getattr(axes, f"get_{name}lim")()
     if wanted.scale and wanted.scale != getattr(axes, f"get_{name}scale")():
-        drawn = [getattr(each, f"get_{name}data")() for each in axes.get_lines()]
-        values = np.concatenate([np.asarray(each, float) for each in drawn] or [np.empty(0)])
+        values = np.concatenate([[], *(getattr(each, f"get_{name}data")() for each in axes.get_lines())])
         positive = values[values > 0]
         low = 0 if wanted.scale == "linear" else positive.min() if positive.size else high / 10
         getattr(axes, f"set_{name}lim")(max(low, np.finfo(float).tiny), high)  # above 0 while it is logarithmic

@@ -118,7 +118,6 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
         normalised=provenance.NORMALISED + IN_SI * any(figure.interface for figure in scene.figures.values()),
         doi=provenance.DOI,
         details=DETAILS,
-        links=[("all curves (netCDF)", "contact.nc"), ("claims (Markdown)", "claims.md")],
         sections=[
             Section("curves", f"Curves, {cases if count > 1 else 'one case'}"),
             _figures(scene, figures),

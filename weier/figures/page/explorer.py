@@ -27,7 +27,6 @@ TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMAL
 MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of the drop-down lists, in rem
 AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items() if entry.plot}
 QUANTITIES = [name for name in AXES if VARIABLES[name].dims == CURVE]
-LEGENDS: dict[str, Any] = {"resistance": "bottom_left"}  # where no curve goes; of others "top_left"
 MAX_POINTS = 30  # of a curve that is drawn as points
 LINE_WIDTH = 2  # pixels
 STRETCHED: dict[str, Any] = {"sizing_mode": "stretch_width"}
@@ -58,7 +57,7 @@ def curve_explorer(data: xr.Dataset) -> Column:
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
     plots = [_plot(quantity, methods, sources, as_points) for quantity in QUANTITIES]
     selects = [_select(name) for name in LABELS]
-    boxes = [Checkbox(label=_label(method), active=True, name=f"box of {method}") for method in methods]
+    boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
     choose = CustomJS(
         args={"selects": selects, "labels": {name: _labels(data, name) for name in LABELS}, "methods": methods,
               "allCurves": ColumnDataSource(table), "sources": sources, "loads": loads.size, "boxes": boxes,
@@ -96,10 +95,6 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
     ]
 
 
-def _label(method: str) -> str:
-    return str(style.line(method)["label"])
-
-
 def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
     pressure = "mean pressure", "@mean_pressure{0.0000e+0}"
     plot = figure(
@@ -111,7 +106,7 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as
     )  # fmt: skip
     for method, source in zip(methods, sources, strict=True):
         (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
-    plot.legend.location = LEGENDS.get(quantity, "top_left")
+    plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve goes
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(**SMALL_LEGEND)
     return plot

@@ -55,12 +55,9 @@ def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[Outcome]:
 
 def _error(case: xr.Dataset, quantity: str) -> float:
     """The largest distance from the curve of the reference over the loads, NaN where there is none."""
-    if REFERENCE not in case["solution_method"].values:
-        return np.nan
-    planned, reference = (case[quantity].sel(solution_method=method).values for method in (PLANNED, REFERENCE))
-    scale = np.maximum(reference, 1) if quantity == "resistance" else 1.0
-    error = np.abs(planned - reference) / scale
-    return float(np.nanmax(error)) if np.isfinite(error).any() else np.nan
+    planned, reference = case[quantity].reindex(solution_method=[PLANNED, REFERENCE])
+    scale = reference.clip(min=1) if quantity == "resistance" else 1.0
+    return float((np.abs(planned - reference) / scale).max())
 
 
 def _row(methods: str, outcomes: pd.DataFrame) -> list[object]:
