@@ -44,5 +44,5 @@ def test_where_contacts_cannot_be_counted_there_are_at_most_as_many_as_waves(mon
     def fail(*_):
         raise ConvergenceError("none")
 
-    monkeypatch.setattr(forecast.bem, "contacts", fail)
+    monkeypatch.setattr(forecast.bem, "curve", fail)
     assert contacts(Profile(1.123, 5, 3, math.pi), np.array([0.1, 1.0])) == pytest.approx(25)
