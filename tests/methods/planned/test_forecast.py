@@ -41,7 +41,7 @@ def test_contacts_of_long_series_are_foreseen():
 
 
 def test_where_contacts_cannot_be_counted_there_are_at_most_as_many_as_waves(monkeypatch):
-    def fail(*_):
+    def fail(*_, **settings):
         raise ConvergenceError("none")
 
     monkeypatch.setattr(forecast.bem, "curve", fail)
