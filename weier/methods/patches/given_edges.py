@@ -21,17 +21,18 @@ So C is symmetric, positive definite, and but for a smooth rest diagonal on each
 each other only as dipoles do, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
 the form of the pressure on a contact, so that the same expansions and the same moves of the edges serve both.
 
-The forces between n punches take the time O(n log^2 n). The unit force displaces a flat punch of half-width r by
--2 ln(pi r/L), and moves the surface at the centre of another by -2 ln|2 sin(pi d/L)|. Halve the row of punches again
-and again: the influence of one half on the other is a matrix of low rank, since the logarithm is smooth but for few
-neighbours. So the inverse follows from those of the two halves by Woodbury's formula. It need not be exact, because
-it serves conjugate gradients as a part of their preconditioner.
+The forces between n punches take the time O(n). The unit force displaces a flat punch of half-width r by
+-2 ln(pi r/L), and moves the surface at the centre of another by -2 ln|2 sin(pi d/L)|. This matrix is taken for the
+covariance of random displacements. Of these, every second is told from its nearest neighbours among the others but
+for an error that hardly depends on those of the rest; and so on with the others, every second of them, until few are
+left (Vecchia's approximation of the inverse: Schaefer, Katzfuss and Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019).
+It need not be exact, because it serves conjugate gradients as a part of their preconditioner.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
@@ -41,41 +42,26 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
-from weier.methods.patches.segments import Blocks, Rule, Table, apply_blocks, distances_between, gauss_rule
+from weier.methods.patches.segments import (
+    Blocks,
+    Table,
+    apply_blocks,
+    degrees,
+    distances_between,
+    gauss_rule,
+    make_blocks,
+)
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
+Inverse = Any  # a sparse matrix
 
-MAX_DENSE = 128  # punches whose matrix is factorised as it is
-RANK_TOLERANCE = 1e-6  # of the influence of one half on the other; looser ones take more steps of conjugate gradients
-MAX_RANK = 60  # 20 to 30 reach that tolerance for 15 000 punches
+MAX_DENSE = 128  # punches whose matrix is inverted as it is
+NEIGHBOURS = 8  # of a punch on either side: 12 save no step of conjugate gradients
+OFFSET = 2.0  # of all displacements, which makes the matrix positive definite and changes nothing for forces of sum 0
 MAX_STEPS = 300  # of conjugate gradients
 MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
-
-
-class OwnMatrices(NamedTuple):
-    """What nodes on one segment do to each other, and the forces that undo it, shape (K, K).
-
-    direct : what the closed form adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, i != j
-    inverse : the forces on one contact that make up for a residual of mean 0 or, dual, on one gap of width 1 for any
-        residual
-    """
-
-    direct: Table
-    inverse: Table
-
-
-class Group(NamedTuple):
-    """The segments that have the same number of nodes.
-
-    contact : their indices, shape (contacts,)
-    node : the indices of their nodes, shape (contacts, K)
-    """
-
-    rule: Rule
-    contact: Indices
-    node: NDArray[np.int64]
 
 
 class Punches(NamedTuple):
@@ -83,7 +69,6 @@ class Punches(NamedTuple):
 
     centre, half_width : in lambda_0, shape (contacts,)
     node_count, first_node : nodes of each contact; index of its first and, last, the number of all
-    groups : the contacts by their number of nodes
     own, own_inverse : what nodes do to others on the same contact, and the forces that undo it
     position : of the nodes, ascending, in lambda_0
     gap : from the right edge of each contact to the next one, in lambda_0, shape (contacts,)
@@ -96,7 +81,6 @@ class Punches(NamedTuple):
     half_width: Array
     node_count: Indices
     first_node: Indices
-    groups: list[Group]
     own: Blocks
     own_inverse: Blocks
     position: Array
@@ -134,50 +118,31 @@ class Bounds(NamedTuple):
     most: float
 
 
-class Halves(NamedTuple):
-    """The inverse by halves: [A, U V'; V U', B].
-
-    split : punches of the first half
-    first, second : the inverses of A and B
-    low_rank : U and V, the influence of one half on the other
-    solved : A^-1 U and B^-1 V
-    factors : of [1, U' A^-1 U; V' B^-1 V, 1]
-    """
-
-    split: int
-    first: Inverse
-    second: Inverse
-    low_rank: tuple[Matrix, Matrix]
-    solved: tuple[Matrix, Matrix]
-    factors: Factors
-
-
-Inverse = Factors | Halves  # of a few punches and of many
-
-
 def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
-    """The inverse of the influence of punches in order round the period."""
-    if centre.size <= MAX_DENSE:
-        return factorise(_influence(centre, half_width, period))
-    split = centre.size // 2
-    first = invert_punches(centre[:split], half_width[:split], period)
-    second = invert_punches(centre[split:], half_width[split:], period)
-    U, V = _low_rank(centre[:split], centre[split:], period)
-    solved_U, solved_V, rank = solve_forces(first, U), solve_forces(second, V), U.shape[1]
-    coupling = np.eye(2 * rank)
-    coupling[:rank, rank:], coupling[rank:, :rank] = U.T @ solved_U, V.T @ solved_V
-    return Halves(split, first, second, (U, V), (solved_U, solved_V), factorise(coupling))
+    """About the inverse of the influence of punches in order round the period, in factors W' W.
+
+    With the punches from coarse to fine, as if they were random numbers of this covariance, a row of W is what the
+    displacement of one deviates by from its mean for given displacements of its neighbours among the coarser.
+    """
+    stride = 2 ** max(0, int(np.ceil(np.log2(centre.size / MAX_DENSE))))
+    coarsest = np.arange(0, centre.size, stride)
+    lower = np.linalg.cholesky(_influences(coarsest[None], centre, half_width, period)[0])
+    members, entries = [np.tile(coarsest, (coarsest.size, 1))], [np.linalg.inv(lower)]
+    while stride > 1:
+        coarser, new = np.arange(0, centre.size, stride), np.arange(stride // 2, centre.size, stride)
+        near = coarser[(new[:, None] // stride + np.arange(1 - NEIGHBOURS, 1 + NEIGHBOURS)) % coarser.size]
+        members.append(np.column_stack([near, new]))
+        rows = np.linalg.inv(_influences(members[-1], centre, half_width, period))[:, -1]
+        entries.append(rows / np.sqrt(rows[:, -1:]))
+        stride //= 2
+    row_sizes = np.concatenate([np.full(each.shape[0], each.shape[1]) for each in members])
+    entry, member = (np.concatenate([each.ravel() for each in parts]) for parts in (entries, members))
+    return scipy.sparse.csr_array((entry, member, np.append(0, np.cumsum(row_sizes))))
 
 
-def solve_forces(inverse: Inverse, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The forces that displace the punches by so much, shape (punches,) or (punches, columns)."""
-    if not isinstance(inverse, Halves):
-        return solve_factorised(inverse, displacement)
-    first = solve_forces(inverse.first, displacement[: inverse.split])
-    second = solve_forces(inverse.second, displacement[inverse.split :])
-    (U, V), (solved_U, solved_V), rank = inverse.low_rank, inverse.solved, inverse.low_rank[0].shape[1]
-    exchange = solve_factorised(inverse.factors, np.concatenate([U.T @ first, V.T @ second]))
-    return np.concatenate([first - solved_U @ exchange[rank:], second - solved_V @ exchange[:rank]])
+def solve_forces(inverse: Inverse, displacement: Array) -> Array:
+    """About the forces that displace the punches by so much, shape (punches,)."""
+    return np.asarray(inverse.T @ (inverse @ displacement))
 
 
 def factorise(matrix: Matrix) -> Factors:
@@ -192,81 +157,51 @@ def solve_factorised(factors: Factors, right: Matrix) -> Matrix:
 
 
 @kernel
-def _influence(centre: Array, half_width: Array, period: float) -> Matrix:
-    matrix = np.empty((centre.size, centre.size))
-    for i in range(centre.size):
-        for j in range(i):
-            matrix[i, j] = matrix[j, i] = displacement_at_distance(centre[i] - centre[j], period)
-        matrix[i, i] = displacement_of_punch(half_width[i], period)
+def _influences(members: NDArray[np.int64], centre: Array, half_width: Array, period: float) -> NDArray[np.float64]:
+    """The influence on each other of some punches in each row, and `OFFSET`, shape (rows, members, members)."""
+    rows, count = members.shape
+    matrix = np.empty((rows, count, count))
+    for row in range(rows):
+        x, r, here = centre[members[row]], half_width[members[row]], matrix[row]
+        for i in range(count):
+            here[i, i] = OFFSET + displacement_of_punch(r[i], period)
+            for j in range(i):
+                here[i, j] = here[j, i] = OFFSET + displacement_at_distance(x[i] - x[j], period)
     return matrix
 
 
-@kernel
-def _low_rank(x: Array, y: Array, period: float) -> tuple[Matrix, Matrix]:
-    """U and V with U V' = the influence of y on x, by adaptive cross approximation with partial pivoting."""
-    most = min(MAX_RANK, x.size, y.size)
-    U, V, used = np.zeros((most, x.size)), np.zeros((most, y.size)), np.zeros(x.size, np.bool_)
-    row, rank, square = 0, 0, 0.0
-    while rank < most:
-        used[row] = True
-        for j in range(y.size):
-            V[rank, j] = displacement_at_distance(x[row] - y[j], period)
-        for k in range(rank):
-            V[rank] -= U[k, row] * V[k]
-        column = int(np.argmax(np.abs(V[rank])))
-        pivot = V[rank, column]
-        if pivot == 0:
-            break
-        for i in range(x.size):
-            U[rank, i] = displacement_at_distance(x[i] - y[column], period)
-        for k in range(rank):
-            U[rank] -= V[k, column] * U[k]
-        U[rank] /= pivot
-        added = np.sum(U[rank] ** 2) * np.sum(V[rank] ** 2)
-        square += added
-        rank += 1
-        if added <= RANK_TOLERANCE**2 * square:
-            break
-        row = int(np.argmax(np.where(used, -1.0, np.abs(U[rank - 1]))))
-    return U[:rank].T.copy(), V[:rank].T.copy()
+@lru_cache(maxsize=256)
+def _own_influence(count: int, dual: bool) -> Table:
+    """What the closed form of a segment adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2."""
+    node, _, polynomial, _ = gauss_rule(count, dual)
+    distance = np.abs(node[:, None] - node)
+    np.fill_diagonal(distance, np.inf if dual else 1.0)
+    if dual:
+        return -2 * (polynomial.T * np.arange(1, count + 1)) @ polynomial - distance**-2
+    return -np.log(2) - 2 * (polynomial[1:].T / np.arange(1, count)) @ polynomial[1:] - np.log(distance)
 
 
 @lru_cache(maxsize=256)
-def _own_matrices(count: int, dual: bool) -> OwnMatrices:
-    """The matrices of so many nodes."""
-    node, weight, polynomial, _ = gauss_rule(count, dual)
-    distance = np.abs(node[:, None] - node)
-    np.fill_diagonal(distance, np.inf if dual else 1.0)
-    degree = np.arange(count) + dual
+def _own_inverse(count: int, dual: bool) -> Table:
+    """The forces on a contact for a residual of mean 0 or, dual, on a gap of width 1 for any residual."""
+    _, weight, polynomial, _ = gauss_rule(count, dual)
     if dual:
-        direct = -2 * (polynomial.T * degree) @ polynomial - distance**-2
-        return OwnMatrices(direct, weight[:, None] * (polynomial.T / degree) @ polynomial * weight)
-    direct = -np.log(2) - 2 * (polynomial[1:].T / degree[1:]) @ polynomial[1:] - np.log(distance)
-    return OwnMatrices(direct, (polynomial.T * degree) @ polynomial / count**2)
+        return weight[:, None] * (polynomial.T / np.arange(1, count + 1)) @ polynomial * weight
+    return np.asarray((polynomial.T * np.arange(count)) @ polynomial / count**2)
 
 
 def make_punches(centre: Array, half_width: Array, node_count: Indices, period: float, dual: bool = False) -> Punches:
     """Segments in order, which must not overlap, with so many nodes each."""
-    first = np.concatenate([[0], np.cumsum(node_count)])
-    offset, groups, own_start, start = np.empty(first[-1]), [], np.empty_like(node_count), 0
-    for count in np.unique(node_count):
-        rule, contact = gauss_rule(int(count), dual), np.flatnonzero(node_count == count)
-        node = first[contact][:, None] + np.arange(count)
-        offset[node] = half_width[contact][:, None] * rule.node
-        own_start[contact], start = start, start + int(count) ** 2
-        groups.append(Group(rule, contact, node))
+    counts, first = node_count.tolist(), np.append(0, np.cumsum(node_count))
     origin = np.repeat(centre, node_count)
+    offset = np.repeat(half_width, node_count) * np.concatenate([gauss_rule(count, dual).node for count in counts])
     position, gap = origin + offset, distances_between(centre, np.zeros(centre.size), half_width, period)
     if not (np.all(np.diff(position) > 0) and np.all(gap > 0)):
         raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
+    own = make_blocks(_own_influence(count, dual) for count in counts)
+    own_inverse = make_blocks(_own_inverse(count, dual) for count in counts)
     matrix = make_pair_matrix(origin, offset, period, dual)
-    matrices = [_own_matrices(group.rule.node.size, dual) for group in groups]
-    own, own_inverse = (
-        Blocks(np.concatenate([each.ravel() for each in tables]), own_start, first, first)
-        for tables in zip(*matrices, strict=True)
-    )
-    layout = centre, half_width, node_count, first, groups
-    return Punches(*layout, own, own_inverse, position, gap, period, matrix, dual)
+    return Punches(centre, half_width, node_count, first, own, own_inverse, position, gap, period, matrix, dual)
 
 
 def displacement(punches: Punches, force: Array) -> Array:
@@ -323,29 +258,33 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
     return Forces(force, float(force.sum()) / punches.period if dual else plane, size, step)
 
 
-def expansion(punches: Punches, force: Array) -> Array:
-    """Coefficients of psi in T_k, segment by segment, shape (nodes,); gaps leave out the last that they have.
+@lru_cache(maxsize=256)
+def _psi_of_forces(count: int, dual: bool) -> Table:
+    """Coefficients of psi in T_k, times r or, dual, r^2, from forces; gaps leave out the last that they have.
 
     With w = sum c_k sin((k+1) theta), psi = -(1/r) sum (k+1) c_k T_(k+1).
     """
-    b = np.empty(force.size)
-    for rule, contact, node in punches.groups:
-        b[node] = force[node] @ rule.polynomial.T * (2 / np.pi / punches.half_width[contact])[:, None]
-        if punches.dual:
-            slope = b[node] * np.arange(1, rule.node.size + 1) / -punches.half_width[contact][:, None]
-            b[node] = np.concatenate([np.zeros((contact.size, 1)), slope[:, :-1]], axis=1)
-        else:
-            b[node[:, 0]] *= 0.5
-    return b
+    rule = gauss_rule(count, dual)
+    if not dual:
+        return rule.expansion / rule.weight
+    return np.concatenate([np.zeros((1, count)), -2 / np.pi * np.arange(1, count)[:, None] * rule.polynomial[:-1]])
 
 
-def forces_of_expansion(b: Table, half_width: Array, count: int, dual: bool) -> Table:
-    """The forces at so many nodes of each of some segments, from as many coefficients of psi in T_k as there are."""
-    rule, r = gauss_rule(count, dual), half_width[:, None]
-    if dual:
-        b = -r * b[:, 1:] / np.arange(1, b.shape[1])
-    kept = min(count, b.shape[1])
-    return np.asarray(b[:, :kept] @ rule.polynomial[:kept] * rule.weight * r)
+@lru_cache(maxsize=256)
+def _forces_of_psi(old: int, count: int, dual: bool) -> Table:
+    """Forces at so many nodes, over r or, dual, r^2, from as many coefficients of psi in T_k as there are."""
+    rule, matrix = gauss_rule(count, dual), np.zeros((count, old))
+    kept = matrix[:, int(dual) : count + dual]
+    kept[:] = (rule.polynomial * rule.weight)[: kept.shape[1]].T
+    return matrix / np.append(1, -np.arange(1, old)) if dual else matrix
+
+
+def expansion(punches: Punches, force: Array) -> Array:
+    """Coefficients of psi in T_k, segment by segment, shape (nodes,)."""
+    blocks = make_blocks(_psi_of_forces(count, punches.dual) for count in punches.node_count.tolist())
+    return np.asarray(
+        apply_blocks(blocks, force) / np.repeat(punches.half_width, punches.node_count) ** (1 + punches.dual)
+    )
 
 
 @kernel
@@ -361,36 +300,34 @@ def regular_part(first_node: Indices, b: Array) -> Array:
     return a
 
 
+@lru_cache(maxsize=256)
+def _values_and_motion(count: int) -> tuple[Table, Table]:
+    """From coefficients of psi to its values at the zeros of T_K, and from those of phi to (1-t^2) phi' - t phi."""
+    polynomial = gauss_rule(count, False).polynomial.T
+    return polynomial, np.roll(-np.arange(count) * polynomial, -1, axis=1)  # -(k+1) T_(k+1) for U_k
+
+
 def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array) -> Array:
     """Coefficients of psi when the segments have moved: to second order the solution, if Newton's step moved them.
 
     With w = (dc + t dr)/r, psi + w [(1-t^2) phi' - t phi].
     """
-    a, moved = regular_part(punches.first_node, b), np.empty(b.size)
-    r = punches.half_width
-    for group in punches.groups:
-        contact, node, count = group.contact, group.node, group.rule.node.size
-        rule = gauss_rule(count, False)
-        t = rule.node
-        k = np.arange(1, count)[:, None]
-        bracket = -k * rule.polynomial[1:]  # (1-t^2) U_k' - t U_k = -(k+1) T_(k+1)
-        shift, growth = (centre - punches.centre)[contact, None], (half_width - r)[contact, None]
-        w = np.clip((shift + t * growth) / r[contact, None], -MAX_PREDICTED_MOVE, MAX_PREDICTED_MOVE)
-        psi = b[node] @ rule.polynomial + w * (a[node[:, :-1]] @ bracket)
-        moved[node] = psi @ rule.polynomial.T * (2 / count)
-        moved[node[:, 0]] *= 0.5
-    return moved
+    r, counts = punches.half_width, punches.node_count.tolist()
+    rules = [gauss_rule(count, False) for count in counts]
+    shift, growth = (np.repeat(each / r, counts) for each in (centre - punches.centre, half_width - r))
+    moved = shift + growth * np.concatenate([rule.node for rule in rules])
+    values, motion = map(make_blocks, zip(*map(_values_and_motion, counts), strict=True))
+    psi = apply_blocks(values, b)
+    psi += np.clip(moved, -MAX_PREDICTED_MOVE, MAX_PREDICTED_MOVE) * apply_blocks(
+        motion, regular_part(punches.first_node, b)
+    )
+    return np.asarray(apply_blocks(make_blocks(rule.expansion for rule in rules), psi))
 
 
 def transfer_forces(punches: Punches, b: Array, origin: Indices, half_width: Array, node_count: Indices) -> Array:
     """The forces on other segments, each of which is the old one `origin`, or new where that is -1: then 0."""
-    first = np.concatenate([[0], np.cumsum(node_count)])
-    force, kept = np.zeros(first[-1]), np.flatnonzero(origin >= 0)
-    counts = np.stack([punches.node_count[origin[kept]], node_count[kept]], axis=1)
-    for old, new in np.unique(counts, axis=0):
-        here = kept[(counts[:, 0] == old) & (counts[:, 1] == new)]
-        rows = b[punches.first_node[origin[here]][:, None] + np.arange(old)]
-        force[first[here][:, None] + np.arange(new)] = forces_of_expansion(
-            rows, half_width[here], int(new), punches.dual
-        )
-    return force
+    old = np.where(origin >= 0, punches.node_count[origin], 0)
+    node = np.repeat(punches.first_node[origin], old) + degrees(np.append(0, np.cumsum(old)))
+    counts = zip(old.tolist(), node_count.tolist(), strict=True)
+    force = apply_blocks(make_blocks(_forces_of_psi(*each, punches.dual) for each in counts), b[node])
+    return np.asarray(force * np.repeat(half_width, node_count) ** (1 + punches.dual))

@@ -40,8 +40,10 @@ from weier.methods.patches.inequalities import (
 from weier.methods.patches.segments import (
     MAX_NODES,
     Iterate,
+    apply_blocks,
     coefficient_tails,
     gauss_rule,
+    make_blocks,
     make_segments,
     more_nodes,
 )
@@ -51,6 +53,7 @@ MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, w
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
 MIN_TOLERANCE = 1e-10  # of the residual: what comes out is mostly a hundredth, where rounding begins
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
+MAX_OVER_TARGET = 10.0  # of what is left in the end: with more, where rounding is not all of it, nodes are too few
 ROUGH_TARGET = 1e-3  # of the height that the load needs, before the set of contacts is right
 ROUNDING = 1e-13  # of the displacement under the whole load, as a height
 REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
@@ -105,7 +108,8 @@ def _solve_to(
 ) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
     load = problem.load
-    target, allowed = _target(problem, tolerance, scale), max(tolerance, MIN_TOLERANCE) * scale
+    target = _target(problem, tolerance, scale)
+    allowed = max(max(tolerance, MIN_TOLERANCE) * scale, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, target, scale)
     stage, last_move = fine if follows else rough, np.inf
     moved = False  # whether edges have moved since the set was corrected
@@ -217,9 +221,8 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
     punches, series = step.punches, problem.series
     crest, y = nearest_crests(series, punches.centre)
     segments = make_segments(crest, punches.centre - y, y, punches.half_width, punches.node_count, series.period)
-    phi = np.empty(step.a.size)
-    for rule, _, node in punches.groups:
-        phi[node] = step.a[node] @ gauss_rule(rule.node.size, True).polynomial
+    values = make_blocks(gauss_rule(count, True).polynomial.T for count in punches.node_count.tolist())
+    phi = apply_blocks(values, step.a)
     return ContactState(
         problem.dual, problem.load, -step.forces.plane, segments, phi, step.a, np.zeros(1), np.nan, np.nan
     )

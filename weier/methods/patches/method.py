@@ -11,7 +11,6 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import residuals_by_sums
-from weier.methods.patches.given_edges import MAX_DENSE, invert_punches
 from weier.methods.patches.solver import TOLERANCE, Curve, curve, lone_contacts, lone_gaps
 from weier.methods.patches.surface import nearest_crests, surface_of
 from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
@@ -61,8 +60,6 @@ def _run_kernels() -> None:
         state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
         crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
-    centre = np.arange(2.0 * MAX_DENSE)
-    invert_punches(centre, np.full(centre.size, 0.1), float(centre.size))
 
 
 def candidates(task: Task) -> Iterator[Segment]:

@@ -102,12 +102,14 @@ class Blocks(NamedTuple):
 
 
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
-    """The matrices of all segments in order."""
+    """The matrices of all segments in order; one that several segments share stands in the table once."""
     matrices = list(matrices)
+    distinct = {id(each): each for each in matrices}
+    start = dict(zip(distinct, np.cumsum([0, *(each.size for each in distinct.values())]), strict=False))
     rows, columns = zip(*(each.shape for each in matrices), strict=True)
-    start = np.cumsum([0, *(each.size for each in matrices)])
-    table = np.concatenate([each.ravel("F") for each in matrices])
-    return Blocks(table, start, np.cumsum([0, *rows]), np.cumsum([0, *columns]))
+    table = np.concatenate([each.ravel("F") for each in distinct.values()])
+    begin = np.array([start[id(each)] for each in matrices])
+    return Blocks(table, begin, np.cumsum([0, *rows]), np.cumsum([0, *columns]))
 
 
 @kernel
