@@ -56,7 +56,7 @@ def test_forces_between_punches(count, ratio):
     punches = random_punches(count, 2)
     chord = np.abs(2 * np.sin(np.pi * (punches.centre[:, None] - punches.centre)))
     np.fill_diagonal(chord, np.pi * punches.half_width)
-    inverse = invert_punches(punches.centre, punches.half_width, 1.0).toarray()
+    inverse = invert_punches(punches.centre, punches.half_width, 1.0)[0].toarray()
     eigenvalues = np.linalg.eigvalsh(inverse @ (OFFSET - 2 * np.log(chord)) @ inverse.T)
     assert 0 < eigenvalues[-1] < ratio * eigenvalues[0]
 

@@ -63,11 +63,6 @@ class EdgeMoves(NamedTuple):
     closing: Flags
     relative: Array
 
-    @property
-    def largest(self) -> float:
-        """The relative move of any edge."""
-        return float(self.relative.max())
-
 
 def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     """The moves from the coefficients of psi in T_k and of its regular part in U_k."""

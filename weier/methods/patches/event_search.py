@@ -19,15 +19,16 @@ from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.fields import (
+    CAUCHY,
     ContactState,
-    gap_slopes,
+    density_integrals,
     residuals_one_by_one,
     values_on_segments,
 )
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import contacts_of
 from weier.methods.patches.solver import TOLERANCE, Starts, check_loads, check_tolerance, solve_state
-from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests, surface_of
+from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
 from weier.theory.waves import Waves
 
 MAX_DECADES = 1.0  # between two loads at first
@@ -56,14 +57,6 @@ class Events(NamedTuple):
     birth: Flags
     x: Array
     patch_count: Indices
-
-
-class _Intervals(NamedTuple):
-    """Contacts or gaps in order round the period: from origin + left to origin + right, in lambda_0."""
-
-    origin: Array
-    left: Array
-    right: Array
 
 
 class _Event(NamedTuple):
@@ -179,12 +172,12 @@ class _Search(NamedTuple):
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
         """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether that is all."""
         period = self.surface.heights.period
-        before, after = _intervals(low, low.dual, period), _intervals(high, high.dual, period)
+        origins, lefts, rights = _intervals(low, low.dual, period)
         finest = 2 * np.pi / self.surface.heights.wavenumber[-1]
         changes, expected, is_certain = [], [], True
-        for origin, left, right in zip(*after, strict=True):
-            shift = before.origin - origin
-            middle = shift + 0.5 * (before.left + before.right)
+        for origin, left, right in zip(*_intervals(high, high.dual, period), strict=True):
+            shift = origins - origin
+            middle = shift + 0.5 * (lefts + rights)
             turns = np.ceil((left - middle) / period) * period
             inside = np.flatnonzero(middle + turns < right)
             inside = inside[np.argsort((middle + turns)[inside])]
@@ -192,8 +185,8 @@ class _Search(NamedTuple):
                 changes.append(_Event(True, origin, left, right))
                 expected.append((1, origin, left, right))
                 continue
-            start = before.left[inside] + (shift + turns)[inside]
-            end = before.right[inside] + (shift + turns)[inside]
+            start = lefts[inside] + (shift + turns)[inside]
+            end = rights[inside] + (shift + turns)[inside]
             for a, b in ((left, start[0]), (end[-1], right)):
                 expected.append((0, origin, a, b))
                 is_certain = is_certain and b - a < MAX_ADVANCE * finest
@@ -246,14 +239,14 @@ class _Search(NamedTuple):
             return start
         if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
             return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
-        few = on_few_nodes(start.iterate, self.surface.series(start.dual))
+        few = on_few_nodes(start, self.surface.series(start.dual))
         return solve_on_segments(self.surface, few, load, self.starts.tolerance)[0]
 
 
-def _intervals(state: ContactState, between: bool, period: float) -> _Intervals:
-    """The segments of a state, or what lies between them."""
+def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:
+    """The segments of a state, or what lies between them: from origin + left to origin + right, in lambda_0."""
     origin, centre, half_width = contacts_of(state.segments, between, period)
-    return _Intervals(origin, centre - half_width, centre + half_width)
+    return origin, centre - half_width, centre + half_width
 
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
@@ -292,7 +285,9 @@ def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Arr
     """The slope of the gap at points origin + y off the contacts."""
     if state.dual:
         return values_on_segments(state, series.period, origin, y, False)[1]
-    return gap_slopes(state, series, *_from_crests(series, origin, y))
+    crest, y = _from_crests(series, origin, y)
+    integral = density_integrals(state, series.period, series.crest_position[crest], y, CAUCHY)
+    return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
 
 
 def _from_crests(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:

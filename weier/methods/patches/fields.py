@@ -13,14 +13,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches.pair_sums import make_tree, potential, take_logarithms
-from weier.methods.patches.segments import (
-    Iterate,
-    Segments,
-    cauchy_integral,
-    evaluate_expansion,
-    gap_expansion,
-    log_integral,
-)
+from weier.methods.patches.segments import Segments, cauchy_integral, evaluate_expansion, gap_expansion, log_integral
 from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
@@ -67,11 +60,6 @@ class ContactState(NamedTuple):
     sensitivity: Array
     residual: float
     error: float
-
-    @property
-    def iterate(self) -> Iterate:
-        """What an iteration may start from."""
-        return Iterate(self.dual, self.segments, self.phi, self.approach)
 
 
 @kernel
@@ -219,12 +207,6 @@ def values_on_segments(
     return inside, value
 
 
-def gap_slopes(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
-    """The slope of the gap outside contacts, of a primal state, at points as those of `complementary_residuals`."""
-    integral = density_integrals(state, series.period, series.crest_position[crest], y, CAUCHY)
-    return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
-
-
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """What must vanish on the segments and be positive outside them: the gap (primal), or the pressure (dual).
 
@@ -331,8 +313,3 @@ def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, of_ga
         value = np.zeros(x.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
     return value
-
-
-def series_values(series: CosineSeries, x: Array) -> Array:
-    """S at positions x."""
-    return series.maximum + evaluate_at(series, *nearest_crests(series, x), 0)

@@ -53,9 +53,7 @@ from weier.methods.patches.segments import (
 )
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
-Matrix = NDArray[np.float64]
-Factors = tuple[Matrix, NDArray[np.int32]]
-Inverse = Any  # a sparse matrix
+Inverse = tuple[Any, Any]  # two sparse matrices, each the other's transpose
 
 MAX_DENSE = 128  # punches whose matrix is inverted as it is
 NEIGHBOURS = 8  # of a punch on either side: 12 save no step of conjugate gradients
@@ -137,23 +135,14 @@ def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
         stride //= 2
     row_sizes = np.concatenate([np.full(each.shape[0], each.shape[1]) for each in members])
     entry, member = (np.concatenate([each.ravel() for each in parts]) for parts in (entries, members))
-    return scipy.sparse.csr_array((entry, member, np.append(0, np.cumsum(row_sizes))))
+    W = scipy.sparse.csr_array((entry, member, np.append(0, np.cumsum(row_sizes))))
+    return W, W.T
 
 
 def solve_forces(inverse: Inverse, displacement: Array) -> Array:
     """About the forces that displace the punches by so much, shape (punches,)."""
-    return np.asarray(inverse.T @ (inverse @ displacement))
-
-
-def factorise(matrix: Matrix) -> Factors:
-    """LAPACK's factors of a matrix, which they may overwrite."""
-    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
-    return lu, pivot
-
-
-def solve_factorised(factors: Factors, right: Matrix) -> Matrix:
-    """The solution for one right side or several, shape (unknowns,) or (unknowns, columns)."""
-    return np.asarray(scipy.linalg.lapack.dgetrs(*factors, right)[0])
+    W, transposed = inverse
+    return np.asarray(transposed @ (W @ displacement))
 
 
 @kernel

@@ -8,7 +8,6 @@ here, too, for both solvers.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,19 +49,10 @@ DIRECT_SUMS = 40  # points at which the residuals of many segments are checked w
 Residual = Callable[[Array], Array]
 
 
-class Violations(NamedTuple):
-    """How far a state is from the conditions of contact.
-
-    gap : the largest gap on a contact or overlap anywhere, in g_0
-    pressure : the largest pressure in a gap or tension anywhere, in p_0*
-    """
-
-    gap: float
-    pressure: float
-
-
-def error_bound(state: ContactState, violations: Violations, period: float) -> float:
+def error_bound(state: ContactState, gap: float, pressure: float, period: float) -> float:
     """How far the compliance may be off, in g_0, by the conditions of contact that a state violates.
+
+    By a gap on a contact or an overlap anywhere, in g_0, and by a pressure in a gap or a tension anywhere, in p_0*.
 
     Let D(P) be the mean gap under the mean pressure P, and g = d - z + u that of a state whose pressure p has this
     mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -q everywhere and |p| <= q in its gaps. Then
@@ -76,7 +66,7 @@ def error_bound(state: ContactState, violations: Violations, period: float) -> f
     To first order, D(P) - D(P + q) is the resistance times q; and so it is for a load that contacts do not carry.
     """
     resistance = float(state.sensitivity[-1])
-    return violations.gap + resistance * (violations.pressure + abs(carried_load(state, period) - state.load))
+    return gap + resistance * (pressure + abs(carried_load(state, period) - state.load))
 
 
 def carried_load(state: ContactState, period: float) -> float:
@@ -96,12 +86,6 @@ def carried_load(state: ContactState, period: float) -> float:
 #     rounding at an end, where neither a pressure nor a gap can be large, counts for little
 # height : how far the gap opens in the interval of tension or, dual, how large the overlap is, in g_0
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest share height", np.float64, ()))
-
-
-def _gaps_beside(segments: Segments, period: float) -> tuple[Array, Array]:
-    """The right end of each segment, and the distance from there to the next."""
-    right = segments.origin + (segments.centre + segments.half_width)
-    return right, distances_to_next(segments, period)
 
 
 def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
@@ -270,10 +254,8 @@ def certify(
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
     worst = SAMPLED_FACTOR * float(residual.max())
-    unmet = Violations(max(worst, -outside), -inside)
-    if state.dual:
-        unmet = Violations(max(closure, -inside), max(worst, -outside))
-    return state._replace(error=error_bound(state, unmet, period))
+    off, on = max(worst, -outside), max(closure, -inside)
+    return state._replace(error=error_bound(state, *((on, off) if state.dual else (off, on)), period))
 
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
@@ -289,39 +271,23 @@ def check_violation(state: ContactState, period: float, tolerance: float) -> Non
         )
 
 
-class Minima(NamedTuple):
-    """Minima of the complementary residual, each of shape (minima,).
-
-    position, value, curvature : of each, with the position in lambda_0
-    interval : index of the segment on the left
-    """
-
-    position: Array
-    value: Array
-    curvature: Array
-    interval: Indices
-
-    @property
-    def lowest(self) -> float:
-        """The lowest value if it is negative, and else 0."""
-        return float(self.value.min(initial=0.0))
-
-    def select(self, which: Flags) -> Minima:
-        """Some of the minima."""
-        return Minima(self.position[which], self.value[which], self.curvature[which], self.interval[which])
+# Minima of the complementary residual: each with its position in lambda_0, and the index of the segment on the left.
+MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
 
 
-def minima_outside(state: ContactState, series: CosineSeries) -> Minima:
-    """Where the gap between contacts or, dual, the pressure between gaps is negative: there a segment is missing."""
+def lowest_outside(state: ContactState, series: CosineSeries) -> float:
+    """The lowest gap between contacts or, dual, pressure between gaps, if it is negative, and else 0."""
 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x))
 
-    x, interval = _probe_points(*_gaps_beside(state.segments, series.period), series)
-    return _negative_minima(x, interval, residual(x), residual, 0.0)
+    segments = state.segments
+    right = segments.origin + (segments.centre + segments.half_width)
+    x, interval = _probe_points(right, distances_to_next(segments, series.period), series)
+    return float(_negative_minima(x, interval, residual(x), residual, 0.0)["value"].min(initial=0.0))
 
 
-def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Minima:
+def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Records:
     """Negative minima of a function of ascending positions, from its values at some of them in some intervals.
 
     They are sought where no parabola through a low sample and its neighbours stays above the margin for certain.
@@ -356,7 +322,9 @@ def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residu
         some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
         low, middle, high, interval = low[some], (middle + shift)[some], high[some], interval[some]
         stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]
-    return Minima(lowest[0], lowest[1], lowest[2], interval)
+    minima = np.empty(middle.size, MINIMUM)
+    minima["position"], minima["value"], minima["curvature"], minima["interval"] = *lowest, interval
+    return minima
 
 
 def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArray[np.float64], float]:
@@ -373,47 +341,47 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
 
     x, interval = _probe_points(punches.right, punches.gap, problem.series)
     minima = _negative_minima(x, interval, residual(x), residual, tolerance)
-    deepest, minima = minima.lowest, minima.select(minima.value < -tolerance)
-    minima = minima.select(_is_apart(step, minima))
-    depth = -minima.value
-    reach = np.sqrt(2 * depth / np.maximum(minima.curvature, depth / _room(step, minima) ** 2))
+    deepest, minima = float(minima["value"].min(initial=0.0)), minima[minima["value"] < -tolerance]
+    minima = minima[_is_apart(step, minima)]
+    depth = -minima["value"]
+    reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / _room(step, minima) ** 2))
     alone = _is_alone(minima, reach)
-    minima, reach = minima.select(alone), reach[alone]
+    minima, reach = minima[alone], reach[alone]
     widening = NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH
     half_width = np.minimum(widening * reach, MAX_NEW_WIDTH * _room(step, minima))
-    return np.stack([minima.position - half_width, minima.position + half_width], axis=1), deepest
+    return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), deepest
 
 
-def _is_alone(minima: Minima, reach: Array) -> Flags:
+def _is_alone(minima: Records, reach: Array) -> Flags:
     """Whether no deeper minimum lies within the same overlap, which reaches so far from each."""
-    value = minima.value
-    near = (np.diff(minima.position) < np.maximum(reach[:-1], reach[1:])) & (np.diff(minima.interval) == 0)
+    value = minima["value"]
+    near = (np.diff(minima["position"]) < np.maximum(reach[:-1], reach[1:])) & (np.diff(minima["interval"]) == 0)
     hidden = np.zeros(value.size, bool)
     hidden[:-1] |= near & (value[:-1] > value[1:])
     hidden[1:] |= near & (value[1:] >= value[:-1])
     return ~hidden
 
 
-def _is_apart(step: Step, minima: Minima) -> Flags:
+def _is_apart(step: Step, minima: Records) -> Flags:
     """Whether a minimum is not merely the overlap beside an edge that is about to grow over it.
 
     With p = (k_0 + k_1 s)/sqrt(s) within an edge, the gap is negative as far as 3 k_0/k_1 outside, and the edge moves
     out by 2 k_0/k_1.
     """
     to_left, to_right = _distances_to_ends(step, minima)
-    outward, after = OVERLAP_BESIDE_EDGE * step.moves.outward, (minima.interval + 1) % step.punches.gap.size
-    return np.asarray((to_left > outward[minima.interval, 1]) & (to_right > outward[after, 0]))
+    outward, after = OVERLAP_BESIDE_EDGE * step.moves.outward, (minima["interval"] + 1) % step.punches.gap.size
+    return np.asarray((to_left > outward[minima["interval"], 1]) & (to_right > outward[after, 0]))
 
 
-def _distances_to_ends(step: Step, minima: Minima) -> tuple[Array, Array]:
+def _distances_to_ends(step: Step, minima: Records) -> tuple[Array, Array]:
     """From each minimum to the ends of its gap."""
-    to_left = minima.position - step.punches.right[minima.interval]
-    return to_left, step.punches.gap[minima.interval] - to_left
+    to_left = minima["position"] - step.punches.right[minima["interval"]]
+    return to_left, step.punches.gap[minima["interval"]] - to_left
 
 
-def _room(step: Step, minima: Minima) -> Array:
+def _room(step: Step, minima: Records) -> Array:
     """From each new contact to the ends of its gap, or halfway to another new one."""
     to_left, to_right = _distances_to_ends(step, minima)
-    halfway = 0.5 * np.diff(minima.position)
+    halfway = 0.5 * np.diff(minima["position"])
     none = np.full(min(to_left.size, 1), np.inf)
     return np.minimum(np.minimum(to_left, np.append(none, halfway)), np.minimum(to_right, np.append(halfway, none)))

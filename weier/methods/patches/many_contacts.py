@@ -24,11 +24,7 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.fields import ContactState
-from weier.methods.patches.given_edges import (
-    Bounds,
-    Punches,
-    solve_forces_on_contacts,
-)
+from weier.methods.patches.given_edges import Bounds, Punches, solve_forces_on_contacts
 from weier.methods.patches.inequalities import (
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
@@ -108,8 +104,9 @@ def _solve_to(
 ) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
     load = problem.load
-    target = _target(problem, tolerance, scale)
-    allowed = max(max(tolerance, MIN_TOLERANCE) * scale, MAX_OVER_TARGET * target)
+    wanted = max(tolerance, MIN_TOLERANCE) * scale
+    target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
+    allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, target, scale)
     stage, last_move = fine if follows else rough, np.inf
     moved = False  # whether edges have moved since the set was corrected
@@ -120,7 +117,7 @@ def _solve_to(
         is_enough = step.settled or (moved and step.unsettled < MAX_UNSETTLED)
         if stage.fine:
             is_enough = _converged(step, target, last_move)
-        last_move = step.moves.largest
+        last_move = float(step.moves.relative.max())
         if follows and np.any(step.vanishing | step.merging):
             break
         if not is_enough:
@@ -160,17 +157,13 @@ def _scale(problem: Problem) -> float:
     return min(problem.load * problem.series.period, 1.0)
 
 
-def _target(problem: Problem, tolerance: float, scale: float) -> float:
-    return max(TARGET * max(tolerance, MIN_TOLERANCE) * scale, ROUNDING * problem.load * problem.series.period)
-
-
 def _edges(step: Step) -> Edges:
     return step.punches.centre - step.punches.half_width, step.punches.centre + step.punches.half_width
 
 
 def _converged(step: Step, target: float, last_move: float) -> bool:
     """Whether the residual is small, and no edge singular or the moves so small that only rounding keeps them up."""
-    move = step.moves.largest
+    move = float(step.moves.relative.max())
     is_rounding = MIN_ROUNDING_RATIO * last_move < move < MAX_ROUNDING_MOVE
     return step.forces.residual < target and (is_rounding or float(step.singular.max()) < target)
 

@@ -31,19 +31,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import ContactState
-from weier.methods.patches.given_edges import Factors, factorise, solve_factorised
-from weier.methods.patches.inequalities import (
-    certify,
-    contact_residual,
-    find_negative_intervals,
-    minima_outside,
-)
+from weier.methods.patches.inequalities import certify, contact_residual, find_negative_intervals, lowest_outside
 from weier.methods.patches.pair_sums import take_logarithms
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
@@ -54,7 +49,6 @@ from weier.methods.patches.segments import (
     apply_blocks,
     are_resolved,
     coefficient_tails,
-    collocation_point,
     distances_between,
     estimate_node_count,
     gauss_rule,
@@ -65,6 +59,9 @@ from weier.methods.patches.segments import (
     move_segments,
 )
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_series
+
+Matrix = NDArray[np.float64]
+Factors = tuple[Matrix, NDArray[np.int32]]
 
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of Newton's method, and of corrections
@@ -92,18 +89,6 @@ class System(NamedTuple):
     matrix: NDArray[np.float64]
     residual: Array
     by_load: Array
-
-
-class Points(NamedTuple):
-    """The points at which the integral equation holds, one more than nodes on each segment, all in a row.
-
-    t : on its segment, ascending
-    sine, cosine : of pi r t/L
-    """
-
-    t: Array
-    sine: Array
-    cosine: Array
 
 
 class TwoGrids(NamedTuple):
@@ -140,11 +125,10 @@ def assemble(now: Iterate, series: CosineSeries, load: float) -> System:
     """
     segments, size = now.segments, now.phi.size + 2 * now.segments.centre.size + 1
     system, force = System(np.zeros((size, size)), np.zeros(size), np.zeros(size)), now.phi * segments.weight
-    points = _collocation_points(segments, series.period)
     for j in range(segments.centre.size):
         force[segments.first_node[j] : segments.first_node[j + 1]] *= segments.half_width[j]
-        _add_forcing(system, now, series, load, points, j)
-        _add_cauchy_integral(system, segments, force, points, series.period, j)
+        _add_forcing(system, now, series, load, j)
+        _add_cauchy_integral(system, segments, force, series.period, j)
     if now.dual:
         _fill_closure_rows(system, now, force, series.period)
     else:
@@ -155,24 +139,14 @@ def assemble(now: Iterate, series: CosineSeries, load: float) -> System:
 
 
 @kernel
-def _collocation_points(segments: Segments, period: float) -> Points:
-    n = segments.centre.size
-    t, angle = np.empty(segments.node.size + n), np.empty(segments.node.size + n)
-    for i in range(n):
-        first, count = segments.first_node[i] + i, segments.first_node[i + 1] - segments.first_node[i]
-        for a in range(count + 1):
-            t[first + a] = collocation_point(a, count)
-            angle[first + a] = np.pi / period * segments.half_width[i] * t[first + a]
-    return Points(t, np.sin(angle), np.cos(angle))
-
-
-@kernel
-def _add_forcing(system: System, now: Iterate, series: CosineSeries, load: float, points: Points, i: int) -> None:
+def _add_forcing(system: System, now: Iterate, series: CosineSeries, load: float, i: int) -> None:
     """The forcing -f at the points x = c + r t of segment i, and r times its derivatives in c and r."""
     segments, centre = now.segments, now.phi.size + i
     r, width = segments.half_width[i], centre + segments.centre.size
     for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
-        value, slope, curvature = evaluate_series(series, segments.crest[i], segments.centre[i] + r * points.t[a])
+        value, slope, curvature = evaluate_series(
+            series, segments.crest[i], segments.centre[i] + r * segments.point[a]
+        )
         if now.dual:
             system.residual[a] += 2 * np.pi * series.period * (load - series.maximum - value)
             system.by_load[a] = 2 * np.pi * series.period
@@ -181,7 +155,7 @@ def _add_forcing(system: System, now: Iterate, series: CosineSeries, load: float
             system.residual[a] += slope * series.period / (2 * np.pi)
             dforcing_dx = curvature * series.period / (2 * np.pi)
         system.matrix[centre, a] += dforcing_dx * r
-        system.matrix[width, a] += dforcing_dx * r * points.t[a]
+        system.matrix[width, a] += dforcing_dx * r * segments.point[a]
 
 
 @kernel
@@ -192,23 +166,21 @@ def _angle_between_centres(segments: Segments, i: int, j: int, factor: float) ->
 
 
 @kernel
-def _add_cauchy_integral(
-    system: System, segments: Segments, force: Array, points: Points, period: float, j: int
-) -> None:
+def _add_cauchy_integral(system: System, segments: Segments, force: Array, period: float, j: int) -> None:
     """I = int rho cot(pi (x-s)/L) ds over segment j at all points x = c_i + r_i t.
 
     With K = cot and dK/ds = (pi/L) (1 + K^2), dI/dc_j = sum w r phi dK/ds = -dI/dx, and
     r_j dI/dr_j = sum w r phi (K + r_j t_q dK/ds). Where i = j, x moves with the segment: then nothing changes with
     c_j, and r_j t dI/dx is added to the derivative in r_j.
     """
-    n, size, factor, r = segments.centre.size, points.t.size, np.pi / period, segments.half_width[j]
+    n, size, factor, r = segments.centre.size, segments.point.size, np.pi / period, segments.half_width[j]
     centre, width = system.matrix[segments.node.size :], system.matrix[segments.node.size + n :]
     sine, cosine = np.empty(size), np.empty(size)  # of pi (x - c_j)/L
     for i in range(n):
         s, c = _angle_between_centres(segments, i, j, factor)
         for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
-            sine[a] = s * points.cosine[a] + c * points.sine[a]
-            cosine[a] = c * points.cosine[a] - s * points.sine[a]
+            sine[a] = s * segments.point_cosine[a] + c * segments.point_sine[a]
+            cosine[a] = c * segments.point_cosine[a] - s * segments.point_sine[a]
     integral, by_centre, by_width = np.zeros(size), np.zeros(size), np.zeros(size)
     for q in range(segments.first_node[j], segments.first_node[j + 1]):
         u, v, cot = segments.sine[q], segments.cosine[q], system.matrix[q, :size]
@@ -226,10 +198,10 @@ def _add_cauchy_integral(
         for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
             system.residual[a] += integral[a]
             if i == j:
-                width[i, a] += by_width[a] - own * points.t[a] * by_centre[a]
+                width[i, a] += by_width[a] - own * segments.point[a] * by_centre[a]
             else:
                 centre[i, a] -= by_centre[a] * own
-                width[i, a] -= by_centre[a] * own * points.t[a]
+                width[i, a] -= by_centre[a] * own * segments.point[a]
                 centre[j, a] += by_centre[a] * r
                 width[j, a] += by_width[a]
 
@@ -328,6 +300,17 @@ def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float
             matrix[row, -1] += 2 * moment
 
 
+def factorise(matrix: Matrix) -> Factors:
+    """LAPACK's factors of a matrix, which they may overwrite."""
+    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
+    return lu, pivot
+
+
+def solve_factorised(factors: Factors, right: Matrix) -> Matrix:
+    """The solution for one right side or several, shape (unknowns,) or (unknowns, columns)."""
+    return np.asarray(scipy.linalg.lapack.dgetrs(*factors, right)[0])
+
+
 @lru_cache(maxsize=256)
 def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
     """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
@@ -357,14 +340,14 @@ def expand(phi: Array, first_node: Indices) -> Array:
     return np.asarray(apply_blocks(make_blocks(rule.expansion for rule in rules), phi))
 
 
-def change_nodes(now: Iterate, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
+def change_nodes(now: Iterate | ContactState, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
     """The density on so many nodes of each segment."""
     old = now.segments
     new = make_segments(old.crest, old.origin, old.centre, old.half_width, node_count, period)
     return Iterate(now.dual, new, apply_blocks(interpolation, now.phi), now.approach)
 
 
-def on_few_nodes(now: Iterate, series: CosineSeries) -> Iterate:
+def on_few_nodes(now: Iterate | ContactState, series: CosineSeries) -> Iterate:
     """The density on as few nodes as a guess has."""
     old = now.segments
     count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
@@ -532,7 +515,7 @@ def _lowest_values(
     limit = max(tolerance, outside, float(unresolved.max())) * scale
     if not state.dual:
         limit = min(limit, max(MIN_OVERLAP * scale, OVERLAP_FACTOR * residual))
-    lowest, negative = minima_outside(state, series).lowest, find_negative_intervals(state)
+    lowest, negative = lowest_outside(state, series), find_negative_intervals(state)
     allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
     if lowest < -limit or np.any(negative["share"] < -allowed):
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")

@@ -104,12 +104,14 @@ class Blocks(NamedTuple):
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
     """The matrices of all segments in order; one that several segments share stands in the table once."""
     matrices = list(matrices)
-    distinct = {id(each): each for each in matrices}
-    start = dict(zip(distinct, np.cumsum([0, *(each.size for each in distinct.values())]), strict=False))
-    rows, columns = zip(*(each.shape for each in matrices), strict=True)
-    table = np.concatenate([each.ravel("F") for each in distinct.values()])
-    begin = np.array([start[id(each)] for each in matrices])
-    return Blocks(table, begin, np.cumsum([0, *rows]), np.cumsum([0, *columns]))
+    names = list(map(id, matrices))
+    distinct = dict(zip(names, matrices, strict=True))
+    place = {name: number for number, name in enumerate(distinct)}
+    which = [place[name] for name in names]
+    shapes = np.array([each.shape for each in distinct.values()])
+    table, end = np.concatenate([each.ravel("F") for each in distinct.values()]), np.cumsum(shapes.prod(axis=1))
+    start, (rows, columns) = (end - shapes.prod(axis=1))[which], shapes[which].T
+    return Blocks(table, start, np.append(0, np.cumsum(rows)), np.append(0, np.cumsum(columns)))
 
 
 @kernel
@@ -124,12 +126,6 @@ def apply_blocks(blocks: Blocks, f: Array) -> Array:
                 here[i] += factor * column[i]
             entry += here.size
     return result
-
-
-@kernel
-def collocation_point(a: int, count: int) -> float:
-    """Zero number a = 0..count of T_(count+1), at which the quadrature of the Cauchy integral is exact."""
-    return -np.cos((a + 0.5) * (np.pi / (count + 1)))
 
 
 @kernel
@@ -207,12 +203,14 @@ class Segments(NamedTuple):
     centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
     first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,)
     node : Gauss nodes t in (-1, 1), ascending within a segment, shape (nodes,)
+    point : where the quadrature of the Cauchy integral is exact, one more on each segment, shape (nodes + segments,)
     weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
     log_weight : for int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
     far_field : distance from c from which on the quadrature is exact to rounding, in half-widths, shape (segments,)
     centre_sine, centre_cosine : of pi x/L at the centres, shape (segments,)
     sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
         without a further call; no digit is lost, for both angles are counted from the centre of one segment.
+    point_sine, point_cosine : the same at the points, shape (nodes + segments,)
     """
 
     crest: Indices
@@ -221,6 +219,7 @@ class Segments(NamedTuple):
     half_width: Array
     first_node: Indices
     node: Array
+    point: Array
     weight: Array
     log_weight: Array
     far_field: Array
@@ -228,6 +227,8 @@ class Segments(NamedTuple):
     centre_cosine: Array
     sine: Array
     cosine: Array
+    point_sine: Array
+    point_cosine: Array
 
 
 class Iterate(NamedTuple):
@@ -247,10 +248,10 @@ class Iterate(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _quadrature(count: int) -> tuple[Array, Array, Array]:
-    """Nodes, weights and weights for ln|t| of so many nodes."""
+def _quadrature(count: int) -> tuple[Array, Array, Array, Array]:
+    """Nodes, points between them and beyond, weights and weights for ln|t| of so many nodes."""
     rule = gauss_rule(count, True)
-    return rule.node, rule.weight, log_moments(count) @ rule.expansion
+    return rule.node, gauss_rule(count + 1, False).node, rule.weight, log_moments(count) @ rule.expansion
 
 
 def make_segments(
@@ -258,23 +259,24 @@ def make_segments(
 ) -> Segments:
     """Segments, already in order, with so many nodes each."""
     first_node = np.append(0, np.cumsum(node_count))
-    node, weight, log_weight = (
-        np.concatenate(each) for each in zip(*map(_quadrature, node_count.tolist()), strict=True)
-    )
+    of_nodes = zip(*map(_quadrature, node_count.tolist()), strict=True)
+    node, point, weight, log_weight = map(np.concatenate, of_nodes)
     far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
-    new = Segments(
-        crest, origin, centre, half_width, first_node, node, weight, log_weight, far_field, centre, centre, node, node
+    angles = centre, centre, node, node, point, point  # until the segments are where they are to be
+    rule = node, point, weight, log_weight, far_field
+    return move_segments(
+        Segments(crest, origin, centre, half_width, first_node, *rule, *angles), centre, half_width, period
     )
-    return move_segments(new, centre, half_width, period)
 
 
 def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
     """Segments of the same contacts and nodes, with other centres and half-widths."""
     centre_angle = np.pi / period * (segments.origin + centre)
-    angle = np.pi / period * np.repeat(half_width, np.diff(segments.first_node)) * segments.node
+    radius, count = np.pi / period * half_width, np.diff(segments.first_node)
+    angle, at_points = np.repeat(radius, count) * segments.node, np.repeat(radius, count + 1) * segments.point
     return segments._replace(
         centre=centre, half_width=half_width, centre_sine=np.sin(centre_angle), centre_cosine=np.cos(centre_angle),
-        sine=np.sin(angle), cosine=np.cos(angle),
+        sine=np.sin(angle), cosine=np.cos(angle), point_sine=np.sin(at_points), point_cosine=np.cos(at_points),
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts, newton
-from weier.methods.patches.fields import ContactState, pressures_or_gaps, series_values
+from weier.methods.patches.fields import ContactState, pressures_or_gaps
 from weier.methods.patches.inequalities import NEW_GAP_WIDTH, check_violation, find_negative_intervals
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
@@ -34,7 +34,7 @@ from weier.methods.patches.segments import (
     in_order,
     make_segments,
 )
-from weier.methods.patches.surface import CosineSeries, Surface, nearest_crests, surface_of
+from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
 from weier.methods.progress import count_load
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.loads import checked_loads
@@ -124,7 +124,8 @@ class Solution(NamedTuple):
 
 
 def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
-    return series_values(series, np.ravel(np.asarray(x, float))).reshape(np.shape(x))
+    crest, y = nearest_crests(series, np.ravel(np.asarray(x, float)))
+    return np.asarray(series.maximum + evaluate_at(series, crest, y, 0)).reshape(np.shape(x))
 
 
 @one_thread
@@ -169,17 +170,8 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
         edges.append(np.stack([left, left + 2 * half_width], axis=1))
         count_load()
     compliance, error, indentation, resistance, fraction, count, residual, work = rows.T
-    return Curve(
-        compliance,
-        error,
-        indentation,
-        resistance,
-        fraction,
-        count.astype(np.int64),
-        residual,
-        work.astype(np.int64),
-        _pad_with_nan(edges),
-    )
+    points = compliance, error, indentation, resistance, fraction, count.astype(np.int64), residual
+    return Curve(*points, work.astype(np.int64), _pad_with_nan(edges))
 
 
 def _pad_with_nan(edges: list[Array]) -> Array:
@@ -268,7 +260,7 @@ def _correct_set(surface: Surface, guess: Iterate, load: float, tolerance: float
         state, steps = many_contacts.solve_many_contacts(surface, guess, load, unsettled)
     if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging
-            again = newton.on_few_nodes(state.iterate, surface.series(state.dual))
+            again = newton.on_few_nodes(state, surface.series(state.dual))
             state, more = newton.solve_few_contacts(surface, again, load, tolerance)
             return state, steps + more
     check_violation(state, surface.heights.period, tolerance)
