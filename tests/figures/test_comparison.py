@@ -164,3 +164,16 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     wanted = Wanted(kind, grouping=grouping, x=Axis("log", 1e6, 1e8), interface=bodies)
     figures.draw(wanted, [sweep], tmp_path / "f.png")
     assert kept[-1].axes[0].get_xlim() == pytest.approx((1e6, 1e8))
+
+
+def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: xr.Dataset) -> None:
+    one = sweep.isel(case=[0]).copy(deep=True)
+    one["compliance_error"] = one["compliance"] * 0.1
+    (axes,) = compliance.draw([one.assign(compliance_error=one["compliance"] * 1e-4)], "").axes
+    assert not axes.collections
+    (axes,) = compliance.draw([one], "").axes
+    (band, _) = axes.collections
+    values = one["compliance"].sel(solution_method="demelio").values[0]
+    assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.1 * values.max())
+    said = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert said[2:] == ["error stated by Demelio", "error stated by boundary elements"]

@@ -31,6 +31,10 @@ TITLE_ROW = 0.2  # inches
 MAX_NAMED = 8  # values of a parameter in a legend
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}  # a solid line, where dashes of its colour may hide it
+STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band of stated errors
+# A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
+# the resistance there.
+VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 SURFACES = (*PARAMETERS, "trace")  # what tells the surfaces of curves apart beside phases
 
 
@@ -80,12 +84,15 @@ def compare(
     of_all = {name: _values(drawn, name) for name in ("method", *SURFACES, "seed") if name not in grouping.facet}
     alike = {name: values[0] for name, values in of_all.items() if len(values) == 1 and values[0] != ""}
     shared = "" if grouping == EACH_CASE else _join(_label(drawn, *each) for each in alike.items())
+    stated: dict[str, Patch] = {}
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [each for each in drawn if tuple(each.parameters[name] for name in grouping.facet) == value]
         _draw(axes, members, drawn, grouping)
+        if grouping.colour in ("", "method") and not grouping.median_over:
+            stated |= {each.method: band for each in members if (band := _draw_errors(axes, each, quantity))}
         own = _join(_label(drawn, *each) for each in zip(grouping.facet, value, strict=True))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
-    _add_legend(figure, panels, _legend(drawn, grouping))
+    _add_legend(figure, panels, _legend(drawn, grouping) + list(stated.values()))
     if interface:  # a power of ten stands beside the title
         for axes in panels:
             axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
@@ -195,6 +202,23 @@ def _differing(same: Sequence[Curve]) -> list[str]:
     several = [curve for curve in same if curve.parameters["m"] != 1]
     by_phases = "m" not in differing and len(_values(several, "phases")) > 1
     return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases
+
+
+def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> Patch | None:
+    """The errors that a method states, as a band with what the legend says of it, if anywhere one can see it."""
+    stated = curves.curve(curve.case, f"{quantity}_error", curve.method)
+    values = curves.curve(curve.case, quantity, curve.method)
+    if stated is None or values is None:
+        return None
+    width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
+    of = np.where(values > 0, values, 1.0) if quantity == "resistance" else values.max()  # by its logarithmic axis
+    wide = width / of >= VISIBLE[quantity]
+    if not (wide[1:] & wide[:-1]).any():
+        return None
+    line = style.line(curve.method)
+    low = np.maximum(values - width, values * np.finfo(float).eps)  # on a logarithmic axis, too
+    axes.fill_between(curve.case["mean_pressure"].values, low, values + width, color=line["color"], **STATED)
+    return Patch(color=line["color"], label=f"error stated by {line['label']}", **STATED)
 
 
 def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
