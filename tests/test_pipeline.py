@@ -214,7 +214,7 @@ def test_a_study_more_solves_only_its_own_cases(finished):
 def test_the_report_of_snakemake_has_the_figures_with_captions(finished):
     run(finished, "--report", "report.html")
     text = (finished / "report.html").read_text()
-    assert "Compliance over mean pressure. Colours show the estimates, a solid line shows boundary elements," in text
+    assert "Compliance over mean pressure. Colours show the estimates. A solid line shows boundary elements." in text
     assert "What the paper states, whether it holds, does not hold, or is not decided" in text
     assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
 

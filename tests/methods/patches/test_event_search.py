@@ -66,6 +66,15 @@ def test_two_crests_of_nearly_one_height():
     np.testing.assert_array_equal(around.patch_count, [1, 2])
 
 
+def test_a_birth_is_not_sought_behind_an_edge_that_went_on_over_its_crest():
+    """Contacts that are followed past a birth go on over it, with tension behind the edge."""
+    profile = Profile(1.5249731126076087, "3/2", 4, (0.0, -0.0006318142317016926, 0.0, 0.0))
+    event = patches.events(profile, 0.01, 0.014)
+    np.testing.assert_array_equal(event.birth, [True, True, False])
+    around = np.outer(event.mean_pressure, [1 - 1e-6, 1 + 1e-6]).ravel()
+    np.testing.assert_array_equal(patches.curve(profile, around).patch_count, [1, 2, 2, 3, 3, 2])
+
+
 def test_no_minimum_of_the_gap_is_hidden_by_rounding():
     """The interval is so narrow that the gap rises by less than its rounding; beside contacts is no minimum."""
     born = patches.events(THREE_WAVES, 0.3, 1.0)

@@ -15,14 +15,16 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Record, Records
 from weier.kernels.jit import kernel
 from weier.methods.bem import factors
-from weier.methods.bem.contacts import WIDE
+from weier.methods.bem.contacts import CREST, WIDE
 from weier.methods.bem.grid_solution import Continuum, GridSolution
-from weier.methods.bem.local_fit import DEGREE, derivative, shift, size, slopes
+from weier.methods.bem.local_fit import DEGREE, derivative, shift, size, slopes, value
 from weier.methods.bem.narrow_contacts import means, move_edges
 from weier.methods.bem.narrow_gaps import Gaps
 from weier.methods.bem.redistribution import Redistribution
 from weier.theory.halfplane import displacement_of_punch
 
+MAX_BEYOND = 2.5  # nodes from a crest to another one that is not seen as one of its own
+SAMPLES = 10  # to each side, to look for it
 MAX_BEND = DEGREE**2 * (DEGREE**2 - 1) / 3  # second derivative of T_8 at most: of heights, what rounding adds to it
 
 
@@ -65,6 +67,7 @@ def estimate_errors(
         rest = factors.REST * size(contact.height_rest, each.centre)
         displaced, relief = _effects_of_others(contacts, forces.contacts, at, solution.contact.size, period)
         height = factors.HEIGHT_SHARE * compliance + rest + displaced
+        judged &= each.penetration + _other_crest(contact, each, period / solution.contact.size) < -height
         if each.touching:  # the more of the load it takes, the less another can take from it
             height *= max(1 - each.share / period, 0.0)
         else:
@@ -190,6 +193,25 @@ def _effects_of_others(
         if other.touching:
             relief = min(relief, yielding + 4 * np.log(2 * apart))
     return displacement, relief
+
+
+@kernel
+def _other_crest(contact: Record, each: Record, spacing: float) -> float:
+    """How far another crest stands above this one that is no farther than the nodes beside; -inf without one.
+
+    Between so few nodes it is not seen as one of its own. Within a contact on nodes, gaps are looked for.
+    """
+    reach, own, near = contact.limit, each.centre, each.half_width
+    if contact.kind == CREST:
+        reach, own, near = min(MAX_BEYOND * spacing / contact.scale, 1.0), contact.centre, 0.0
+    step, top, highest = reach / SAMPLES, value(contact.height, own), -np.inf
+    before = slopes(contact.height, -reach)[0]
+    for i in range(1 - SAMPLES, SAMPLES + 1):
+        s, after = i * step, slopes(contact.height, i * step)[0]
+        if before > 0 >= after and abs(s - step / 2 - own) > near + step:
+            highest = max(highest, value(contact.height, s) - after * step)
+        before = after
+    return highest - top
 
 
 @kernel

@@ -25,6 +25,7 @@ from weier.methods.patches.fields import (
     residuals_one_by_one,
     values_on_segments,
 )
+from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import contacts_of
 from weier.methods.patches.solver import TOLERANCE, Starts, check_loads, check_tolerance, solve_state
@@ -39,6 +40,9 @@ MAX_ROOT_INTERVAL = 0.1  # of ln(p): in shorter intervals the load of an event i
 MAX_ROOTS = 4
 MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
 LOAD_ACCURACY = 1e-12  # relative
+# At the load of an event: of tension over the largest pressure of a contact, and of overlap over the load; a minimum
+# that was sought leaves far less.
+MAX_VIOLATION = 1e-7
 SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
 SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
 POSITION_ACCURACY = 1e-8  # of a minimum between two samples, over their distance
@@ -162,8 +166,9 @@ class _Search(NamedTuple):
             located = self._locate_all(low, high, changes)
             loads = sorted(load for load, _ in located)
             if loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]:  # one event, or several by symmetry
-                return located
-            if loads:
+                if self._is_in_contact(low if changes[0].birth else high, loads[0]):
+                    return located
+            elif loads:
                 widest = int(np.argmax(np.diff(loads)))
                 middle = 0.5 * (loads[widest] + loads[widest + 1])
         between = self.state(middle)
@@ -232,6 +237,16 @@ class _Search(NamedTuple):
         load = float(scipy.optimize.brentq(minimum_value, low.load, high.load, **accuracy))
         y, _ = minimum(load)
         return load, event._replace(left=y, right=y)
+
+    def _is_in_contact(self, start: ContactState, load: float) -> bool:
+        """Whether the contacts that led to the load of an event meet the conditions of contact there.
+
+        An edge may have gone on over a crest that touches by then, so that there is tension behind it.
+        """
+        state = self._follow(start, load)
+        overlap = -lowest_outside(state, self.surface.series(state.dual))
+        limit = MAX_VIOLATION * load * (1.0 if state.dual else self.surface.heights.period)
+        return overlap <= limit and bool(np.all(find_negative_intervals(state)["share"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
         """The contacts of `start` under another load, as if none were born or merged in between."""
