@@ -128,7 +128,11 @@ def compiled(method):
 @cache
 def newest_source():
     """The date of the newest source of kernels, in nanoseconds."""
-    return max(path.stat().st_mtime_ns for part in KERNELS for path in (PACKAGE / part).rglob("*.py"))
+    return max(
+        path.stat().st_mtime_ns
+        for part in KERNELS
+        for path in (PACKAGE / part).rglob("*.py")
+    )
 
 
 def drawn_together():
