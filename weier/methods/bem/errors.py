@@ -72,7 +72,8 @@ def estimate_errors(
             height *= max(1 - each.share / period, 0.0)
         else:
             judged &= each.penetration <= height
-        drop = _drop(contact, each, height, relief, period) - _drop(contact, each, -height, relief, period)
+        drop = _drop(contact, each, height, relief, period)
+        drop -= _drop(contact, each, -factors.LOWER * height, relief, period)
         birth_resistance += drop
         if each.closing > 0:  # the load between where it is born and where it seems to be, times the drop
             birth_compliance += drop * height / each.closing

@@ -24,6 +24,8 @@ IMAGES = 0.13  # times (narrower run/both)^4, for one contact and its images
 MOMENTS_LEFT = 3.0  # times what second moments of contacts change, and what those that are not corrected displace
 # Births, by how far off the height of a crest may be.
 HEIGHT_SHARE = 5.0  # errors of the compliance, beside those of its polynomial and of what displaces it
+# Times the error of its height: a crest may be so much lower, since the resistance drops most steeply as it touches.
+LOWER = 2.0
 # Of the nodes' spacing squared times the force of a wide contact: how far the second moment of its pressure on the
 # grid may be off. 1/4 is half a node at each edge; the most that was measured is 1/3. Contacts with a polynomial have
 # it taken off.
