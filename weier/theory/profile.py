@@ -191,13 +191,13 @@ class Profile(Waves):
         except OverflowError:
             return math.inf
 
-    @cached_property
+    @property
     def parameters(self) -> dict[str, Any]:
         """What a scene says of this series: see `Profile`."""
         phases = {"seed": self.phases.seed} if isinstance(self.phases, RandomPhases) else {"phases": self.phases}
         return {"D": self.D, "m": self.m, "gamma": str(self.gamma), **phases}
 
-    @cached_property
+    @property
     def labels(self) -> dict[str, Any]:
         """What tells this series from others, by the names of coordinates: the seed is NaN where there is none."""
         seed: float = math.nan

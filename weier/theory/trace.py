@@ -169,12 +169,12 @@ class Trace(Waves):
         """The highest point above the mean plane, in g_0: compliance counts from first contact."""
         return self.crest[1]
 
-    @cached_property
+    @property
     def parameters(self) -> dict[str, Any]:
         """What a scene knows this trace by: its name, and the digest of its heights."""
         return {"trace": {"file": self.source, "digest": self.digest}}
 
-    @cached_property
+    @property
     def labels(self) -> dict[str, Any]:
         """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
         return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {
