@@ -102,7 +102,7 @@ def test_a_warning_is_kept_and_a_curve_that_breaks_is_tried_load_by_load(listed)
             raise ConvergenceError("together they stop")
         return solve_first_wave(profile, loads)
 
-    breaking = Method("breaking", "breaking", "one load at a time", solve, solution_error=lambda *_: 0.25)
+    breaking = Method("breaking", "breaking", "one load at a time", solve, solution_error=lambda solved: 0.25)
     found = attempt(listed(breaking), ONE, LOADS)
     assert found.warned == ("divide by zero",)
     assert found.message == "ConvergenceError: together they stop"

@@ -70,9 +70,8 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
-    solution_error = method.solution_error(profile, solved) if method.solution_error else 0.0
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    return Run(h, R, h_error, R_error, solution_error, outcome, seconds, values)
+    return Run(h, R, h_error, R_error, method.solution_error(solved), outcome, seconds, values)
 
 
 def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.segment import Segment, Task
@@ -79,6 +81,11 @@ def applies_to_resolvable(profile: Waves, check: Callable[[Waves], None] = check
         raise NotApplicableError(str(error)) from None
 
 
+def largest_compliance_error(solved: Any) -> float:
+    """The largest error of the compliance that a solution states, in g_0, or 0 where it states none."""
+    return float(np.max(getattr(solved, "compliance_error", 0.0), initial=0.0))
+
+
 @dataclass(frozen=True)
 class Method:
     """A method of solution.
@@ -105,7 +112,7 @@ class Method:
         From a profile and settings as keywords, each of the right kind: raises ValueError where `solve` would, before
         anything is solved.
     numerical : bool
-        Whether it solves the truncated series itself, so that its curve can be called exact but for a known error.
+        Whether it solves the truncated series itself, so that its curve is exact but for `solution_error`.
     uses_phases : bool
         Whether the curve depends on the phases: profiles that differ in nothing else share it, if not.
     style : Style
@@ -125,8 +132,9 @@ class Method:
         From the task of a plan to the segments of a curve that this method offers, with their errors and costs.
     runs_others : bool
         Whether it solves nothing itself but runs whichever of the other methods meets a tolerance.
-    solution_error : callable, optional
-        From a profile and what `solve` returned to the error of the compliance, in g_0, where the method knows it.
+    solution_error : callable
+        From what `solve` returned to the error of the compliance of the whole curve, in g_0: by default the largest
+        `compliance_error`, or 0 where there is none.
     seconds : callable
         From a profile and loads to the seconds that a curve takes on one core, at most; 0 for next to none.
     reference : callable, optional
@@ -151,7 +159,7 @@ class Method:
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = lambda profile: [("", {})]
     candidates: Callable[[Task], Iterable[Segment]] = lambda task: ()
     runs_others: bool = False
-    solution_error: Callable[[Profile, Any], float] | None = None
+    solution_error: Callable[[Any], float] = largest_compliance_error
     seconds: Callable[..., float] = lambda profile, loads: 0.0
     reference: Callable[[Profile, Array], Reference | None] | None = None
 

@@ -137,11 +137,11 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
 
 
 def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str, Array]:
-    """Bounds on the infinite series, from the curve of a truncated one by a method whose error is known."""
+    """Bounds on the infinite series, from the curve of a truncated one by a method that solves it."""
     profile = case.profile
-    if method.solution_error is None or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
+    if not method.numerical or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
         return {}
-    return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(profile, solution))
+    return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(solution))
 
 
 def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:

@@ -50,11 +50,6 @@ def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
         yield f"{POINTS_AT_RESIDUALS} {residual:.0e}", {**grid, "residual_tolerance": residual}
 
 
-def _solution_error(profile: Waves, solved: Curve) -> float:
-    """The largest error of the compliance, in g_0."""
-    return float(solved.compliance_error.max(initial=0.0))
-
-
 def _check(
     profile: Waves,
     solver: str = "fft",
@@ -129,7 +124,6 @@ METHOD = Method(
     options=({"edges": "nodes"},),
     variants=_variants,
     seconds=_seconds,
-    solution_error=_solution_error,
     candidates=_candidates,
     check=_check,
 )

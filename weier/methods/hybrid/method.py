@@ -16,10 +16,6 @@ def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int
     return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE), points)
 
 
-def _solution_error(profile: Profile, solved: Curve) -> float:
-    return float(solved.distance_to_bounds.max())
-
-
 METHOD = Method(
     name="hybrid",
     label="resolved terms on the layer",
@@ -31,7 +27,7 @@ METHOD = Method(
     },
     applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
-    solution_error=_solution_error,
+    solution_error=lambda solved: float(solved.distance_to_bounds.max()),
     noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
     candidates=candidates,
 )

@@ -28,11 +28,6 @@ def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
         yield f"{tolerance:.0e}", {"residual_tolerance": tolerance}
 
 
-def _solution_error(profile: Waves, solved: Curve) -> float:
-    """The largest bound on the error of the compliance, in g_0."""
-    return float(solved.compliance_error.max(initial=0.0))
-
-
 def _seconds(profile: Waves, loads: Array) -> float:
     """Seconds of a curve at most, with as many contacts at each load as there are waves."""
     waves = profile.waves_per_period[-1]
@@ -114,6 +109,5 @@ METHOD = Method(
     run_kernels=_run_kernels,
     variants=_variants,
     seconds=_seconds,
-    solution_error=_solution_error,
     candidates=candidates,
 )
