@@ -28,7 +28,7 @@ from weier.theory.tables import html_table, significant, text_table
 TOLERANCE = 1e-3
 MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
 SECONDS_PLAN, SECONDS_SEGMENT = 4e-3, 1.5e-4  # to plan, and to put together what a segment gives
-SUGGESTED = [10.0**exponent for exponent in range(-13, 1)]  # where a tolerance is out of reach: the least that is not
+SUGGESTED = [10.0**exponent for exponent in range(-13, 0)]  # where a tolerance is out of reach: the least that is not
 
 
 @dataclass(frozen=True)
@@ -182,8 +182,8 @@ def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: st
         need, why = "larger", "no method can hold the contacts or the grid that it takes, or is as accurate"
     wider = (each for each in SUGGESTED if each > tolerance)
     reached = (each for each in wider if _cover(list(candidates(profile, loads, each, quantity, methods)), each))
-    within = next((f"; {each:.0e} is within reach" for each in reached), "")
+    within = next((f"{each:.0e} is within reach" for each in reached), "no power of ten below 1 is within reach")
     return (
         f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: "
-        f"{why}{within}"
+        f"{why}; {within}"
     )
