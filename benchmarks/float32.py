@@ -10,7 +10,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from weier import Profile
-from weier.methods.bem.fft import NestedSolver
+from weier.methods.bem.active_set import NestedSolver
 from weier.theory.halfplane import eigenvalues
 
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))

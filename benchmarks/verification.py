@@ -133,7 +133,7 @@ def _against_patches(profile: Profile, loads: Array, quantity: str, tolerance: f
 def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Verified:
     """The infinite series lies within [h_k, h_k + 2 G_k], and below full contact."""
     kept, (found, seconds) = _longest(profile), _planned(profile, loads, tolerance)
-    points = bem.error_model.MIN_POINTS_PER_WAVE * kept.waves_per_period[-1]
+    points = bem.error_model.MIN_MEASURED_POINTS * kept.waves_per_period[-1]
     h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False, edges="nodes").compliance
     low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
     slack = (high - low) / 2 + bem.error_model.compliance_error(kept, points)
@@ -157,7 +157,7 @@ def _check(off: Array, expected: Array, slack: Array) -> Check:
 def _longest(profile: Profile) -> Profile:
     """As many terms of an infinite series as 2^16 points show."""
     terms = 1
-    while profile.truncated(terms + 1).waves_per_period[-1] * bem.error_model.MIN_POINTS_PER_WAVE <= MAX_POINTS:
+    while profile.truncated(terms + 1).waves_per_period[-1] * bem.error_model.MIN_MEASURED_POINTS <= MAX_POINTS:
         terms += 1
     return profile.truncated(terms)
 

@@ -131,7 +131,7 @@ def test_what_is_compiled_is_told_in_the_cache_for_all_folders(checkout, tmp_pat
         path.parent.mkdir(parents=True)
         path.touch()
     assert list(compiled().values()) == [True]
-    (checkout / "weier/methods/bem/fft.py").touch()
+    (checkout / "weier/methods/bem/active_set.py").touch()
     assert list(compiled().values()) == [False]
     shutil.rmtree(cache)
     assert list(compiled().values()) == [False]
@@ -170,12 +170,12 @@ def test_a_changed_figure_is_drawn_alone(finished):
 
 
 def test_a_new_date_runs_nothing(finished):
-    (finished / "weier/methods/bem/fft.py").touch()
+    (finished / "weier/methods/bem/active_set.py").touch()
     assert planned(finished) == {}
 
 
 def test_a_changed_solver_runs_all(finished):
-    edit(finished / "weier/methods/bem/fft.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
+    edit(finished / "weier/methods/bem/active_set.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
     before = (finished / "results/test/contact.nc").read_bytes()
     batches = finished / "results/test/batches"
     old = {path.name for path in batches.iterdir()}

@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array
+from weier.methods.bem import active_set
 from weier.methods.bem import curve as solve_curve
-from weier.methods.bem import fft
 
 
 class Descent(NamedTuple):
     """The grids, and whether they are to find the resistance."""
 
-    grids: fft.NestedSolver
+    grids: active_set.NestedSolver
     with_resistance: bool
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
@@ -21,13 +21,13 @@ class Descent(NamedTuple):
         _, residual, pairs = self.grids.solve(load)
         pressure = self.grids.state.pressure.copy()
         if self.with_resistance:
-            pairs += fft.solve_rate(fft.RATE_TOLERANCE, self.grids.grid, self.grids.state)[1]
+            pairs += active_set.solve_rate(active_set.RATE_TOLERANCE, self.grids.grid, self.grids.state)[1]
         return Step(pressure, pairs, residual <= self.grids.grid.max_residual)
 
 
 def begin(problem: Problem, with_resistance: bool = False) -> Descent:
     """Grids and arrays."""
-    return Descent(fft.NestedSolver(problem.profile, problem.points, problem.tolerance), with_resistance)
+    return Descent(active_set.NestedSolver(problem.profile, problem.points, problem.tolerance), with_resistance)
 
 
 def begin_with_resistance(problem: Problem) -> Descent:

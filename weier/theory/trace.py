@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_file, checked_number, checked_numbers, checked_word, shown
+from weier.theory.limits import MAX_WAVES
 from weier.theory.profile import PARAMETERS
 from weier.theory.waves import Waves
 
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
-MAX_WAVES = 100_000  # of the shortest in a period: 3.2 million nodes
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
 ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface

@@ -12,7 +12,7 @@ from tests.profiles import THREE_WAVES
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
-from weier.methods.bem import fft, field
+from weier.methods.bem import active_set, field
 from weier.methods.bem.grids import grid_of, nested_grids
 from weier.theory.halfplane import influence_coefficients
 
@@ -183,11 +183,11 @@ def test_beyond_full_contact_everything_is_known(solver):
 
 def test_what_is_not_a_number_is_an_error():
     """max() passes over NaN: a certificate must not."""
-    state = fft.make_grid_state(8)
+    state = active_set.make_grid_state(8)
     state.contact[:] = True
     state.deformed[3] = np.nan
     grid = grid_of(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
-    assert fft.violations(0.0, grid, state) == (np.inf, np.inf)
+    assert active_set.violations(0.0, grid, state) == (np.inf, np.inf)
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])
@@ -198,7 +198,7 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
 
 
 def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
-    monkeypatch.setattr(fft, "solve_rate", lambda *_: (np.inf, 0))
+    monkeypatch.setattr(active_set, "solve_rate", lambda *_: (np.inf, 0))
     with pytest.raises(ConvergenceError, match=r"not the resistance under the mean pressure 0\.1 "):
         curve(THREE_WAVES, np.array([0.1]), points=400)
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Record, Records, record_type
 from weier.kernels.jit import kernel
+from weier.methods.bem.active_set import dot
 from weier.methods.bem.edges import correct_edge
-from weier.methods.bem.fft import dot
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import copy_values
 from weier.methods.bem.interaction import add_grid_moments

@@ -9,7 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.blas import one_thread
-from weier.methods.bem.fft import DiscreteSolution, count_patches
+from weier.methods.bem.active_set import DiscreteSolution, count_patches
 from weier.theory.halfplane import influence_coefficients
 from weier.theory.waves import Waves
 

@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from weier.kernels.arrays import Array
+from weier.methods.bem.grids import MIN_POINTS_PER_CARRIED_WAVE
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.theory.waves import Waves
 
@@ -25,9 +26,8 @@ STATED_COMPLIANCE = 1.8
 STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.03, 1.3, 0.012
 LONE_SHARE = 3e-3  # of these where there is one contact, which has no neighbours that bear on it
 
-MIN_POINTS_PER_WAVE = 12  # with edges on nodes: fewer were not measured
+MIN_MEASURED_POINTS = 12  # for each of the finest waves, with edges on nodes: coarser grids were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
-COARSEST_POINTS_PER_WAVE = 8  # of the coarsest of the nested grids, at least
 MAX_POINTS = 2**21  # a load then takes a second
 # Of the grids that plans choose from, with edges between the nodes: contact patches are cheaper than finer ones.
 PLANNED_POINTS_PER_WAVE = (16, 24, 32, 48, 64, 96, 128)
@@ -53,8 +53,8 @@ def solution_error(profile: Waves, points: int, residual: Number) -> Number:
 def fewest_points(profile: Waves, error: float) -> int:
     """Fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
     needed = math.sqrt(COMPLIANCE * curvature(profile) / error)
-    needed = min(max(needed, MIN_POINTS_PER_WAVE), MAX_POINTS_PER_WAVE)
-    halvings = 2 ** int(math.log2(needed / COARSEST_POINTS_PER_WAVE))
+    needed = min(max(needed, MIN_MEASURED_POINTS), MAX_POINTS_PER_WAVE)
+    halvings = 2 ** int(math.log2(needed / MIN_POINTS_PER_CARRIED_WAVE))
     return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
 
 

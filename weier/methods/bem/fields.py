@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.bem.fft import NestedSolver
+from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load
 from weier.methods.bem.subgrid_solver import check_residual

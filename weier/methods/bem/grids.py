@@ -16,7 +16,7 @@ from weier.kernels.jit import kernel
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.waves import Waves
 
-MIN_POINTS_PER_WAVE = 8  # of the finest wave on a grid; fewer miss its crests
+MIN_POINTS_PER_CARRIED_WAVE = 8  # of the finest wave that a grid carries; fewer miss its crests
 MIN_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
 MIN_SCALE_RATIO = 1.2  # of a wave to the one before: closer ones, of a measured surface, are no scales of their own
 COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten times its own error (docs/numerics.md)
@@ -89,11 +89,11 @@ def nested_grids(profile: Waves, points: int, max_residual: float) -> Hierarchy:
         Residual to reach on it, in g_0.
 
     """
-    fewest = max(MIN_POINTS, MIN_POINTS_PER_WAVE * profile.waves_per_period[0])
+    fewest = max(MIN_POINTS, MIN_POINTS_PER_CARRIED_WAVE * profile.waves_per_period[0])
     sizes = [points]
     while (coarser := _half(sizes[0])) >= fewest:
         sizes.insert(0, coarser)
-    terms = [sum(MIN_POINTS_PER_WAVE * k <= size for k in profile.waves_per_period) for size in sizes[:-1]]
+    terms = [sum(MIN_POINTS_PER_CARRIED_WAVE * k <= size for k in profile.waves_per_period) for size in sizes[:-1]]
     influence = [eigenvalues(size, profile.period) for size in sizes]
     return Hierarchy(
         np.array(sizes),

@@ -8,8 +8,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices, Record, Records, record_type
 from weier.kernels.jit import kernel
+from weier.methods.bem.active_set import circulant_product, dot
 from weier.methods.bem.factors import OPEN_DEPTH, REST
-from weier.methods.bem.fft import circulant_product, dot
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import Grid
 from weier.methods.bem.local_fit import (

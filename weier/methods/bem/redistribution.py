@@ -8,9 +8,9 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Record, Records, record_type
 from weier.kernels.jit import kernel
+from weier.methods.bem.active_set import dot
 from weier.methods.bem.contacts import CREST, NARROW, WIDE
 from weier.methods.bem.factors import ROUNDING
-from weier.methods.bem.fft import dot
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.interaction import MOMENTS, Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
-from weier.methods.bem import direct, error_model, fft
+from weier.methods.bem import active_set, direct, error_model
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
@@ -21,7 +21,7 @@ from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
 POINTS_PER_WAVE = {"subgrid": 32, "nodes": 64}  # of the finest wave, by default: docs/subgrid.md says why
-MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # fewer were not measured; fewer do not show the wave
+MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # that it takes: fewer were not measured; fewer show no wave
 
 
 class Curve(NamedTuple):
@@ -127,7 +127,7 @@ def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, re
     """The curve with the edges of contact on nodes."""
     rows, partial = [], loads[loads < full_contact_load(profile, points)]
     if partial.size:  # a matrix is not filled for loads that press all gaps shut
-        grid = (fft.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
+        grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
     for load in map(float, partial[::-1]):
         rows.append(grid.solve_discrete(load, resistance))
         count_load()

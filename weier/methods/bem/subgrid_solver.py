@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Records
 from weier.kernels.jit import kernel
-from weier.methods.bem import fft
+from weier.methods.bem import active_set
 from weier.methods.bem.contact_list import LISTED, list_contacts
 from weier.methods.bem.contacts import find_contacts, find_crests
 from weier.methods.bem.edges import find_edges, find_steps
@@ -96,7 +96,7 @@ class GridSolver:
         self, profile: Waves, points: int, max_residual: float, rate_tolerance: float = RATE_TOLERANCE
     ) -> None:
         """Make the grids, and room for a solution."""
-        self.nested, self._rate_tolerance = fft.NestedSolver(profile, points, max_residual), rate_tolerance
+        self.nested, self._rate_tolerance = active_set.NestedSolver(profile, points, max_residual), rate_tolerance
         self._continuum = make_continuum(profile, self.nested.grid)
         self._carried, self._heavier = np.zeros(points), np.inf
         # Beyond so many points the edges move by many of them from load to load.
@@ -109,7 +109,7 @@ class GridSolver:
         if not residual <= grid.max_residual:
             return _unsolved(plane, residual, pairs)
         deformed = state.deformed.copy()
-        rate, more = fft.solve_rate(self._rate_tolerance, grid, state)
+        rate, more = active_set.solve_rate(self._rate_tolerance, grid, state)
         if not rate < np.inf:
             return _unsolved(plane, residual, pairs + more)
         edge = find_edges(state.contact, state.edge)
@@ -129,7 +129,7 @@ class GridSolver:
         if self._heavier == np.inf:
             nested.forget()
         elif load > MIN_NEAR * self._heavier:
-            plane, residual, pairs = fft.resume(load, self._heavier, self._carried, nested.grid, nested.state)
+            plane, residual, pairs = active_set.resume(load, self._heavier, self._carried, nested.grid, nested.state)
         if not residual <= nested.grid.max_residual:
             plane, residual, more = nested.solve(load)
             pairs += more

@@ -1,4 +1,4 @@
-"""The fast solver: circulant products, active set and preconditioned conjugate gradients on nested grids.
+"""The fast solver: an active set with preconditioned conjugate gradients, products by FFT, on nested grids.
 
 The unknown is the nodal pressure p, the deformed surface is z - A p, and the rigid plane rests on it at the height H:
 z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact nodes
