@@ -101,7 +101,7 @@ def redistribute(contacts: Records, solution: GridSolution, continuum: Continuum
             found &= contacts[i].force + state.change[i] > 0
             reach = abs(state.centre[i]) + state.half_width[i]
             found &= contacts[i].kind == WIDE or reach <= contacts[i].limit
-    return _sum_up(found, contacts, solution.plane, solution.rate, period, interaction, state)
+    return _correct_by_reciprocity(found, contacts, solution.plane, solution.rate, period, interaction, state)
 
 
 @kernel
@@ -272,10 +272,17 @@ def _moments(of_rate: bool, contacts: Records, state: State) -> Array:
 
 
 @kernel
-def _sum_up(
+def _correct_by_reciprocity(
     found: bool, contacts: Records, plane: float, rate: float, period: float, interaction: Interaction, state: State
 ) -> Redistribution:
-    """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact."""
+    """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact.
+
+    The height of the plane is the mean of the heights that contacts ask for, weighted by their shares of the grid.
+    Contacts displace each other reciprocally: in this mean, the displacements by all changes of force are the work of
+    these changes on the displacement by the shares. As that is the same at all contacts and the changes sum to
+    nothing, they drop out, and `excess` is what is left of a contact. Only where shares displace the surface
+    otherwise in the continuum than on the grid, by `WEIGHTS` and moments, do changes of force do work.
+    """
     weights, compliance = _weigh(contacts, rate, period, state)
     of_force, of_share = _moments(False, contacts, state), _moments(True, contacts, state)
     by_shares = displace(of_share, interaction)

@@ -50,20 +50,20 @@ def contacts(kept: Profile, loads: Array) -> Array:
     if kept.m == 1:
         return np.ones(loads.size)
     coarse = kept.truncated(terms_within(kept, MAX_COUNTED_WAVES))
-    counted, waves = _counted(coarse), kept.waves_per_period[-1]
-    number, share = _interpolated(counted, loads / coarse.full_contact_load)
+    counted, waves = _count(coarse), kept.waves_per_period[-1]
+    number, share = _interpolate(counted, loads / coarse.full_contact_load)
     if coarse.m == kept.m:
         return number
     ratio = waves / coarse.waves_per_period[-1] * coarse.period / kept.period
     with np.errstate(over="ignore"):  # p_n* beyond the largest float
         flattened = kept.full_contact_pressure.sum() / coarse.full_contact_pressure.sum()
-    alike, _ = _interpolated(counted, loads / flattened / coarse.full_contact_load)
+    alike, _ = _interpolate(counted, loads / flattened / coarse.full_contact_load)
     periods = kept.period / coarse.period
     return np.asarray(periods * np.minimum(number + share * waves / periods, ratio * alike))
 
 
 @lru_cache(maxsize=32)
-def _counted(kept: Profile) -> tuple[Array, Array]:
+def _count(kept: Profile) -> tuple[Array, Array]:
     """The contacts of a short series in one period, and their share of its length, at the loads of the table."""
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
@@ -74,7 +74,7 @@ def _counted(kept: Profile) -> tuple[Array, Array]:
     return np.maximum(found.patch_count, 1.0), found.contact_fraction
 
 
-def _interpolated(counted: tuple[Array, Array], share_of_full_contact: Array) -> tuple[Array, Array]:
+def _interpolate(counted: tuple[Array, Array], share_of_full_contact: Array) -> tuple[Array, Array]:
     """Contacts and their share of the length between the loads of the table, or at its ends."""
     at, (number, share) = (np.log(share_of_full_contact), np.log(COUNTED_LOADS)), counted
     return np.exp(np.interp(*at, np.log(number))), np.interp(*at, share)

@@ -82,7 +82,7 @@ def curve(
     OutOfReachError
         If no method meets the tolerance, as expected or as found.
     ConvergenceError
-        If a segment takes more than ten times as long as planned, and more than a minute; it names the next way.
+        If a segment takes more than ten times as long as planned, and over a minute; it names the next candidate.
 
     Notes
     -----
@@ -100,7 +100,7 @@ def curve(
 
 def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[Segment]) -> Curve:
     """Run a plan; where errors are found above the tolerance, plan and run again without what left them."""
-    return _concatenated([_run_segment(made, segment, methods, (*failed, segment)) for segment in made.segments])
+    return _concatenate([_run_segment(made, segment, methods, (*failed, segment)) for segment in made.segments])
 
 
 def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], without: Sequence[Segment]) -> Curve:
@@ -112,7 +112,7 @@ def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], withou
     try:
         values = _attempt_in_time(made.profile, segment)
     except TimeoutError as overrun:
-        raise ConvergenceError(f"{overrun}; {_next_way(segment, plan_again)}") from None
+        raise ConvergenceError(f"{overrun}; {_next_candidate(segment, plan_again)}") from None
     of_resistance = values.resistance_error / np.fmax(values.resistance, 1)
     error = values.compliance_error if made.quantity == COMPLIANCE else of_resistance
     exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
@@ -136,7 +136,7 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
         done, seconds = done + 1, thread_time() - compiling_seconds() - start
         if seconds > allowed and done < count:
             raise TimeoutError(
-                f"{_described(segment)} was expected to take {segment.seconds:.2g} s, and was stopped after "
+                f"{_label(segment)} was expected to take {segment.seconds:.2g} s, and was stopped after "
                 f"{seconds:.0f} s with {done} of {count} loads solved"
             )
 
@@ -144,17 +144,18 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
         return _attempt(profile, segment)
 
 
-def _next_way(stopped: Segment, plan_again: Callable[[Array], Plan]) -> str:
+def _next_candidate(stopped: Segment, plan_again: Callable[[Array], Plan]) -> str:
     """What would come after a segment that was stopped."""
     try:
         other = plan_again(stopped.mean_pressure)
     except OutOfReachError:
         return "no other method is as accurate: take a larger tolerance"
-    ways = ", ".join(dict.fromkeys(map(_described, other.segments)))
-    return f"the next way is {ways}, in {other.seconds:.2g} s for all loads: take that method, or a larger tolerance"
+    labels = ", ".join(dict.fromkeys(map(_label, other.segments)))
+    advice = "take that method, or a larger tolerance"
+    return f"the next candidate is {labels}, in {other.seconds:.2g} s for all loads: {advice}"
 
 
-def _described(segment: Segment) -> str:
+def _label(segment: Segment) -> str:
     return f"{segment.method} with {segment.terms:g} terms"
 
 
@@ -165,41 +166,41 @@ def _attempt(profile: Profile, segment: Segment) -> Curve:
     except ConvergenceError:
         count = segment.mean_pressure.size
         if count == 1:
-            return _solved_loads(segment, UNSOLVED)
+            return _curve_of(segment, UNSOLVED)
         halves = slice(None, count // 2), slice(count // 2, None)
-        return _concatenated([_attempt(profile, segment.at(half)) for half in halves])
+        return _concatenate([_attempt(profile, segment.at(half)) for half in halves])
 
 
 def _excess_message(segment: Segment, error: Array) -> str:
     worst = error.argmax()
     left = f"left an error of {error[worst]:.2g}" if np.isfinite(error[worst]) else "stopped"
-    return f"{_described(segment)} was expected to do, and {left} at {segment.mean_pressure[worst]:g} p_0*"
+    return f"{_label(segment)} was expected to do, and {left} at {segment.mean_pressure[worst]:g} p_0*"
 
 
 def run(profile: Profile, segments: Sequence[Segment]) -> Curve:
     """Run segments that cover the loads one after the other."""
-    return _concatenated([_solved_loads(segment, _solved(profile, segment)) for segment in segments])
+    return _concatenate([_curve_of(segment, _solve(profile, segment)) for segment in segments])
 
 
-def _concatenated(curves: Sequence[Curve]) -> Curve:
+def _concatenate(curves: Sequence[Curve]) -> Curve:
     columns: Any = map(np.concatenate, zip(*(each.arrays for each in curves), strict=True))
     return Curve(*columns)
 
 
-def _solved_loads(segment: Segment, solved: SegmentSolution) -> Curve:
+def _curve_of(segment: Segment, solved: SegmentSolution) -> Curve:
     count, points = segment.mean_pressure.size, segment.settings.get("points", np.nan)
     method = np.full(count, segment.method, METHOD_NAME)
     return Curve(*solved, method, np.full(count, float(segment.terms)), np.full(count, float(points)))
 
 
-def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
+def _solve(profile: Profile, segment: Segment) -> SegmentSolution:
     """The solution of one segment for the whole series.
 
     Its resistance is bounded by the chords from each load to the other loads that are solved with it.
     """
     p, others = segment.mean_pressure, segment.other_loads
     loads, index = np.unique(np.column_stack([p, others]), return_inverse=True)
-    solved = _completed(profile, segment, segment.solve(loads))
+    solved = _complete(profile, segment, segment.solve(loads))
     h, R, h_error, R_error = (values[index.reshape(p.size, -1)] for values in solved)
     error = h_error + COMPLIANCE_ROUNDING * h
     low, high = chord_bounds(p, h[:, 0], error[:, 0], others, np.array([h[:, 1:], error[:, 1:]]))
@@ -211,7 +212,7 @@ def _solved(profile: Profile, segment: Segment) -> SegmentSolution:
     )
 
 
-def _completed(profile: Profile, segment: Segment, solved: SegmentSolution) -> SegmentSolution:
+def _complete(profile: Profile, segment: Segment, solved: SegmentSolution) -> SegmentSolution:
     """The solution of the whole series: the middle of the bounds that the terms left out allow."""
     left_out = 0.0 if segment.includes_tail else profile.amplitude_beyond(segment.terms)
     low, high = complete_bounds(solved.compliance, left_out, profile.total_amplitude)
