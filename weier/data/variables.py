@@ -95,7 +95,11 @@ class Variable(NamedTuple):
     largest: str = ""
 
 
-OF_SERIES = f"{DATUM}, of that series."
+BOUND = (
+    "It follows from the bounds theorem, and is as much wider as the solution of the terms that are kept may be off: "
+    "contact patches state a bound on that, boundary elements an estimate."
+)
+OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
 _of_trace = partial(_label, optional=True)
 _planned = partial(Variable, content=AUXILIARY, optional=True)
@@ -142,8 +146,12 @@ VARIABLES = {
     "compliance_upper": Variable(
         CURVE, "upper bound on the compliance of the infinite series", "g_0", comment=OF_SERIES, files=(CONVERGENCE,)
     ),
-    "resistance_lower": Variable(CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0),
-    "resistance_upper": Variable(CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0),
+    "resistance_lower": Variable(
+        CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0, comment=BOUND
+    ),
+    "resistance_upper": Variable(
+        CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0, comment=BOUND
+    ),
     "compliance_error": Variable(
         CURVE, "error of the compliance, estimated or measured", "g_0", least=0, files=MEASURED, comment=ERROR,
         largest="estimated error of h, g_0",
