@@ -1,11 +1,14 @@
 """Signals at random moments: no call crashes or makes them wait, and the next solve has the same bits."""
 
+import ctypes
+import signal
 import subprocess
 import sys
 
 import pytest
 
 from tests.marks import compiled
+from weier.kernels.jit import raising_lost_interrupts
 
 pytestmark = pytest.mark.usefixtures("ctrl_c")
 
@@ -85,3 +88,39 @@ def test_signals_end_any_call_soon_and_leave_nothing_behind(count):
     done = subprocess.run([sys.executable, "-c", PROGRAM, str(count), "1"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < 2, done.stderr  # seconds: no kernel takes longer than half a second
+
+
+# Nothing but a kernel that returns arrays, for each of which numba runs Python.
+KERNEL_ALONE = """
+import os, random, signal, threading
+import numpy as np
+from weier.methods.patches.pair_sums import make_pair_matrix
+
+origin, offset = np.arange(30_000) / 30_000, np.zeros(30_000)
+make_pair_matrix(origin, offset, 1.0, False)
+for _ in range(20):
+    sender = threading.Timer(0.1 * random.random(), os.kill, (os.getpid(), signal.SIGINT))
+    try:
+        sender.start()
+        while True:
+            make_pair_matrix(origin, offset, 1.0, False)
+    except KeyboardInterrupt:
+        sender.join()
+"""
+
+
+@compiled
+def test_signals_while_a_kernel_returns():
+    subprocess.run([sys.executable, "-c", KERNEL_ALONE], check=True)
+
+
+def test_ctrl_c_that_a_callback_loses_is_raised(monkeypatch):
+    """As where LLVM calls Python: an exception cannot pass through C, and Python reports it and goes on."""
+    reported = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda failure: reported.append(failure.exc_type))
+    callback = ctypes.CFUNCTYPE(None)
+    with pytest.raises(KeyboardInterrupt), raising_lost_interrupts():
+        callback(lambda: signal.raise_signal(signal.SIGINT))()
+    with raising_lost_interrupts():
+        callback(lambda: 1 / 0)()
+    assert reported == [ZeroDivisionError]

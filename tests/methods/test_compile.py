@@ -29,9 +29,14 @@ def inside(kernel):
     return {place[name] for place in places for name in names & place.keys() if isinstance(place[name], Kernel)}
 
 Kernel.__call__ = noted
+from numba.types import BaseNamedTuple, BaseTuple
 from weier.methods.compile import compile_kernels
 
+def names_fields(kind):
+    return isinstance(kind, BaseNamedTuple) or isinstance(kind, BaseTuple) and any(map(names_fields, kind))
+
 compile_kernels()
+crashing = {each for each in called for made in each.compiled.nopython_signatures if names_fields(made.return_type)}
 names = [each.name for each in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in each.name]
 modules = list(map(import_module, names))
 known = {value for module in modules for value in vars(module).values() if isinstance(value, Kernel)}
@@ -39,12 +44,13 @@ reached = set()
 while called:
     reached |= called
     called = set().union(*map(inside, called)) - reached
-print(len(known), *(kernel.name for kernel in known - reached))
+print(len(known), *(kernel.name for kernel in known - reached | crashing))
 """
 
 
 @compiled
-def test_every_kernel_is_compiled():
+def test_every_kernel_is_compiled_and_returns_no_named_tuple():
+    """For a NamedTuple numba runs Python, and crashes where Ctrl-C comes there."""
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
     count, *missing = done.stdout.split()
     assert int(count) > 20

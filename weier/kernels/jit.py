@@ -9,17 +9,17 @@ import fcntl
 import functools
 import os
 import shutil
+import sys
 import threading
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from time import perf_counter, time
 from typing import Any, TypeVar, cast
 
 from weier.kernels.digests import KERNELS, PACKAGE, digest, digest_of_program
-from weier.kernels.interruption import run_kernel
 from weier.kernels.transform import register_transforms
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -82,10 +82,16 @@ class Kernel:
         """Run the compiled function."""
         if self.compiled is None:
             start = perf_counter()
-            with LOCK:
+            with LOCK, raising_lost_interrupts():
                 self.compiled = self.compiled or self._compile(arguments)
             _SPENT.seconds = compiling_seconds() + perf_counter() - start
-        return run_kernel(self.compiled, arguments)
+        try:
+            return self.compiled(*arguments)
+        except SystemError as error:  # numba runs Python for each array that it returns, where Ctrl-C may come
+            cause: BaseException = error
+            while cause.__cause__:
+                cause = cause.__cause__
+            raise cause from None
 
     def _compile(self, arguments: tuple[Any, ...]) -> Any:
         """The kernel from its own folder in the cache, or compiled for it, by one process at a time.
@@ -121,6 +127,21 @@ class Kernel:
         return compiled
 
 
+@contextmanager
+def raising_lost_interrupts() -> Iterator[None]:
+    """Raise Ctrl-C that came while LLVM called Python: no exception passes through C, so Python only reports it."""
+    lost: list[Any] = []
+    hook, sys.unraisablehook = sys.unraisablehook, lost.append
+    try:
+        yield
+    finally:
+        sys.unraisablehook = hook
+        if any(failure.exc_type is KeyboardInterrupt for failure in lost):
+            raise KeyboardInterrupt
+        for failure in lost:
+            hook(failure)
+
+
 def _introduce_kernels() -> None:
     """Tell numba of the kernels that were defined since the last time, for others to call as parts of theirs."""
     from numba.extending import overload
@@ -128,8 +149,9 @@ def _introduce_kernels() -> None:
     register_transforms()
     options: Any = {"error_model": "numpy", "no_cfunc_wrapper": True}
     while UNKNOWN:
-        kernel = UNKNOWN.pop()
+        kernel = UNKNOWN[-1]
         overload(kernel, options, strict=False)(lambda *_, function=kernel.function: function)
+        UNKNOWN.remove(kernel)  # at the end, since Ctrl-C may come before
 
 
 def _remove_earlier_caches() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from weier.data.provenance import NORMALISED
-from weier.kernels.interruption import interruptible
 from weier.methods import bem, patches
 from weier.theory.arguments import checked_word
 from weier.theory.limits import check_resolvable
@@ -31,7 +30,6 @@ ATTRIBUTES = {
 }
 
 
-@interruptible
 def fields(
     profile: Waves, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
 ) -> xr.Dataset:
@@ -91,7 +89,6 @@ def fields(
     return data.merge(_dataset(("patch",), ends))
 
 
-@interruptible
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     """Mean pressures at which contacts are born or merge.
 

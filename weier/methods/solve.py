@@ -11,7 +11,6 @@ import xarray as xr
 
 from weier.data import dataset
 from weier.kernels.arrays import Array
-from weier.kernels.interruption import interruptible
 from weier.kernels.jit import compiling_seconds
 from weier.methods.method import Method
 from weier.methods.settings import all_settings, checked_settings
@@ -29,7 +28,6 @@ def solve_curve(
     return dataset.curve(loads, values | {"seconds": seconds}, labels, all_settings(method, given))
 
 
-@interruptible
 def solve_checked(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
     """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds without compiling.
 

@@ -9,7 +9,6 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
-from weier.kernels.interruption import interruptible
 from weier.methods import registry
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
@@ -71,7 +70,6 @@ def plan(
     tolerance: float | None = None,
     quantity: str | None = None,
 ) -> ScenePlan: ...
-@interruptible
 def plan(
     subject: Profile | Scene,
     mean_pressure: ArrayLike | None = None,

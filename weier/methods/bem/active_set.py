@@ -76,7 +76,6 @@ class GridState(NamedTuple):
     edge: Indices
 
 
-@kernel
 def make_grid_state(points: int) -> GridState:
     """Working arrays for grids of up to `points` nodes."""
     return GridState(
@@ -292,6 +291,9 @@ def _contact_from_pressure(state: GridState) -> None:
         state.contact[i] = state.pressure[i] > 0
 
 
+_compiled_grid_of = kernel(grid_of)
+
+
 @kernel
 def cascade(load: float, hierarchy: Hierarchy, start: Array, fine: GridState) -> tuple[float, float, float]:
     """Solve one load on every grid, coarse to fine: plane H, residual, pairs of FFTs, each grid's by its size.
@@ -310,7 +312,7 @@ def cascade(load: float, hierarchy: Hierarchy, start: Array, fine: GridState) ->
             for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
                 add_harmonic(wave, hierarchy.harmonics, state.pressure, state.residual)
         _contact_from_pressure(state)
-        plane, residual, here = solve_load(load, grid_of(hierarchy, level), state)
+        plane, residual, here = solve_load(load, _compiled_grid_of(hierarchy, level), state)
         pairs += here * points / hierarchy.points[finest]
         if level == 0:
             copy_values(state.pressure, start)

@@ -127,7 +127,6 @@ def full_contact_pressure(height: Array, period: float) -> Array:
     return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
 
 
-@kernel
 def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
     """One grid of the hierarchy."""
     node, wave = 0, 0

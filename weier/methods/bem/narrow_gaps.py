@@ -62,8 +62,8 @@ class Gaps(NamedTuple):
 
 
 @kernel
-def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
-    """Correct all narrow gaps, and find those that open between two nodes."""
+def find_gaps(solution: GridSolution, continuum: Continuum) -> tuple[Flags, Records, Array, bool]:
+    """Correct all narrow gaps, and find those that open between two nodes; the fields of `Gaps`."""
     edge, points = solution.edge, solution.pressure.size
     pressure = _pressure_without_residual(solution, continuum.grid)
     polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
@@ -88,7 +88,7 @@ def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
             if left < right:
                 opened[count, 0], opened[count, 1] = left, right
                 count += 1
-    return Gaps(polynomial, gaps, opened[:count], found)
+    return polynomial, gaps, opened[:count], found
 
 
 @kernel

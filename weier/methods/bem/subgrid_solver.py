@@ -54,12 +54,12 @@ class LoadSolution(NamedTuple):
 
 @kernel
 def correct_contacts(
-    gaps: Gaps, solution: GridSolution, continuum: Continuum, residual: float, work: float
-) -> LoadSolution:
+    gaps: Gaps, solution: GridSolution, continuum: Continuum
+) -> tuple[bool, float, float, float, float, Records]:
     """Correct a converged solution, whose gaps are `gaps`, by what the continuum adds to it.
 
     Crests that may touch are told by the plane on the grid at first. The corrected plane and pressure judge all
-    crests again, until no more of them may touch.
+    crests again, until no more of them may touch. Returns the fields of `LoadSolution`, but for the last two.
     """
     points = solution.pressure.size
     steps = find_steps(solution)
@@ -77,15 +77,13 @@ def correct_contacts(
     errors = estimate_errors(solution, steps, polynomial, gaps, contacts, forces, continuum)
     finite = np.isfinite(plane + resistance + errors.compliance + errors.resistance)
     # A mean gap and a resistance are not below 0, where both are smaller than their errors.
-    return LoadSolution(
+    return (
         not new and gaps.found and forces.found and errors.judged and finite,
         max(plane, 0.0),
         max(resistance, 0.0),
         errors.compliance,
         errors.resistance,
         list_contacts(contacts, forces.contacts, gaps.opened, solution, continuum.period),
-        residual,
-        work,
     )
 
 
@@ -116,8 +114,8 @@ class GridSolver:
         solution = GridSolution(
             plane, rate, self._carried, deformed, state.pressure, -state.deformed, state.contact, edge
         )
-        gaps = find_gaps(solution, self._continuum)
-        return correct_contacts(gaps, solution, self._continuum, residual, pairs + more)
+        gaps = Gaps(*find_gaps(solution, self._continuum))
+        return LoadSolution(*correct_contacts(gaps, solution, self._continuum), residual, pairs + more)
 
     def _solve_on_grid(self, load: float) -> tuple[float, float, float]:
         """Plane, residual and pairs of FFTs of a load.

@@ -245,7 +245,7 @@ def residuals_by_sums(
     count, force = np.diff(segments.first_node), _node_forces(state)
     middle = np.repeat(segments.origin + segments.centre, count)
     tree = make_tree(middle, np.repeat(segments.half_width, count) * segments.node)
-    total = potential(tree, force, origin, offset, period, state.dual)
+    total = potential(tree, force, make_tree(origin, offset), period, state.dual)
     value[order] = _correct_near_segments(state, force, origin, offset, period, total)
     forcing = evaluate_at(series, crest, y, 0)
     if state.dual:

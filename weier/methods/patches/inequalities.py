@@ -23,7 +23,7 @@ from weier.methods.patches.fields import (
     residuals_by_sums,
     residuals_one_by_one,
 )
-from weier.methods.patches.pair_sums import potential
+from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import Segments, distances_to_next, evaluate_expansion, gap_expansion
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
@@ -335,7 +335,8 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
     punches, dual = step.punches, problem.dual
 
     def residual(x: Array) -> Array:
-        total = potential(punches.matrix.tree, step.forces.force, np.zeros(x.size), x, punches.period, dual)
+        points = make_tree(np.zeros(x.size), x)
+        total = potential(punches.matrix.tree, step.forces.force, points, punches.period, dual)
         factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
         return np.asarray(plane + factor * total - problem.forcing(x))
 

@@ -116,15 +116,21 @@ class TwoGrids(NamedTuple):
         return np.concatenate([phi, slow[self.interpolation.first_column[-1] :]])
 
 
-@kernel
 def assemble(now: Iterate, series: CosineSeries, load: float) -> System:
     """What the equations are off, and their derivatives.
 
     The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
     and last the load or the mean gap.
     """
-    segments, size = now.segments, now.phi.size + 2 * now.segments.centre.size + 1
-    system, force = System(np.zeros((size, size)), np.zeros(size), np.zeros(size)), now.phi * segments.weight
+    size = now.phi.size + 2 * now.segments.centre.size + 1
+    system = System(np.zeros((size, size)), np.zeros(size), np.zeros(size))
+    _fill_system(system, now, series, load)
+    return system
+
+
+@kernel
+def _fill_system(system: System, now: Iterate, series: CosineSeries, load: float) -> None:
+    segments, force = now.segments, now.phi * now.segments.weight
     for j in range(segments.centre.size):
         force[segments.first_node[j] : segments.first_node[j + 1]] *= segments.half_width[j]
         _add_forcing(system, now, series, load, j)
@@ -135,7 +141,6 @@ def assemble(now: Iterate, series: CosineSeries, load: float) -> System:
         for i in range(segments.centre.size):
             _fill_height_row(system, now, series, i)
         _fill_load_row(system, now, load, series.period)
-    return system
 
 
 @kernel

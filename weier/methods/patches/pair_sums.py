@@ -149,20 +149,15 @@ def interval(tree: Tree, node: int) -> tuple[float, float]:
     return 0.5 * (tree.low[node] + tree.high[node]), max(0.5 * (tree.high[node] - tree.low[node]), 1e-300)
 
 
-@kernel
 def make_tree(origin: Array, offset: Array) -> Tree:
     """The tree of points at origin + offset, which are ascending."""
     position, depth = origin + offset, 0
     while (position.size >> depth) > LEAF_POINTS:
         depth += 1
-    nodes = (2 << depth) - 1
-    low, high = np.empty(nodes), np.empty(nodes)
-    for level in range(depth + 1):
-        for k in range(1 << level):
-            node = (1 << level) - 1 + k
-            low[node] = position[(position.size * k) >> level]
-            high[node] = position[((position.size * (k + 1)) >> level) - 1]
-    to_parent, at_points = np.empty((nodes, ORDER, ORDER)), np.empty((position.size, ORDER))
+    starts = [(position.size * np.arange((1 << level) + 1)) >> level for level in range(depth + 1)]
+    low = position[np.concatenate([start[:-1] for start in starts])]
+    high = position[np.concatenate([start[1:] - 1 for start in starts])]
+    to_parent, at_points = np.empty((low.size, ORDER, ORDER)), np.empty((position.size, ORDER))
     tree = Tree(position, origin, offset, depth, low, high, to_parent, at_points)
     _fill_interpolations(tree)
     return tree
@@ -259,10 +254,15 @@ def _fill_near_block(
     return start, end, other_start, other_end
 
 
-@kernel
 def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) -> PairMatrix:
     """The matrix for points at origin + offset, ascending and within one period."""
     tree = make_tree(origin, offset)
+    return PairMatrix(tree, *_make_blocks(tree, period, dual))
+
+
+@kernel
+def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, Blocks, Array, Indices]:
+    """The fields of `PairMatrix` behind its tree."""
     far, near = pair_nodes(tree, tree, period, True)
     far_block = np.empty((far.shape[0], ORDER, ORDER))
     for pair in range(far.shape[0]):
@@ -276,7 +276,7 @@ def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) ->
     for pair in range(near.shape[0]):
         block = near_block[near_start[pair] : near_start[pair + 1]]
         _fill_near_block(tree, near[pair, 0], tree, near[pair, 1], period, dual, block)
-    return PairMatrix(tree, far, near, far_block, near_block, near_start)
+    return far, near, far_block, near_block, near_start
 
 
 @kernel
@@ -350,11 +350,10 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
 
 
 @kernel
-def potential(source: Tree, f: Array, origin: Array, offset: Array, period: float, dual: bool) -> Array:
-    """The sum over the points s of f_s times the kernel between x and s, at other ascending x = origin + offset."""
-    target = make_tree(origin, offset)
+def potential(source: Tree, f: Array, target: Tree, period: float, dual: bool) -> Array:
+    """The sum over the points s of a source of f_s times the kernel between x and s, at the points x of a target."""
     far, near = pair_nodes(target, source, period, False)
-    moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(offset.size)
+    moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(target.position.size)
     block = np.empty((ORDER, ORDER))
     for pair in range(far.shape[0]):
         _fill_far_block(target, far[pair, 0], source, far[pair, 1], period, dual, block)
