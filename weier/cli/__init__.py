@@ -16,6 +16,7 @@ from weier.data.provenance import VERSION
 from weier.kernels.jit import announce_compiling
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
+from weier.scene.mistakes import one_line
 
 EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # of scenes and their pages: `pip install weier` has none
 EXIT = (
@@ -82,7 +83,7 @@ def _told(error: Exception) -> str:
     """An error in one line, but for that of a scene, which has a line for each mistake."""
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename} cannot be read or written: {error.strerror}"
-    return str(error) if isinstance(error, SceneError) else " ".join(str(error).split())
+    return str(error) if isinstance(error, SceneError) else one_line(error)
 
 
 @cache

@@ -135,14 +135,14 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 
     The profiles are those of a scene. The data go to PATH, and the page to TABLE.
     """
-    from weier.accuracy import tradeoff as trade  # scipy.optimize and mpmath, which few commands need
+    from weier.accuracy import tradeoff as study  # scipy.optimize and mpmath, which few commands need
     from weier.data import dataset
 
     with job("tradeoff", scene_file.stem):
         loaded = weier.load_scene(scene_file)
-        data = trade.measure(loaded)
+        data = study.measure(loaded)
         dataset.write(data, path, loaded.title, "measured", loaded.text)
-        trade.write_table(data, loaded.title, table)
+        study.write_table(data, loaded.title, table)
 
 
 @click.command(hidden=True)
@@ -171,14 +171,14 @@ def extremes(path: Path, summary: Path) -> None:
 
     The data go to PATH, and a page of the worst to SUMMARY.
     """
-    from weier.accuracy import extremes as report  # as in tradeoff
+    from weier.accuracy import extremes as study  # as in tradeoff
     from weier.data import dataset
 
     title = "Stability at the extremes"
     with job("extremes"):
-        data = report.measure()
+        data = study.measure()
         dataset.write(data, path, title, "examined")
-        report.write_summary(data, title, summary)
+        study.write_summary(data, title, summary)
 
 
 @click.command(hidden=True)

@@ -112,7 +112,7 @@ def output(name: str, *suffixes: str, default: str | None = None) -> Option:
     return click.argument(name, type=FILE, default=default, callback=_writable(*suffixes))
 
 
-def loads(default: str | None, help: str) -> click.Option:
+def loads_option(default: str | None, help: str) -> click.Option:
     """The option for mean pressures."""
     return click.Option(["--loads"], default=default, show_default=True, callback=_read(parse_loads), help=help)
 
@@ -131,7 +131,7 @@ OF_SERIES = (
 )  # fmt: skip
 
 
-_SOLVED = (
+OF_SOLUTION = (
     click.Option(
         ["--method", "methods"], multiple=True, type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
@@ -153,7 +153,7 @@ class SolvingCommand(click.Command):
             formatter.write_dl(described(METHODS))
 
 
-_TRACE = (
+OF_TRACE = (
     click.Option(
         ["--trace", "trace_file"], type=FILE, help="Instead of a series: a file with one or two columns of heights."
     ),
@@ -171,8 +171,8 @@ _TRACE = (
 
 def of_one_profile(default_loads: str) -> list[click.Parameter]:
     """The options that name a profile, its loads and the methods."""
-    pressures = loads(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
-    return [*OF_SERIES, *_TRACE, pressures, *_SOLVED]
+    pressures = loads_option(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
+    return [*OF_SERIES, *OF_TRACE, pressures, *OF_SOLUTION]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 import weier
-from weier.cli.options import FILE, LOADS, OF_SERIES, loads, parameters, parse_loads
+from weier.cli.options import FILE, LOADS, OF_SERIES, loads_option, parameters, parse_loads
 from weier.kernels.arrays import Array
 from weier.methods.registry import PLANNED
 from weier.methods.segment import QUANTITIES
@@ -16,7 +16,7 @@ from weier.pipeline.progress import waiting
 from weier.scene import Case
 from weier.theory.loads import check_range
 
-PRESSURES = loads(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
+PRESSURES = loads_option(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
 
 
 @click.command(params=[*OF_SERIES, PRESSURES])

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def _solved(
+def _solve(
     default: Sequence[str], loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any
 ) -> xr.Dataset:
     from weier.pipeline import single  # xarray, as in `solve`
@@ -46,7 +46,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
 
-    data = _solved((DEFAULT,), **options)
+    data = _solve((DEFAULT,), **options)
     if output is None:
         click.echo(result.as_csv(data) if csv else result.as_json(data))
     else:
@@ -69,6 +69,6 @@ def plot(path: Path, quantity: str, **options: Any) -> None:
     from weier.cli import result
     from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
 
-    data = _solved(PLOTTED, **options)
+    data = _solve(PLOTTED, **options)
     draw(Figure(quantity), [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
     result.check_solved(data)

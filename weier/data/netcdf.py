@@ -44,7 +44,7 @@ def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], wi
     sizes : mapping of int
         Sizes of dimensions that are to be larger than in `like`, such as all cases.
     widths : mapping of int
-        Bytes of each text variable that is not of the table.
+        Bytes of each variable of text: see `text_widths`.
     """
     for dim, size in {**{str(dim): size for dim, size in like.sizes.items()}, **sizes}.items():
         file.createDimension(dim, size)

@@ -26,8 +26,8 @@ PAPER = (
 )
 DOI = "https://doi.org/10.1016/j.jmps.2003.12.002"
 SUMMARY = (
-    "Elastic compliance and electrical contact resistance against mean pressure of a Weierstrass profile pressed on "
-    "a plane: closed-form estimates, numerical solutions, and bounds on the infinite series, by case and method."
+    "Elastic compliance and electrical contact resistance against mean pressure of Weierstrass or measured profiles "
+    "pressed on a plane: closed-form estimates, numerical solutions, and bounds on the infinite series, by method."
 )
 KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surface, fractal, Weierstrass profile"
 DEVELOPERS = "The weier developers"

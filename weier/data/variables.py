@@ -104,6 +104,12 @@ _label = partial(Variable, ("case",), content=LABEL)
 _of_trace = partial(_label, optional=True)
 _planned = partial(Variable, content=AUXILIARY, optional=True)
 
+
+def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: Any) -> Variable:
+    name = f"{side} bound on the {quantity} of the infinite series"
+    return Variable(CURVE, name, unit, comment=comment, **others)
+
+
 # Text has a fixed width, so that files of many cases can be joined, compressed and read by any netCDF library.
 VARIABLES = {
     "solution_method": Variable(("solution_method",), "method of solution", dtype="U16", content=LABEL),
@@ -140,18 +146,10 @@ VARIABLES = {
         files=ALL_MEASURED,
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$", plot="resistance (dh/dp) p_0*/g_0",
     ),
-    "compliance_lower": Variable(
-        CURVE, "lower bound on the compliance of the infinite series", "g_0", comment=OF_SERIES, files=(CONVERGENCE,)
-    ),
-    "compliance_upper": Variable(
-        CURVE, "upper bound on the compliance of the infinite series", "g_0", comment=OF_SERIES, files=(CONVERGENCE,)
-    ),
-    "resistance_lower": Variable(
-        CURVE, "lower bound on the resistance of the infinite series", "g_0/p_0*", least=0, comment=BOUND
-    ),
-    "resistance_upper": Variable(
-        CURVE, "upper bound on the resistance of the infinite series", "g_0/p_0*", least=0, comment=BOUND
-    ),
+    "compliance_lower": _bound("lower", "compliance", "g_0", OF_SERIES, files=(CONVERGENCE,)),
+    "compliance_upper": _bound("upper", "compliance", "g_0", OF_SERIES, files=(CONVERGENCE,)),
+    "resistance_lower": _bound("lower", "resistance", "g_0/p_0*", least=0),
+    "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
     "compliance_error": Variable(
         CURVE, "error of the compliance, estimated or measured", "g_0", least=0, files=MEASURED, comment=ERROR,
         largest="estimated error of h, g_0",
@@ -234,7 +232,7 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
     known["coverage_content_type"] = entry.content
     if normalised:
         known["normalised_by"] = entry.unit
-    known |= {name: text for name, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
+    known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:
             known[attribute] = float(limit)

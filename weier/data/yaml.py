@@ -57,7 +57,7 @@ def parse_yaml(text: str) -> Any:
 def read_yaml(text: str) -> Document:
     """The values of a YAML text as `parse_yaml` has them, with their lines."""
     if len(text) > MAX_CHARACTERS:
-        raise ValueError(f"a scene must have at most {MAX_CHARACTERS} characters, got {len(text)}")
+        raise ValueError(f"a YAML text must have at most {MAX_CHARACTERS} characters, got {len(text)}")
     try:
         loader = _Loader(text)
         root = loader.get_single_node()
@@ -85,14 +85,15 @@ def number(name: str, value: Any) -> float:
 def _size(node: yaml.Node | None, known: dict[int, int]) -> int:
     """How many values a node stands for, each alias written out; a node within itself never ends."""
     if id(node) not in known:
-        children = _children(node)
+        children = _checked_children(node)
         known[id(node)] = 1 + sum(_size(child, known) for child in children)
     if known[id(node)] > MAX_VALUES:
-        raise ValueError(f"the scene must have at most {MAX_VALUES} values, each alias written out: got more")
+        raise ValueError(f"a YAML text must have at most {MAX_VALUES} values, each alias written out: got more")
     return known[id(node)]
 
 
-def _children(node: yaml.Node | None) -> list[yaml.Node]:
+def _checked_children(node: yaml.Node | None) -> list[yaml.Node]:
+    """The nodes within a node; a ValueError if a key is no word, or stands twice."""
     if isinstance(node, yaml.MappingNode):
         seen = set[str]()
         for key, _ in node.value:

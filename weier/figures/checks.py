@@ -85,15 +85,18 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
                 for product in loaded.studies[name].products]  # fmt: skip
     if kind.grouped:
         yield from (("", text) for text in _hidden(figure, products))
-    others = " or ".join(name for name, each in known.items() if each.grouped)
+
+    def those(ability: str) -> str:
+        return " or ".join(name for name, each in known.items() if getattr(each, ability))
+
     if not kind.grouped and any("trace" in product.axes for product in products):
-        yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"
+        yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {those('grouped')}"
     if figure.interface and not kind.units:
-        yield "units", f"{figure.draw} has no SI units: leave them out, or draw {others}"
+        yield "units", f"{figure.draw} has no SI units: leave them out, or draw {those('units')}"
     if figure.interface and figure.draw == "resistance" and not figure.interface.resistance(1.0):
         yield "units", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
     if not kind.grouped and figure.grouping != BY_DEFAULT:
-        yield "", f"{figure.draw} takes no colour, facet or median over: leave them out, or draw {others}"
+        yield "", f"{figure.draw} takes no colour, facet or median over: leave them out, or draw {those('grouped')}"
 
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:

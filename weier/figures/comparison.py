@@ -122,7 +122,7 @@ def _curves(
                 found.append(Curve(shown, method, loads, values, points, parameters | {"method": method}))
     # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
     estimates = [name for name in names() if name not in numerical]
-    order = {name: place for place, name in enumerate([*estimates, "", *numerical])}
+    order = {name: rank for rank, name in enumerate([*estimates, "", *numerical])}
     return sorted(found, key=lambda each: order.get(each.method, order[""]))
 
 

@@ -37,7 +37,7 @@ def points(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, 
 
 
 def on_common_loads(drawn: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """All loads that several lines share, and the values of each line there, shape (lines, loads)."""
+    """The loads of all lines, where each of them has values, and these values, shape (lines, loads)."""
     loads = np.unique(np.concatenate([loads for loads, _ in drawn]))
     loads = loads[(loads >= max(own[0] for own, _ in drawn)) & (loads <= min(own[-1] for own, _ in drawn))]
     return loads, np.array([np.interp(loads, own, values) for own, values in drawn])

@@ -14,7 +14,7 @@ from weier.theory.conduction import Interface
 
 CAPTION = (
     "Contact resistance over mean pressure. {methods} The exact curve drops at each load at which a contact is "
-    "born, and a kink where two merge."
+    "born, and has a kink where two merge."
 )
 
 

@@ -123,7 +123,7 @@ def shade(fractions: Iterable[float]) -> list[Color]:
 
 
 def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure of one column with a title, and a panel of each name below each other, of a height in inches each.
+    """A figure of one column with a title: panels with these names below each other, each of a height in inches.
 
     It does not go through pyplot, which would keep it in memory.
     """
@@ -149,7 +149,7 @@ def column_of_series(
 
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
-    """A figure with its panels in rows, of two or three or so many, which share their axes and the words on them."""
+    """A figure with its panels in rows; they share their axes. Without `columns`, a row has two or three of them."""
     columns = columns or {1: 1, 2: 2, 4: 2}.get(panels, 3)
     width, height = GRID_PANELS[min(columns, 3)]
     rows = -(-panels // columns)
@@ -170,7 +170,7 @@ def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figur
 def limit_panels(
     title: str, groups: Sequence[Group], noun: str, most: int = MAX_PANELS
 ) -> tuple[str, Sequence[Group]]:
-    """The first groups, up to those that there is space for, and a title that says so if these are not all."""
+    """As many groups as there is space for, with a title that says so if these are not all; none are refused."""
     if not groups:
         raise ValueError(f"there are no {noun} to draw in these studies")
     note = f"{most} of {len(groups)} {noun}" if len(groups) > most else ""

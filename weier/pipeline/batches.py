@@ -81,19 +81,19 @@ class Solutions:
 
     @cached_property
     def _solved(self) -> dict[str, Place]:
-        """Where each curve is that this program has solved under the loads of the scene, by `Case.curves`."""
+        """Where each curve is that this program has solved under the loads of the scene, by `Case.curve_keys`."""
         found: dict[str, Place] = {}
         for path in sorted(self.folder.glob("*.json")):
             if path.with_suffix(".nc").exists() and (batch := read_batch(path)).common == self.common:
                 for row, case in enumerate(batch.cases):
-                    for curve in case.curves.values():
+                    for curve in case.curve_keys.values():
                         found.setdefault(curve, Place(path, row))
         return found
 
     def places(self, case: Case) -> dict[str, Place]:
         """Where the curve of each method of a case is; a ValueError if one is not solved."""
         try:
-            return {method: self._solved[curve] for method, curve in case.curves.items()}
+            return {method: self._solved[curve] for method, curve in case.curve_keys.items()}
         except KeyError:
             raise ValueError(
                 f"{case.profile.describe()} is not solved by all of {', '.join(case.methods)} in {self.folder}: "
@@ -109,11 +109,11 @@ class Solutions:
         here, missing = set[Path](), dict[tuple[str, ...], list[Missing]]()
         for case, home in zip(self.scene.distinct, self.scene.studies_of_cases, strict=True):
             if not studies or not set(home).isdisjoint(studies):
-                here |= {self._solved[curve].batch for curve in case.curves.values() if curve in self._solved}
-                lacking = tuple(method for method, curve in case.curves.items() if curve not in self._solved)
+                here |= {self._solved[curve].batch for curve in case.curve_keys.values() if curve in self._solved}
+                lacking = tuple(method for method, curve in case.curve_keys.items() if curve not in self._solved)
                 group = missing.setdefault(home if studies else (), [])
                 if lacking:
-                    group.append(missing_case(case.by(lacking), home, self.scene.loads))
+                    group.append(missing_case(case.with_methods(lacking), home, self.scene.loads))
         cut = (part for group in missing.values() for part in cut_into_batches(group, self.scene, cores))
         return [path.with_suffix(".nc") for path in (*sorted(here), *map(self._describe, cut))]
 

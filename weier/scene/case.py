@@ -56,13 +56,13 @@ class Case:
         return hashlib.sha256(definition.encode()).hexdigest()[:12]
 
     @cached_property
-    def curves(self) -> dict[str, str]:
+    def curve_keys(self) -> dict[str, str]:
         """By method, all that its curve depends on but the loads, as text."""
         profile = json.dumps(self._identity, sort_keys=True)
         own = {method: json.dumps(self.settings.get(method, {}), sort_keys=True) for method in self.methods}
         return {method: f"{method} {settings} {profile}" for method, settings in own.items()}
 
-    def by(self, methods: tuple[str, ...]) -> Case:
+    def with_methods(self, methods: tuple[str, ...]) -> Case:
         """The case with some of its methods alone."""
         settings = {name: own for name, own in self.settings.items() if name in methods}
         return Case(self.parameters, methods, settings, self.surface)

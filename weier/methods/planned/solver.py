@@ -82,7 +82,7 @@ def curve(
     OutOfReachError
         If no method meets the tolerance, as expected or as found.
     ConvergenceError
-        If a segment takes more than ten times as long as planned, and over a minute; it names the next candidate.
+        If a segment takes more than ten times as long as planned, and over a minute; it names the next best.
 
     Notes
     -----
@@ -112,7 +112,7 @@ def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], withou
     try:
         values = _attempt_in_time(made.profile, segment)
     except TimeoutError as overrun:
-        raise ConvergenceError(f"{overrun}; {_next_candidate(segment, plan_again)}") from None
+        raise ConvergenceError(f"{overrun}; {_next_best(segment, plan_again)}") from None
     of_resistance = values.resistance_error / np.fmax(values.resistance, 1)
     error = values.compliance_error if made.quantity == COMPLIANCE else of_resistance
     exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
@@ -144,15 +144,14 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
         return _attempt(profile, segment)
 
 
-def _next_candidate(stopped: Segment, plan_again: Callable[[Array], Plan]) -> str:
+def _next_best(stopped: Segment, plan_again: Callable[[Array], Plan]) -> str:
     """What would come after a segment that was stopped."""
     try:
         other = plan_again(stopped.mean_pressure)
     except OutOfReachError:
         return "no other method is as accurate: take a larger tolerance"
-    labels = ", ".join(dict.fromkeys(map(_label, other.segments)))
-    advice = "take that method, or a larger tolerance"
-    return f"the next candidate is {labels}, in {other.seconds:.2g} s for all loads: {advice}"
+    best = ", ".join(dict.fromkeys(map(_label, other.segments)))
+    return f"the next best is {best}, in {other.seconds:.2g} s for all loads: take that method, or a larger tolerance"
 
 
 def _label(segment: Segment) -> str:
