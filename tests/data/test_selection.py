@@ -174,7 +174,7 @@ def many(count, tmp_path_factory):
             values.values[:] = random.random(values.shape).round(2)
     data["gamma"].values[:], data["m"].values[:], data["points"].values[:] = 5, 3, 1600
     for name, cases in (("few", 100), ("many", count)):
-        product = {"D": dimensions(0, cases).tolist(), "gamma": 5, "m": 3}
+        product = {"D": {"from": 1.25, "to": float(dimensions(0, cases)[-1]), "count": cases}, "gamma": 5, "m": 3}
         fields = {"title": name, "loads": LOADS.tolist(), "methods": METHODS_OF_MANY}
         fields |= {"max_cases": cases, "batch": PART, "studies": {"one": {"product": product}}}
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields))

@@ -200,7 +200,7 @@ def label_text(value: Any) -> str:
 
 def _list(name: str, wanted: Any) -> list[Any]:
     """What was asked for as a list; an empty one asks for nothing, and would be given nothing."""
-    listed = isinstance(wanted, list | tuple) or (hasattr(wanted, "__array__") and np.ndim(wanted) > 0)
+    listed = isinstance(wanted, list | tuple) or bool(getattr(wanted, "shape", ()))  # as of an array of any library
     if listed and len(wanted) == 0:
         raise ValueError(f"{name} must have a value to select by, got an empty list")
     return list(wanted) if listed else [wanted]

@@ -106,8 +106,7 @@ _planned = partial(Variable, content=AUXILIARY, optional=True)
 
 
 def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: Any) -> Variable:
-    name = f"{side} bound on the {quantity} of the infinite series"
-    return Variable(CURVE, name, unit, comment=comment, **others)
+    return Variable(CURVE, f"{side} bound on the {quantity} of the infinite series", unit, comment=comment, **others)
 
 
 # Text has a fixed width, so that files of many cases can be joined, compressed and read by any netCDF library.

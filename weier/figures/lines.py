@@ -21,12 +21,10 @@ DECADES = 4  # that a resistance falls on its way to 0, beyond which no axis sho
 def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
     """Loads and values of a curve to draw, at the loads of the case and between them; None if there is no curve."""
     found = points(case, quantity, method)
-    if found is None:
-        return None
-    loads, values = found
     h, slope = (curves.curve(case, name, method) for name in ("compliance", "resistance"))
-    if h is None or slope is None or loads.size < 2:
-        return loads, values
+    if found is None or h is None or slope is None or h.size < 2:
+        return found
+    loads, _ = found
     return compliance_line(loads, h, slope) if quantity == "compliance" else resistance_line(loads, h, slope)
 
 

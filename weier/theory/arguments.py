@@ -130,7 +130,7 @@ def _what_came(value: Any) -> str:
 
 def _number(value: Any) -> float | None:
     """A number as a float; None for whatever else, and for an integer or fraction too large for a float."""
-    if hasattr(value, "__array__") and np.ndim(value) == 0:
+    if hasattr(value, "__array__") and getattr(value, "shape", None) == ():
         value = np.asanyarray(value)
         value = None if np.ma.is_masked(value) or value.dtype.kind not in "iufO" else value.item()
     if isinstance(value, bool) or not isinstance(value, Real | Decimal):
@@ -162,11 +162,11 @@ def _numbers(name: str, values: Any) -> Array:
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
     """What came as an array that hides no type of its elements; None if it is none, or holds bytes."""
-    if hasattr(values, "__array__"):
-        return np.asanyarray(values)
     try:
+        if hasattr(values, "__array__"):
+            return np.asanyarray(values)
         return None if _holds_bytes(values) else np.array(values, object)
-    except ValueError:  # arrays of shapes that do not go together
+    except (TypeError, ValueError):  # an xarray.Dataset, which is no array, or shapes that do not go together
         return None
 
 

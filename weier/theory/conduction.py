@@ -12,7 +12,10 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.theory.arguments import Condition, checked_number, checked_numbers, shown
 
+beyond_floats = np.errstate(over="ignore")  # what is larger than the largest float is inf
 
+
+@beyond_floats
 def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:
     """Composite modulus M of two bodies of shear modulus mu and Poisson's ratio nu, in the unit of mu (3)."""
     moduli = _checked("mu_1", mu_1), _checked("mu_2", mu_2)
@@ -22,16 +25,17 @@ def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: A
     return np.asarray(1 / softness)
 
 
+@beyond_floats
 def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     """Resistance times nominal area, R A = M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """
     slope = checked_numbers("compliance_slope", compliance_slope)
-    with np.errstate(over="ignore"):  # beyond the largest float is inf
-        return np.asarray(_checked("modulus", modulus) * _sum(rho_1, rho_2) * slope)
+    return np.asarray(_checked("modulus", modulus) * _sum(rho_1, rho_2) * slope)
 
 
+@beyond_floats
 def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     """Resistance of circular contacts far apart, in ohm (4).
 
@@ -53,6 +57,7 @@ def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     return np.asarray(_sum(rho_1, rho_2) / (4 * np.sum(radii, axis=-1)))
 
 
+@beyond_floats
 def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     """Resistance of circular contacts clustered in a circle of radius `contour_radius`, in ohm (5).
 
@@ -244,10 +249,10 @@ class Interface:
         return variable.dims, _scaled(variable.values, factor), attributes | limits
 
 
+@beyond_floats
 def _scaled(normalised: ArrayLike, unit: float) -> Array:
     """Values in a unit; NaN, where a value is missing, stays NaN."""
-    with np.errstate(over="ignore"):  # beyond the largest float is inf
-        return np.asarray(checked_numbers("normalised", normalised) * unit)
+    return np.asarray(checked_numbers("normalised", normalised) * unit)
 
 
 def at_scale_of(curves: Any, bodies: Interface) -> Interface:

@@ -56,7 +56,7 @@ def random_phases(seed: int) -> RandomPhases:
     >>> weier.Profile(D=1.25, gamma=5, m=2, phases=weier.random_phases(7)).phase.round(3)
     array([3.928, 5.637])
     """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+    if isinstance(seed, bool | np.timedelta64) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed must be a non-negative integer, got {shown(seed)}")
     return RandomPhases(int(seed))
 
@@ -265,7 +265,7 @@ def _ratio(gamma: Any) -> Fraction | None:
     """The ratio that is meant, exactly; for a float, the one of small numbers that is the same float, if any is."""
     if isinstance(gamma, np.floating):
         gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
-    if isinstance(gamma, bool | np.bool_) or not isinstance(gamma, str | Rational | float | Decimal):
+    if isinstance(gamma, bool | np.bool_ | np.timedelta64) or not isinstance(gamma, str | Rational | float | Decimal):
         return None
     try:
         if isinstance(gamma, str) and "/" not in gamma and not math.isfinite(float(gamma)):

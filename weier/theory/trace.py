@@ -92,9 +92,11 @@ class Trace(Waves):
     ) -> None:
         if isinstance(heights, str | Path):
             raise ValueError(f"heights must be numbers, got {shown(heights)}: weier.Trace.read takes a file")
+        if not isinstance(source, str):
+            raise ValueError(f"source must be a text, got {shown(source)}")
         z = _checked_heights(heights)
         self.lambda_0 = checked_number("length", length, "be positive and finite, in m", lambda x: 0 < x < math.inf)
-        self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), str(source), z.size
+        self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), source, z.size
         step = self.lambda_0 / z.size
         condition = f"lie between two steps and the length of the trace, {2 * step:g} and {self.lambda_0:g} m"
         self.shortest = checked_number(
