@@ -195,7 +195,7 @@ def test_contacts_are_found_at_any_tolerance(profile, loads):
 
 def test_each_condition_that_is_violated_counts_in_the_bound():
     solution = patches.solve_load(THREE_WAVES, 0.5)
-    state, R = solution.state, solution.state.sensitivity[-1]
+    state, R = solution.state, solution.state.resistance
     carried = error_bound(state, 0.0, 0.0, 1.0)
     assert carried < 1e-12
     assert error_bound(state, 1e-5, 1e-6, 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
@@ -213,6 +213,13 @@ def test_hard_places_against_boundary_elements(profile, loads, contacts):
     if contacts is not None:
         assert exact.patch_count == contacts
         assert abs(exact.resistance - grid.resistance) <= grid.resistance_error
+
+
+@hard_series("light_contacts")
+def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, share):
+    """Guesses have too many contacts or too few, so that residuals are small when the lightest is not yet known."""
+    found = patches.curve(profile, [load])
+    assert abs(found.resistance[0] - R) < found.resistance_error[0] < share * R
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8])

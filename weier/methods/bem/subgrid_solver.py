@@ -26,8 +26,6 @@ MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on t
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
 RATE_TOLERANCE = 1e-8  # of the rate, how flat A q is in contact: corrections are linear in what is left of it
 FINER = (2, 4)  # times the points, for a load that is not verified
-PATCHES_RESISTANCE = 1e-8  # of itself: what contact patches may leave of a resistance
-PATCHES_TOLERANCE = 1e-12  # of patches: at a looser one a resistance within 1e-10 of a birth is off by more
 
 
 class LoadSolution(NamedTuple):
@@ -170,7 +168,7 @@ def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
 
     try:
         with telling():
-            found = patches.curve(profile, [load], PATCHES_TOLERANCE)
+            found = patches.curve(profile, [load])
     except (ConvergenceError, ValueError) as error:  # so many waves in so many contacts may not fit into memory
         raise ConvergenceError(
             f"neither boundary elements nor contact patches verify a solution under the mean pressure {load:.6g} "
@@ -179,11 +177,9 @@ def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
         ) from error
     contacts = np.zeros(found.contact_edge.size // 2, LISTED)
     contacts["left"], contacts["right"], contacts["force"] = *found.contact_edge.reshape(-1, 2).T, np.nan
-    resistance, residual = float(found.resistance[0]), float(found.residual[0])
-    return LoadSolution(
-        True, float(profile.total_amplitude - found.compliance[0]), resistance, float(found.compliance_error[0]),
-        PATCHES_RESISTANCE * max(resistance, 1.0), contacts, residual, 0.0,
-    )  # fmt: skip
+    h, h_error, _, R, R_error = (float(values[0]) for values in found[:5])
+    mean_gap, residual = float(profile.total_amplitude) - h, float(found.residual[0])
+    return LoadSolution(True, mean_gap, R, h_error, R_error, contacts, residual, 0.0)
 
 
 def check_residual(residual: Array, loads: Array, points: int, max_residual: float) -> None:

@@ -31,10 +31,12 @@ newton
     one load on a few contacts or gaps, whose set is right
 many_contacts
     one load on any number of them, whose set is corrected
+error_model
+    what the method costs and how accurate it is, before it is run
 solver, event_search
     what users call: curves and solutions, with what each load starts from; and where contacts are born or merge
-error_model, method
-    what the method costs and how accurate it is, and how the rest of the package chooses and calls it
+method
+    how the rest of the package chooses and calls it
 """
 
 from weier.methods.patches.event_search import Events, events

@@ -45,8 +45,8 @@ class ContactState(NamedTuple):
     phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
         g_0/lambda_0
     coefficient : of phi in U_k, segment by segment, shape (nodes,)
-    sensitivity : derivatives of all unknowns in the mean pressure, in the order and the units of `collocation`,
-        shape (nodes + 2 segments + 1,); the last is the resistance, in g_0/p_0*
+    resistance : dh/dp, in g_0/p_0*; NaN before it has been computed
+    share : of a new load that each contact takes, shape (segments,); gaps take none
     residual : largest violation of a contact condition, in g_0; NaN before it has been computed
     error : a bound on that of the approach by these violations, in g_0; NaN before it has been computed
     """
@@ -57,7 +57,8 @@ class ContactState(NamedTuple):
     segments: Segments
     phi: Array
     coefficient: Array
-    sensitivity: Array
+    resistance: float
+    share: Array
     residual: float
     error: float
 

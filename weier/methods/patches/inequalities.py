@@ -65,8 +65,7 @@ def error_bound(state: ContactState, gap: float, pressure: float, period: float)
 
     To first order, D(P) - D(P + q) is the resistance times q; and so it is for a load that contacts do not carry.
     """
-    resistance = float(state.sensitivity[-1])
-    return gap + resistance * (pressure + abs(carried_load(state, period) - state.load))
+    return gap + state.resistance * (pressure + abs(carried_load(state, period) - state.load))
 
 
 def carried_load(state: ContactState, period: float) -> float:

@@ -139,7 +139,8 @@ def _solve_to(
             residual = contact_residual(state, problem.series)
             height = 2 * state.segments.half_width * residual if problem.dual else residual
             if not np.any(short := (height > allowed) & (step.punches.node_count < MAX_NODES)):
-                state = state._replace(sensitivity=np.array([_resistance(problem, step.punches)]))
+                resistance, share = _resistance(problem, step.punches)
+                state = state._replace(resistance=resistance, share=share)
                 return certify(state, residual, *lowest, problem.series.period, tolerance), steps
             counts = np.where(short, more_nodes(step.punches.node_count), step.punches.node_count)
             now = next_guess(problem, step, stage, counts)
@@ -217,13 +218,17 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
     values = make_blocks(gauss_rule(count, True).polynomial.T for count in punches.node_count.tolist())
     phi = apply_blocks(values, step.a)
     return ContactState(
-        problem.dual, problem.load, -step.forces.plane, segments, phi, step.a, np.zeros(1), np.nan, np.nan
+        problem.dual, problem.load, -step.forces.plane, segments, phi, step.a, np.nan, np.zeros(0), np.nan, np.nan
     )
 
 
-def _resistance(problem: Problem, punches: Punches) -> float:
-    """What the mean gap changes by when the load does, and no edge moves: to first order, none does."""
+def _resistance(problem: Problem, punches: Punches) -> tuple[float, Array]:
+    """What the mean gap changes by when the load does, and no edge moves: to first order, none does.
+
+    And the share of each contact in the load.
+    """
     none = np.zeros(punches.position.size)
     bounds = Bounds(RATE_REDUCTION, 0.0, np.inf)
-    plane = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds).plane
-    return plane if problem.dual else -plane
+    rate = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
+    share = np.add.reduceat(rate.force, punches.first_node[:-1]) / punches.period
+    return (rate.plane if problem.dual else -rate.plane), share

@@ -13,7 +13,7 @@ from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import residuals_by_sums
 from weier.methods.patches.solver import TOLERANCE, Curve, curve, lone_contacts, lone_gaps
 from weier.methods.patches.surface import nearest_crests, surface_of
-from weier.methods.segment import RESISTANCE, Segment, SegmentSolution, Task, make_segment
+from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
@@ -83,14 +83,8 @@ def _patches(task: Task, tolerance: float) -> Segment:
 
 def _solve(profile: Waves, tolerance: float, loads: Array) -> SegmentSolution:
     exact = curve(profile, loads, tolerance)
-    resistance_error = error_model.error(tolerance, RESISTANCE) * np.maximum(exact.resistance, 1)
-    partial_contact = exact.patch_count > 0
-    return SegmentSolution(
-        exact.compliance,
-        exact.resistance,
-        np.where(partial_contact, exact.compliance_error, 0),
-        np.where(partial_contact, resistance_error, 0),
-    )
+    error = np.where(exact.patch_count > 0, exact.compliance_error, 0)
+    return SegmentSolution(exact.compliance, exact.resistance, error, exact.resistance_error)
 
 
 METHOD = Method(

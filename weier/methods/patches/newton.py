@@ -451,9 +451,10 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
         coefficient = expand(now.phi, now.segments.first_node)
         resolved = are_resolved(now.segments, coefficient, tolerance)
         if np.all(resolved):
-            sensitivity, more = _sensitivity(now, grids, series, load)
-            unknowns = now.approach, now.segments, now.phi, coefficient, sensitivity
-            return ContactState(now.dual, load, *unknowns, np.nan, np.nan), steps + more
+            rate, more = _sensitivity(now, grids, series, load)
+            unknowns = now.approach, now.segments, now.phi, coefficient
+            rates = float(rate[-1]), _shares(now, rate, series.period)
+            return ContactState(now.dual, load, *unknowns, *rates, np.nan, np.nan), steps + more
         count = increase_node_count(count, resolved, load)
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
@@ -491,6 +492,14 @@ def _sensitivity(now: Iterate, grids: TwoGrids, series: CosineSeries, load: floa
     if error <= MAX_RESISTANCE_ERROR:
         return found, step
     raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*", error)
+
+
+def _shares(now: Iterate, rate: Array, period: float) -> Array:
+    """Of a new load, what each contact takes: d/dp of its force, (1/L) r sum w phi."""
+    segments, N, n = now.segments, now.phi.size, now.segments.centre.size
+    growth = np.repeat(rate[N + n : -1], np.diff(segments.first_node))
+    change = segments.weight * (rate[:N] + growth * now.phi)
+    return segments.half_width / period * np.add.reduceat(change, segments.first_node[:-1])
 
 
 def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:

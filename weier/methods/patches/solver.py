@@ -19,7 +19,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches import many_contacts, newton
+from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import ContactState, pressures_or_gaps
 from weier.methods.patches.inequalities import NEW_GAP_WIDTH, check_violation, find_negative_intervals
 from weier.methods.patches.segments import (
@@ -36,6 +36,7 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
 from weier.methods.progress import count_load
+from weier.methods.segment import RESISTANCE
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
@@ -60,6 +61,7 @@ class Curve(NamedTuple):
     compliance_error : a bound on its error, in g_0, by the conditions that the solution violates where it is sampled
     indentation : the same from first contact, in g_0, with full relative accuracy at light loads
     resistance : dh/dp, in g_0/p_0*
+    resistance_error : an estimate of its error, in the same units
     contact_fraction : length in contact per length
     patch_count : contacts in one period; 0 in full contact
     residual : largest violation of a contact condition, evaluated without the equations solved, in g_0
@@ -71,6 +73,7 @@ class Curve(NamedTuple):
     compliance_error: Array
     indentation: Array
     resistance: Array
+    resistance_error: Array
     contact_fraction: Array
     patch_count: Indices
     residual: Array
@@ -162,15 +165,15 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     check_tolerance(tolerance)
     surface = surface_of(profile)
     starts = Starts(profile, surface, tolerance)
-    rows, edges, none = np.empty((loads.size, 8)), [], np.empty(0)
+    rows, edges, none = np.empty((loads.size, 9)), [], np.empty(0)
     for i, load in enumerate(loads):
         state, steps = solve_state(starts, float(load))
-        rows[i] = *_curve_point(surface, state), steps
+        rows[i] = *_curve_point(surface, state, tolerance), steps
         left, half_width, _ = _sorted_contacts(state, surface.heights.period) if state is not None else 3 * [none]
         edges.append(np.stack([left, left + 2 * half_width], axis=1))
         count_load()
-    compliance, error, indentation, resistance, fraction, count, residual, work = rows.T
-    points = compliance, error, indentation, resistance, fraction, count.astype(np.int64), residual
+    compliance, error, indentation, resistance, of_R, fraction, count, residual, work = rows.T
+    points = compliance, error, indentation, resistance, of_R, fraction, count.astype(np.int64), residual
     return Curve(*points, work.astype(np.int64), _pad_with_nan(edges))
 
 
@@ -182,19 +185,38 @@ def _pad_with_nan(edges: list[Array]) -> Array:
 
 
 def _curve_point(
-    surface: Surface, state: ContactState | None
-) -> tuple[float, float, float, float, float, int, float]:
-    """Compliance and its error, indentation, resistance, contact fraction, number of contacts and residual."""
+    surface: Surface, state: ContactState | None, tolerance: float
+) -> tuple[float, float, float, float, float, float, int, float]:
+    """Compliance and its error, indentation, resistance and its error, contact fraction, contacts, and residual."""
     total, top = surface.total_amplitude, surface.heights.maximum
     rounding = COMPLIANCE_ROUNDING * total
     if state is None:
-        return total, rounding, top, 0.0, 1.0, 0, 0.0
+        return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
     share = float(2 * state.segments.half_width.sum() / surface.heights.period)
-    count, resistance = state.segments.centre.size, float(state.sensitivity[-1])
-    error = state.error + rounding
-    if state.dual:
-        return total + state.approach, error, top + state.approach, resistance, 1 - share, count, state.residual
-    return total - top + state.approach, error, state.approach, resistance, share, count, state.residual
+    count, resistance = state.segments.centre.size, state.resistance
+    base = total if state.dual else total - top
+    compliance, indentation = base + state.approach, top * state.dual + state.approach
+    of_R = error_model.error(tolerance, RESISTANCE) * max(resistance, 1.0) + _error_by_light_contacts(surface, state)
+    fraction = 1 - share if state.dual else share
+    return compliance, state.error + rounding, indentation, resistance, of_R, fraction, count, state.residual
+
+
+def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
+    """How far the resistance may be off, in g_0/p_0*, where contacts are so light that heights tell little of them.
+
+    The half-width a = 2 (F/kappa)^(1/2) follows from the force F and the curvature kappa. Heights that are off by e
+    here and by -e elsewhere change F by 2 e/c, with c = -2 ln(pi a/L), and where they are off by e at the edges, not
+    between them, kappa changes by 2 e/a^2. For each e-fold of a, the resistance falls by 2 L f^2, where f is the
+    share of a new load that the contact takes. Where gaps are solved for, f is at most (R/L + 2 ln 2)/c, since a
+    force lowers the surface nowhere by more than 2 ln 2 times itself.
+    """
+    period = surface.heights.period
+    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
+    curvature = -evaluate_at(surface.heights, *nearest_crests(surface.heights, origin + centre), 2)
+    force = np.where(curvature > 0, half_width**2 * curvature / 4, np.inf)
+    c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
+    share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
+    return float(np.sum(period * share**2 * (2 / c + 0.5) * state.error / force))
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
@@ -248,20 +270,19 @@ def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> t
 def _correct_set(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
     """The state on a set that is corrected, and tightly, whatever the tolerance, and the steps.
 
-    Next to its birth a contact changes dh/dp far more than h. What is asked for beyond that is left to a dense matrix
-    again; and so are a few segments whose fast sums do not settle to it.
+    Next to its birth a contact changes dh/dp far more than h. A residual that is small beside the load does not tell
+    how wide it is, but the steps of a dense matrix do, which are relative to each segment: it ends what are few.
     """
     try:
         state, steps = many_contacts.solve_many_contacts(surface, guess, load, many_contacts.MIN_TOLERANCE)
-        if tolerance >= many_contacts.MIN_TOLERANCE:
-            return state, steps
     except ConvergenceError:
         unsettled = UNSETTLED * many_contacts.MIN_TOLERANCE
         state, steps = many_contacts.solve_many_contacts(surface, guess, load, unsettled)
-    if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
+    if state.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging
             again = newton.on_few_nodes(state, surface.series(state.dual))
-            state, more = newton.solve_few_contacts(surface, again, load, tolerance)
+            tight = min(tolerance, many_contacts.MIN_TOLERANCE)
+            state, more = newton.solve_few_contacts(surface, again, load, tight)
             return state, steps + more
     check_violation(state, surface.heights.period, tolerance)
     return state, steps
