@@ -1,5 +1,3 @@
-from weier.kernels.digests import MEASURED, PICTURES, digest_of_program
-
 # What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
 for study, figure in {
     "tradeoff": "work_precision",

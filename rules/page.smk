@@ -1,6 +1,3 @@
-from weier.kernels.digests import PICTURES, digest_of_program
-
-
 # One HTML page a scene, to look through: snakemake --cores 2 pages --config scenes=paper
 rule pages:
     input:

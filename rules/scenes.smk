@@ -12,11 +12,15 @@ from weier.figures.captions import caption
 from weier.kernels.digests import KERNELS, PACKAGE
 from weier.kernels.jit import announce_compiling, cache_folder, disabled
 from weier.methods.registry import METHODS, find_method
-from weier.pipeline.batches import Solutions, read_batch
+from weier.pipeline.batches import NUMBERS, Solutions, read_batch
 from weier.pipeline.forecast import forecast_scene
 from weier.scene import SceneError
 
 SUFFIXES = ("pdf", "svg", "png")
+# What steps depend on, of the package: whether they run again is told by a digest of all texts in these folders.
+TABLES = (*NUMBERS, "pipeline")
+PICTURES = (*TABLES, "figures")
+MEASURED = (*TABLES, "accuracy")
 
 
 @cache

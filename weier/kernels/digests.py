@@ -1,7 +1,7 @@
 """Digests of what compiled kernels, numbers and pictures depend on: they are made again where one has changed.
 
-What a step depends on is told by folders of the package, whose texts are digested: no digest misses anything, and to
-edit a comment in them solves again.
+What a step depends on is told by folders of the package, whose texts are digested: no digest misses anything, and
+where a comment in them is edited, the step runs again.
 """
 
 from __future__ import annotations
@@ -14,11 +14,6 @@ from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
 KERNELS = ("kernels", "theory", "methods")  # what is compiled
-NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # solved cases
-TABLES = (*NUMBERS, "pipeline")  # what is gathered from them and said of them
-PICTURES = (*TABLES, "figures")
-MEASURED = (*TABLES, "accuracy")
-EVERYTHING = ("",)
 SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
 
 

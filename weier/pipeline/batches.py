@@ -18,7 +18,7 @@ import numpy as np
 
 from weier.data.files import write_text
 from weier.kernels.arrays import Array
-from weier.kernels.digests import NUMBERS, digest, digest_of_program
+from weier.kernels.digests import KERNELS, digest, digest_of_program
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
 from weier.methods.registry import PLANNED, find_method
@@ -26,6 +26,7 @@ from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 
+NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # what they depend on, of the package
 MIN_SECONDS = 30.0  # of a batch, as methods expect at most: a third of it is usual, and to start one takes one or two
 MAX_SECONDS = 120.0  # of a batch, which is lost when it is killed
 START_SECONDS = 1.0  # what a batch must be worth where there are fewer than one for each core
