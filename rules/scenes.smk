@@ -10,7 +10,7 @@ from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
 from weier.kernels.digests import KERNELS, PACKAGE
-from weier.kernels.jit import announce_compiling, cache_folder, disabled
+from weier.kernels.jit import LISTENERS, cache_folder, disabled
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import NUMBERS, Solutions, read_batch
 from weier.pipeline.forecast import forecast_scene
@@ -30,7 +30,7 @@ def tell(line):
 
 
 # Plans count contacts, before any job.
-announce_compiling(
+LISTENERS.append(
     lambda module: tell("compiling what plans need, once for all later runs")
 )
 

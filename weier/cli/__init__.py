@@ -13,7 +13,7 @@ import click
 
 from weier.cli import jobs, plan, profile, table
 from weier.data.provenance import VERSION
-from weier.kernels.jit import announce_compiling
+from weier.kernels import jit
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
@@ -59,7 +59,7 @@ for _command in (
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
-    announce_compiling(lambda module: _say_compiling(module.removeprefix("weier.methods.").partition(".")[0]))
+    jit.LISTENERS.append(lambda module: _say_compiling(module.removeprefix("weier.methods.").partition(".")[0]))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
     except click.Abort:  # which click makes of Ctrl-C, and standing alone ends with exit code 1

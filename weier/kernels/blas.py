@@ -31,17 +31,13 @@ class _OneThread(ContextDecorator):
         with self._lock:
             self._inside -= 1
             if self._inside == 0:
-                _give_up_control()  # by the thread that set the limit, which may not be this one
+                # threadpoolctl heeds one thread alone, until it is released: that which set the limit, then this one.
+                OpenBLASController.clear_controlling_thread(force=True)
                 self._limits.restore_original_limits()
-                _give_up_control()
+                OpenBLASController.clear_controlling_thread(force=True)
 
 
 one_thread = _OneThread()
-
-
-def _give_up_control() -> None:
-    # threadpoolctl lets one thread alone set the number, and ignores the others until it is released.
-    OpenBLASController.clear_controlling_thread(force=True)
 
 
 @cache

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from time import perf_counter, time
+from time import perf_counter
 from typing import Any, TypeVar, cast
 
 from weier.kernels.digests import KERNELS, PACKAGE, digest, digest_of_program
@@ -24,9 +24,10 @@ from weier.kernels.transform import register_transforms
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-KEPT = 3  # caches, the newest
-A_DAY = 86400.0  # in seconds: another checkout, perhaps, needs a cache that was used since
+KEPT = 3  # caches, those that were used last
 LOCK = threading.RLock()
+# Called with the module of each kernel that the cache does not hold, before it is compiled: for many seconds, nothing
+# else would be seen.
 LISTENERS: list[Callable[[str], None]] = []
 UNKNOWN: list[Kernel] = []  # to numba
 
@@ -50,14 +51,6 @@ def cache_folder() -> Path:
 def disabled() -> bool:
     """Whether the kernels run as plain Python, NUMBA_DISABLE_JIT=1."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-
-
-def announce_compiling(say: Callable[[str], None]) -> None:
-    """Call `say` with the module of each kernel that the cache does not hold, before it is compiled.
-
-    Without a word, nothing would be seen for many seconds.
-    """
-    LISTENERS.append(say)
 
 
 _SPENT = threading.local()
@@ -106,7 +99,7 @@ class Kernel:
         make = functools.partial(numba.njit, nogil=True, error_model="numpy")
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            with (folder / "lock").open("w") as file:
+            with (folder / "lock").open("w") as file, raising_lost_interrupts():
                 fcntl.flock(file, fcntl.LOCK_EX)
                 os.utime(cache_folder())
                 if not any(folder.rglob("*.nbi")):
@@ -157,8 +150,7 @@ def _introduce_kernels() -> None:
 def _remove_earlier_caches() -> None:
     with suppress(OSError):  # another process may be at it
         for folder in sorted(cache_folder().parent.glob("weier-*"), key=os.path.getmtime)[:-KEPT]:
-            if os.path.getmtime(folder) < time() - A_DAY:
-                shutil.rmtree(folder, ignore_errors=True)
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def kernel(function: Function) -> Function:
