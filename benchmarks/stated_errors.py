@@ -1,4 +1,4 @@
-"""Do boundary elements, and plans, keep what they state? On families of hard series, against contact patches.
+"""Do methods keep what they state? On families of hard series, against contact patches at a tight tolerance.
 
 `python -m benchmarks.stated_errors` draws fresh series, prints a row a family, and the worst errors beyond it.
 With a file, exact curves are solved once.
@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.families import FAMILIES, Draw, draws
 from weier import ConvergenceError
 from weier.kernels.arrays import Array
-from weier.methods import bem
+from weier.methods import bem, patches
 from weier.methods.errors import OutOfReachError
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.segment import QUANTITIES
@@ -49,6 +49,11 @@ def by_elements(each: Draw, loads: Array) -> Any:
     return bem.curve(each.profile, loads, **each.settings)
 
 
+def by_patches(each: Draw, loads: Array) -> Any:
+    """Contact patches at their usual tolerance."""
+    return patches.curve(each.profile, loads)
+
+
 def by_plan(each: Draw, loads: Array) -> Any:
     """A plan for either quantity within 1e-8 to 0.1, which the draw decides."""
     random = np.random.default_rng(each.loads.view(np.uint64))
@@ -56,7 +61,7 @@ def by_plan(each: Draw, loads: Array) -> Any:
     return find_method(PLANNED).solve(each.profile, loads, tolerance, quantity)
 
 
-METHODS: dict[str, Callable[[Draw, Array], Any]] = {"bem": by_elements, PLANNED: by_plan}
+METHODS: dict[str, Callable[[Draw, Array], Any]] = {"bem": by_elements, "patches": by_patches, PLANNED: by_plan}
 
 
 def judge(each: Draw, solve: Callable[[Draw, Array], Any] = by_elements) -> Judged:

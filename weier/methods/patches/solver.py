@@ -34,7 +34,7 @@ from weier.methods.patches.segments import (
     in_order,
     make_segments,
 )
-from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
+from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
 from weier.methods.progress import count_load
 from weier.methods.segment import RESISTANCE
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
@@ -208,15 +208,21 @@ def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
     here and by -e elsewhere change F by 2 e/c, with c = -2 ln(pi a/L), and where they are off by e at the edges, not
     between them, kappa changes by 2 e/a^2. For each e-fold of a, the resistance falls by 2 L f^2, where f is the
     share of a new load that the contact takes. Where gaps are solved for, f is at most (R/L + 2 ln 2)/c, since a
-    force lowers the surface nowhere by more than 2 ln 2 times itself.
+    force lowers the surface nowhere by more than 2 ln 2 times itself. Crests other than the highest and its twins are
+    known to a unit in the last place of the amplitudes.
     """
-    period = surface.heights.period
+    series, period = surface.heights, surface.heights.period
     origin, centre, half_width = contacts_of(state.segments, state.dual, period)
-    curvature = -evaluate_at(surface.heights, *nearest_crests(surface.heights, origin + centre), 2)
+    crest, y = nearest_crests(series, origin + centre)
+    curvature, is_twin = (
+        -evaluate_at(series, crest, y, 2),
+        series.crest_offset[crest] > -TWIN_HEIGHT * surface.total_amplitude,
+    )
+    error = state.error + np.where(is_twin, 0.0, np.finfo(float).eps * surface.total_amplitude)
     force = np.where(curvature > 0, half_width**2 * curvature / 4, np.inf)
     c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
     share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
-    return float(np.sum(period * share**2 * (2 / c + 0.5) * state.error / force))
+    return float(np.sum(period * share**2 * (2 / c + 0.5) * error / force))
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
