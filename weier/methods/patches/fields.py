@@ -12,7 +12,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches.pair_sums import make_tree, potential, take_logarithms
+from weier.methods.patches.pair_sums import apply_kernel, make_tree, potential, take_logarithms
 from weier.methods.patches.segments import Segments, cauchy_integral, evaluate_expansion, gap_expansion, log_integral
 from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 
@@ -167,23 +167,19 @@ def _near_field(
 
 
 @kernel
-def segment_at(segments: Segments, period: float, origin: float, y: float) -> tuple[int, float]:
-    """Index of the segment that holds origin + y, and the coordinate there; -1 and 0 outside the segments."""
-    n, first = segments.centre.size, segments.origin[0] + segments.centre[0]
-    x = origin + y
-    x -= period * np.floor((x - first) / period)
-    low, high = 0, n
-    while high - low > 1:  # the last centre that is not beyond x
-        middle = (low + high) // 2
-        if segments.origin[middle] + segments.centre[middle] <= x:
-            low = middle
-        else:
-            high = middle
-    for j in ((low - 1) % n, low, (low + 1) % n):  # centres are rounded
-        t = _local_coordinate(segments.origin[j], segments.centre[j], segments.half_width[j], period, origin, y)
-        if abs(t) < 1:
-            return j, t
-    return -1, 0.0
+def smooth_part(a: Array, of_gap: bool) -> Array:
+    """Coefficients in U_k of what has the sign of the density or of its integral, the gap, up to the segment's ends.
+
+    That is phi or gap/(r (1-t^2)^(3/2)).
+    """
+    return gap_expansion(a) if of_gap else a
+
+
+@kernel
+def at_point(value: float, t: float, r: float, of_gap: bool) -> float:
+    """The density or the gap from the value of its smooth part."""
+    end_distance = (1 - t) * (1 + t)
+    return value * np.sqrt(end_distance) * (r * end_distance if of_gap else 1.0)
 
 
 @kernel
@@ -194,17 +190,19 @@ def values_on_segments(
 
     rho is the pressure on a contact or, dual, the slope of a gap, whose integral is the gap.
     """
-    inside, value = np.zeros(y.size, np.bool_), np.zeros(y.size)
+    segments, inside, value = state.segments, np.zeros(y.size, np.bool_), np.zeros(y.size)
+    middle = segments.origin + segments.centre
     for i in range(y.size):
-        j, t = segment_at(state.segments, period, origin[i], y[i])
-        if j >= 0:
-            inside[i] = True
-            a = state.coefficient[state.segments.first_node[j] : state.segments.first_node[j + 1]]
-            if integrated:
-                gap = evaluate_expansion(gap_expansion(a), t)
-                value[i] = state.segments.half_width[j] * ((1 - t) * (1 + t)) ** 1.5 * gap
-            else:
-                value[i] = np.sqrt((1 - t) * (1 + t)) * evaluate_expansion(a, t)
+        x = origin[i] + y[i]
+        after = np.searchsorted(middle, x - period * np.floor((x - middle[0]) / period))
+        for k in range(after - 2, after + 2):  # middles are rounded
+            j = k % middle.size
+            r = segments.half_width[j]
+            t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
+            if abs(t) < 1:
+                a = smooth_part(state.coefficient[segments.first_node[j] : segments.first_node[j + 1]], integrated)
+                inside[i], value[i] = True, at_point(evaluate_expansion(a, t), t, r, integrated)
+                break
     return inside, value
 
 
@@ -275,34 +273,20 @@ def _correct_near_segments(
 ) -> Array:
     """The sums over all nodes, with closed forms where a segment is near."""
     segments, x, which = state.segments, origin + offset, CAUCHY if state.dual else POTENTIAL
+    factor = -period / np.pi if state.dual else 1.0
     for j in range(segments.centre.size):
-        centre, r, here = (
-            segments.origin[j] + segments.centre[j],
-            segments.half_width[j],
-            slice(segments.first_node[j], segments.first_node[j + 1]),
-        )
-        a, node, of_node = state.coefficient[here], segments.node[here], r * segments.weight[here] * state.phi[here]
-        reach = min(segments.far_field[j] * r, 0.5 * period)
+        here = slice(segments.first_node[j], segments.first_node[j + 1])
+        centre, r, far = segments.origin[j] + segments.centre[j], segments.half_width[j], segments.far_field[j]
+        a, node, density = state.coefficient[here], segments.node[here], r * segments.weight[here] * state.phi[here]
+        reach = min(far * r, 0.5 * period)
         for image in range(-1, 2):
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
-                d = (origin[i] - centre) + offset[i]
-                t = (d - period * np.rint(d / period)) / r
-                near = _near_field(a, node, of_node, r, segments.far_field[j], t, period, which)
-                total[i] += -near * period / np.pi if state.dual else near
-                total[i] -= _quadrature(state, force, j, t, period)
-    return total
-
-
-@kernel
-def _quadrature(state: ContactState, force: Array, j: int, t: float, period: float) -> float:
-    """What segment j adds to the sum over all nodes at its own coordinate t."""
-    segments = state.segments
-    angle, total = np.pi / period * segments.half_width[j] * t, 0.0
-    s, c = np.sin(angle), np.cos(angle)
-    for q in range(segments.first_node[j], segments.first_node[j + 1]):
-        sine = s * segments.cosine[q] - c * segments.sine[q]
-        total += force[q] / (sine * sine) if state.dual else force[q] * np.log(abs(2 * sine))
+                t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
+                of_nodes = r * (t - node)
+                apply_kernel(of_nodes, period, state.dual)
+                near = _near_field(a, node, density, r, far, t, period, which)
+                total[i] += factor * near - (force[here] * of_nodes).sum()
     return total
 
 

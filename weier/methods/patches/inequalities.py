@@ -19,18 +19,19 @@ from weier.methods.patches.edge_iteration import Problem, Step
 from weier.methods.patches.fields import (
     MIN_SUM_SEGMENTS,
     ContactState,
+    at_point,
     complementary_residuals,
     residuals_by_sums,
     residuals_one_by_one,
+    smooth_part,
 )
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import Segments, distances_to_next, evaluate_expansion, gap_expansion
+from weier.methods.patches.segments import Segments, derivative_expansion, distances_to_next, evaluate_expansion
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
 MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by rounding
-SEARCH_STEPS = 40  # of golden sections and bisections: to 1e-9 of a bracket or less
-GOLDEN_SECTION = 0.6180339887498949
+SEARCH_STEPS = 40  # of bisections: to 1e-12 of a bracket
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
 # Of the distance of probes. A stencil of h finds a minimum to h^2 of the wavenumber, so that the last is within 1e-8.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
@@ -81,8 +82,8 @@ def carried_load(state: ContactState, period: float) -> float:
 # segment : its index
 # start, end : in its coordinate t, -1..1
 # lowest : pressure, in p_0*, or gap, in g_0
-# share : the lowest sqrt(1-t^2) times the function of `_expansion`, over the largest value of that on the segment; so
-#     rounding at an end, where neither a pressure nor a gap can be large, counts for little
+# share : the lowest sqrt(1-t^2) times the `smooth_part`, over the largest value of that on the segment; so rounding
+#     at an end, where neither a pressure nor a gap can be large, counts for little
 # height : how far the gap opens in the interval of tension or, dual, how large the overlap is, in g_0
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest share height", np.float64, ()))
 
@@ -118,7 +119,7 @@ def find_negative_intervals(state: ContactState) -> Records:
     first = state.segments.first_node
     found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
     for j in range(first.size - 1):
-        a, r = _expansion(state.dual, state.coefficient[first[j] : first[j + 1]]), state.segments.half_width[j]
+        r, a = state.segments.half_width[j], smooth_part(state.coefficient[first[j] : first[j + 1]], state.dual)
         t, value = _sample_expansion(a)
         largest, i = np.abs(value).max(), 0
         while i < t.size:
@@ -127,33 +128,17 @@ def find_negative_intervals(state: ContactState) -> Records:
                 here.segment, here.start, here.end = j, _find_zero(a, t[i], t[i - 1]) if i > 0 else -1.0, 1.0
                 while i < t.size and value[i] < 0:
                     here.share = min(here.share, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
-                    here.lowest = min(here.lowest, _pressure_or_gap(state.dual, value[i], t[i], r))
+                    here.lowest = min(here.lowest, at_point(value[i], t[i], r, state.dual))
                     i += 1
                 if i < t.size:
                     here.end = _find_zero(a, t[i - 1], t[i])
                 middle = 0.5 * (here.start + here.end)
-                here.height = abs(_pressure_or_gap(state.dual, evaluate_expansion(a, middle), middle, r))
+                here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, state.dual))
                 if not state.dual:  # a crack of half-width b under the tension p opens by 2 pi b p
                     here.height *= np.pi * r * (here.end - here.start)
                 count += 1
             i += 1
     return found[:count]
-
-
-@kernel
-def _expansion(dual: bool, a: Array) -> Array:
-    """Coefficients in U_k of what is positive, up to the ends, where the inequality holds.
-
-    That is phi or, dual, gap/(r (1-t^2)^(3/2)).
-    """
-    return gap_expansion(a) if dual else a
-
-
-@kernel
-def _pressure_or_gap(dual: bool, value: float, t: float, r: float) -> float:
-    """The pressure or, dual, the gap from the value of the expansion."""
-    end_distance = (1 - t) * (1 + t)
-    return value * np.sqrt(end_distance) * (r * end_distance if dual else 1.0)
 
 
 @kernel
@@ -173,26 +158,14 @@ def _sample_expansion(a: Array) -> tuple[Array, Array]:
         # The minimum is taken to be positive where it is no lowest sample, or exceeds the rise to its neighbours.
         if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
             continue
-        t[i] = _find_minimum(a, t[i - 1], t[i + 1])
+        t[i] = _find_zero(derivative_expansion(a), t[i - 1], t[i + 1])
         value[i] = evaluate_expansion(a, t[i])
     return t, value
 
 
 @kernel
-def _find_minimum(a: Array, low: float, high: float) -> float:
-    """The position of a minimum between low and high, by golden sections."""
-    for _ in range(SEARCH_STEPS):
-        c, d = high - GOLDEN_SECTION * (high - low), low + GOLDEN_SECTION * (high - low)
-        if evaluate_expansion(a, c) < evaluate_expansion(a, d):
-            high = d
-        else:
-            low = c
-    return 0.5 * (low + high)
-
-
-@kernel
 def _find_zero(a: Array, negative: float, positive: float) -> float:
-    """The point between a negative and a positive sample at which the sign changes, by bisection."""
+    """The point between a negative and a positive value at which the sign changes, by bisection."""
     for _ in range(SEARCH_STEPS):
         middle = 0.5 * (negative + positive)
         if evaluate_expansion(a, middle) < 0:

@@ -188,21 +188,9 @@ def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
 
 
 @kernel
-def _append(pairs: Pairs, count: int, a: int, b: int) -> Pairs:
-    if count == pairs.shape[0]:
-        longer = np.empty((2 * count, 2), np.int64)
-        longer[:count] = pairs
-        pairs = longer
-    pairs[count, 0], pairs[count, 1] = a, b
-    return pairs
-
-
-@kernel
 def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
     """Far and near pairs that together hold each pair of points once; of one and the same tree, unordered ones."""
-    far, near = np.empty((64, 2), np.int64), np.empty((64, 2), np.int64)
-    far_count = near_count = 0
-    stack = [(0, 0)]
+    stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # the first tells the compiler what pairs are
     while len(stack) > 0:
         a, b = stack.pop()
         a_ends, b_ends = a >= _first_leaf(one), b >= _first_leaf(other)
@@ -211,18 +199,16 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
             stack.append((2 * a + 1, 2 * a + 2))
             stack.append((2 * a + 2, 2 * a + 2))
         elif not (same and a == b) and _far_apart(one, a, other, b, period):
-            far = _append(far, far_count, a, b)
-            far_count += 1
+            far.append((a, b))
         elif a_ends and b_ends:
-            near = _append(near, near_count, a, b)
-            near_count += 1
+            near.append((a, b))
         elif b_ends or (not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]):
             stack.append((2 * a + 1, b))
             stack.append((2 * a + 2, b))
         else:
             stack.append((a, 2 * b + 1))
             stack.append((a, 2 * b + 2))
-    return far[:far_count], near[:near_count]
+    return np.array(far)[1:], np.array(near)[1:]
 
 
 @kernel

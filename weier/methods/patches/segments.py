@@ -175,12 +175,19 @@ def log_integral(a: Array, t: float) -> float:
 def gap_expansion(a: Array) -> Array:
     """Coefficients in U_k of int_-1^t sqrt(1-s^2) phi(s) ds/(1-t^2)^(3/2), for a gap: as it closes at 1, a_0 = 0.
 
-    The integral of sqrt(1-s^2) U_k is -(1-t^2)^(3/2) U_k'/(k (k+2)), and U_k' = 2 (k U_(k-1) + (k-2) U_(k-3) + ...).
+    The integral of sqrt(1-s^2) U_k is -(1-t^2)^(3/2) U_k'/(k (k+2)).
     """
+    k = np.maximum(np.arange(a.size), 1)
+    return -derivative_expansion(a / (k * (k + 2)))
+
+
+@kernel
+def derivative_expansion(a: Array) -> Array:
+    """Coefficients in U_k of phi', from U_k' = 2 (k U_(k-1) + (k-2) U_(k-3) + ...)."""
     b, total, total_of_next = np.zeros(a.size), 0.0, 0.0
     for k in range(a.size - 1, 0, -1):
-        total, total_of_next = total_of_next + a[k] / (k * (k + 2)), total
-        b[k - 1] = -2 * k * total
+        total, total_of_next = total_of_next + a[k], total
+        b[k - 1] = 2 * k * total
     return b
 
 
