@@ -24,7 +24,7 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     problem = Problem(surface_of(profile).series(dual), load, dual)
     guess = make_guess(problem, np.array([middle]), np.array([half_width]), STAGE)
     step = take_step(problem, guess, STAGE)
-    moved = next_guess(problem, step, STAGE).half_width[0]
+    moved = next_guess(problem, step, STAGE).punches.half_width[0]
     # The closed forms are those of a parabola, from which the wave differs by the square of this scale in radians.
     # Beside a narrow contact the gap's far field takes part as well, by a logarithm: the rule is of first order.
     limit = 2 * (np.pi * small) ** 2 if not (dual and load < 0.5) else 0.5 * abs(error)

@@ -25,7 +25,7 @@ FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
 
 def solve_from_grid(profile, load):
     surface = surface_of(profile)
-    guess = list(Starts(profile, surface, 1e-10).guesses(load))[1]
+    guess = list(Starts(profile, 1e-10).guesses(load))[1]
     return solve_many_contacts(surface, guess, load, 1e-10)
 
 

@@ -157,16 +157,13 @@ class Stage(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Contacts and forces to start a step from.
+    """Contacts, with centres in [0, L), and forces to start a step from.
 
-    centre, half_width, node_count : of the contacts in order, with centres in [0, L)
     force : at the nodes
     tight : whether the gap on the right of each contact has nearly closed in the last step
     """
 
-    centre: Array
-    half_width: Array
-    node_count: Indices
+    punches: Punches
     force: Array
     tight: Flags
 
@@ -208,7 +205,8 @@ def make_guess(problem: Problem, middle: Array, half_width: Array, stage: Stage)
     """A guess from contacts in any order, without forces, of which conjugate gradients would save hardly a step."""
     middle, half_width, _ = in_order(middle, half_width, problem.series.period)
     count = _estimate_nodes(problem, middle, half_width, stage)
-    return Guess(middle, half_width, count, np.zeros(count.sum()), np.zeros(middle.size, bool))
+    punches = make_punches(middle, half_width, count, problem.series.period, problem.dual)
+    return Guess(punches, np.zeros(count.sum()), np.zeros(middle.size, bool))
 
 
 def _estimate_nodes(problem: Problem, middle: Array, half_width: Array, stage: Stage) -> Indices:
@@ -225,14 +223,13 @@ def round_up_nodes(count: NDArray[np.float64]) -> Indices:
 
 def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     """Solve for the pressure on the contacts of a guess, and see how their edges must move."""
-    period = problem.series.period
-    punches = make_punches(guess.centre, guess.half_width, guess.node_count, period, problem.dual)
+    punches = guess.punches
     forcing = problem.forcing(punches.matrix.tree.origin, punches.matrix.tree.offset)
-    forces = solve_forces_on_contacts(punches, forcing, problem.load * period, guess.force, stage.bounds)
+    forces = solve_forces_on_contacts(punches, forcing, problem.load * punches.period, guess.force, stage.bounds)
     b = expansion(punches, forces.force)
     a = regular_part(punches.first_node, b)
     moves = edge_moves(punches, b, a)
-    r, gap = guess.half_width, punches.gap
+    r, gap = punches.half_width, punches.gap
     carried = np.add.reduceat(forces.force, punches.first_node[:-1])
     vanishing = (carried <= 0) | (moves.outward.mean(axis=1) < MIN_GROWTH * r)
     vanishing[np.argmax(carried)] = False
@@ -294,4 +291,5 @@ def rearrange(
     count = _estimate_nodes(problem, middle, half_width, stage)
     if more_nodes is not None:
         count = np.where(origin >= 0, round_up_nodes(more_nodes[origin]), count)
-    return Guess(middle, half_width, count, transfer_forces(step.punches, b, origin, half_width, count), tight)
+    punches = make_punches(middle, half_width, count, step.punches.period, problem.dual)
+    return Guess(punches, transfer_forces(step.punches, b, origin, punches), tight)

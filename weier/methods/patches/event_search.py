@@ -28,8 +28,8 @@ from weier.methods.patches.fields import (
 from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import contacts_of
-from weier.methods.patches.solver import TOLERANCE, Starts, check_loads, check_tolerance, solve_state
-from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
+from weier.methods.patches.solver import TOLERANCE, Starts, check_loads, solve_state
+from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.theory.waves import Waves
 
 MAX_DECADES = 1.0  # between two loads at first
@@ -100,12 +100,12 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
 
     """
     check_loads([low, high])
-    check_tolerance(tolerance)
-    surface = surface_of(profile)
+    starts = Starts(profile, tolerance)
+    surface = starts.surface
     last = min(high, surface.full_contact_load * (1 - MIN_INTERVAL))
     if low >= last:
         return _sort_events([], 0, surface)
-    search = _Search(Starts(profile, surface, tolerance))
+    search = _Search(starts)
     state = search.state(low)
     patch_count = state.segments.centre.size
     located: list[tuple[float, _Event]] = []

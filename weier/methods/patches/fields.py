@@ -45,10 +45,12 @@ class ContactState(NamedTuple):
     phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
         g_0/lambda_0
     coefficient : of phi in U_k, segment by segment, shape (nodes,)
-    resistance : dh/dp, in g_0/p_0*; NaN before it has been computed
+    resistance : dh/dp, in g_0/p_0*
     share : of a new load that each contact takes, shape (segments,); gaps take none
-    residual : largest violation of a contact condition, in g_0; NaN before it has been computed
-    error : a bound on that of the approach by these violations, in g_0; NaN before it has been computed
+    residual : largest violation of a contact condition, in g_0
+    error : a bound on that of the approach by these violations, in g_0
+
+    Of the last four, those are NaN or empty that nothing has asked for yet.
     """
 
     dual: bool
@@ -57,10 +59,10 @@ class ContactState(NamedTuple):
     segments: Segments
     phi: Array
     coefficient: Array
-    resistance: float
-    share: Array
-    residual: float
-    error: float
+    resistance: float = np.nan
+    share: Array = np.empty(0)
+    residual: float = np.nan
+    error: float = np.nan
 
 
 @kernel

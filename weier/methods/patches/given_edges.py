@@ -313,10 +313,10 @@ def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array
     return np.asarray(apply_blocks(make_blocks(rule.expansion for rule in rules), psi))
 
 
-def transfer_forces(punches: Punches, b: Array, origin: Indices, half_width: Array, node_count: Indices) -> Array:
+def transfer_forces(punches: Punches, b: Array, origin: Indices, new: Punches) -> Array:
     """The forces on other segments, each of which is the old one `origin`, or new where that is -1: then 0."""
     old = np.where(origin >= 0, punches.node_count[origin], 0)
     node = np.repeat(punches.first_node[origin], old) + degrees(np.append(0, np.cumsum(old)))
-    counts = zip(old.tolist(), node_count.tolist(), strict=True)
+    counts = zip(old.tolist(), new.node_count.tolist(), strict=True)
     force = apply_blocks(make_blocks(_forces_of_psi(*each, punches.dual) for each in counts), b[node])
-    return np.asarray(force * np.repeat(half_width, node_count) ** (1 + punches.dual))
+    return np.asarray(force * np.repeat(new.half_width, new.node_count) ** (1 + punches.dual))

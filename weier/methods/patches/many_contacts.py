@@ -217,9 +217,7 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
     segments = make_segments(crest, punches.centre - y, y, punches.half_width, punches.node_count, series.period)
     values = make_blocks(gauss_rule(count, True).polynomial.T for count in punches.node_count.tolist())
     phi = apply_blocks(values, step.a)
-    return ContactState(
-        problem.dual, problem.load, -step.forces.plane, segments, phi, step.a, np.nan, np.zeros(0), np.nan, np.nan
-    )
+    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, step.a)
 
 
 def _resistance(problem: Problem, punches: Punches) -> tuple[float, Array]:

@@ -454,7 +454,7 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
             rate, more = _sensitivity(now, grids, series, load)
             unknowns = now.approach, now.segments, now.phi, coefficient
             rates = float(rate[-1]), _shares(now, rate, series.period)
-            return ContactState(now.dual, load, *unknowns, *rates, np.nan, np.nan), steps + more
+            return ContactState(now.dual, load, *unknowns, *rates), steps + more
         count = increase_node_count(count, resolved, load)
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -161,27 +162,18 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
         If a load cannot be solved, or its solution fails a check.
 
     """
-    loads = check_loads(mean_pressure)
-    check_tolerance(tolerance)
-    surface = surface_of(profile)
-    starts = Starts(profile, surface, tolerance)
+    loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
     rows, edges, none = np.empty((loads.size, 9)), [], np.empty(0)
     for i, load in enumerate(loads):
         state, steps = solve_state(starts, float(load))
-        rows[i] = *_curve_point(surface, state, tolerance), steps
-        left, half_width, _ = _sorted_contacts(state, surface.heights.period) if state is not None else 3 * [none]
-        edges.append(np.stack([left, left + 2 * half_width], axis=1))
+        rows[i] = *_curve_point(starts.surface, state, tolerance), steps
+        left, half_width, _ = _sorted_contacts(state, profile.period) if state is not None else 3 * [none]
+        edges.append(np.stack([left, left + 2 * half_width], axis=1).ravel())
         count_load()
     compliance, error, indentation, resistance, of_R, fraction, count, residual, work = rows.T
     points = compliance, error, indentation, resistance, of_R, fraction, count.astype(np.int64), residual
-    return Curve(*points, work.astype(np.int64), _pad_with_nan(edges))
-
-
-def _pad_with_nan(edges: list[Array]) -> Array:
-    table = np.full((len(edges), max(each.size for each in edges)), np.nan)
-    for row, each in zip(table, edges, strict=True):
-        row[: each.size] = each.ravel()
-    return table
+    padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
+    return Curve(*points, work.astype(np.int64), padded)
 
 
 def _curve_point(
@@ -236,11 +228,8 @@ def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANC
 @one_thread
 def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
     """The contacts under each of several loads, with the parameters of `curve`."""
-    loads = check_loads(mean_pressure)
-    check_tolerance(tolerance)
-    surface = surface_of(profile)
-    starts = Starts(profile, surface, tolerance)
-    return [make_solution(surface, solve_state(starts, float(load))[0], load) for load in loads]
+    loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
+    return [make_solution(starts.surface, solve_state(starts, float(load))[0], load) for load in loads]
 
 
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
@@ -321,9 +310,13 @@ def _gaps_guess(surface: Surface, contacts: Segments, middle: Array, half_width:
 class Starts:
     """Initial guesses for the loads of one surface, each independent of the other loads."""
 
-    def __init__(self, profile: Waves, surface: Surface, tolerance: float) -> None:
-        """Nothing is computed before it is needed."""
-        self.profile, self.surface, self.tolerance = profile, surface, tolerance
+    def __init__(self, profile: Waves, tolerance: float) -> None:
+        """ValueError for a tolerance below rounding, or so large that it would not be one."""
+        if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
+            raise ValueError(
+                f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}"
+            )
+        self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
         self._grid = cache(self._make_grid)
 
     def _make_grid(self, per_wave: int) -> GridSolver:
@@ -451,12 +444,6 @@ def _edge_strengths(state: ContactState) -> Array:
     if state.dual:  # contact j lies between gap j and the next
         strength = np.stack([-strength[:, 1], np.roll(strength[:, 0], -1)], axis=1) / (2 * np.pi)
     return strength
-
-
-def check_tolerance(tolerance: float) -> None:
-    """ValueError for a tolerance below rounding, or so large that it would not be one."""
-    if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
-        raise ValueError(f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}")
 
 
 def check_loads(mean_pressure: ArrayLike) -> Array:
