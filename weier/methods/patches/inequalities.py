@@ -26,7 +26,7 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import Segments, derivative_expansion, distances_to_next, evaluate_expansion
+from weier.methods.patches.segments import Segments, derivative_expansion, distances_between, evaluate_expansion
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
@@ -254,8 +254,8 @@ def lowest_outside(state: ContactState, series: CosineSeries) -> float:
         return complementary_residuals(state, series, *nearest_crests(series, x))
 
     segments = state.segments
-    right = segments.origin + (segments.centre + segments.half_width)
-    x, interval = _probe_points(right, distances_to_next(segments, series.period), series)
+    length = distances_between(segments.origin, segments.centre, segments.half_width, series.period)
+    x, interval = _probe_points(segments.origin + (segments.centre + segments.half_width), length, series)
     return float(_negative_minima(x, interval, residual(x), residual, 0.0)["value"].min(initial=0.0))
 
 
@@ -316,23 +316,10 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
     minima = _negative_minima(x, interval, residual(x), residual, tolerance)
     deepest, minima = float(minima["value"].min(initial=0.0)), minima[minima["value"] < -tolerance]
     minima = minima[_is_apart(step, minima)]
-    depth = -minima["value"]
-    reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / _room(step, minima) ** 2))
-    alone = _is_alone(minima, reach)
-    minima, reach = minima[alone], reach[alone]
-    widening = NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH
-    half_width = np.minimum(widening * reach, MAX_NEW_WIDTH * _room(step, minima))
+    depth, room = -minima["value"], _room(step, minima)
+    reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
+    half_width = np.minimum((NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), deepest
-
-
-def _is_alone(minima: Records, reach: Array) -> Flags:
-    """Whether no deeper minimum lies within the same overlap, which reaches so far from each."""
-    value = minima["value"]
-    near = (np.diff(minima["position"]) < np.maximum(reach[:-1], reach[1:])) & (np.diff(minima["interval"]) == 0)
-    hidden = np.zeros(value.size, bool)
-    hidden[:-1] |= near & (value[:-1] > value[1:])
-    hidden[1:] |= near & (value[1:] >= value[:-1])
-    return ~hidden
 
 
 def _is_apart(step: Step, minima: Records) -> Flags:

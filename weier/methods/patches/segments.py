@@ -287,16 +287,12 @@ def move_segments(segments: Segments, centre: Array, half_width: Array, period: 
     )  # fmt: skip
 
 
-def distances_to_next(segments: Segments, period: float) -> Array:
-    """Distance from the right end of each segment to the left end of the next, round the period, in lambda_0."""
-    return distances_between(segments.origin, segments.centre, segments.half_width, period)
-
-
 def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, Array, Array]:
     """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
+    place = segments.origin, segments.centre, segments.half_width
     if not dual:
-        return segments.origin, segments.centre, segments.half_width
-    half_width = 0.5 * distances_to_next(segments, period)
+        return place
+    half_width = 0.5 * distances_between(*place, period)
     return segments.origin, segments.centre + segments.half_width + half_width, half_width
 
 
@@ -309,7 +305,7 @@ def in_order(middle: Array, half_width: Array, period: float) -> tuple[Array, Ar
 
 @kernel
 def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
-    """As `distances_to_next`, in lambda_0, shape (segments,), of segments that have no nodes yet."""
+    """From the right end of each segment to the left end of the next, round the period, in lambda_0."""
     n, distance = centre.size, np.empty(centre.size)
     for j in range(n):
         k = (j + 1) % n
