@@ -105,7 +105,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
     last = min(high, surface.full_contact_load * (1 - MIN_INTERVAL))
     if low >= last:
         return _sort_events([], 0, surface)
-    search = _Search(starts)
+    search = _Search(starts, surface)
     state = search.state(low)
     patch_count = state.segments.centre.size
     located: list[tuple[float, _Event]] = []
@@ -140,11 +140,7 @@ class _Search(NamedTuple):
     """Bisection on ln(p) until each interval holds the events of one load, and then root-finding."""
 
     starts: Starts
-
-    @property
-    def surface(self) -> Surface:
-        """The surface that is pressed."""
-        return self.starts.surface
+    surface: Surface
 
     def state(self, load: float) -> ContactState:
         """The state under a load of partial contact."""

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
+from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import Problem, Step
@@ -37,7 +37,6 @@ SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces; with sqrt(2) it would carry nothing
 NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
-OVERLAP_BESIDE_EDGE = 1.5  # over the move of an edge that is to grow: how far the gap beside it is negative
 MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
 MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
 MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
@@ -315,33 +314,16 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
     x, interval = _probe_points(punches.right, punches.gap, problem.series)
     minima = _negative_minima(x, interval, residual(x), residual, tolerance)
     deepest, minima = float(minima["value"].min(initial=0.0)), minima[minima["value"] < -tolerance]
-    minima = minima[_is_apart(step, minima)]
     depth, room = -minima["value"], _room(step, minima)
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
     half_width = np.minimum((NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), deepest
 
 
-def _is_apart(step: Step, minima: Records) -> Flags:
-    """Whether a minimum is not merely the overlap beside an edge that is about to grow over it.
-
-    With p = (k_0 + k_1 s)/sqrt(s) within an edge, the gap is negative as far as 3 k_0/k_1 outside, and the edge moves
-    out by 2 k_0/k_1.
-    """
-    to_left, to_right = _distances_to_ends(step, minima)
-    outward, after = OVERLAP_BESIDE_EDGE * step.moves.outward, (minima["interval"] + 1) % step.punches.gap.size
-    return np.asarray((to_left > outward[minima["interval"], 1]) & (to_right > outward[after, 0]))
-
-
-def _distances_to_ends(step: Step, minima: Records) -> tuple[Array, Array]:
-    """From each minimum to the ends of its gap."""
-    to_left = minima["position"] - step.punches.right[minima["interval"]]
-    return to_left, step.punches.gap[minima["interval"]] - to_left
-
-
 def _room(step: Step, minima: Records) -> Array:
     """From each new contact to the ends of its gap, or halfway to another new one."""
-    to_left, to_right = _distances_to_ends(step, minima)
+    to_left = minima["position"] - step.punches.right[minima["interval"]]
+    to_right = step.punches.gap[minima["interval"]] - to_left
     halfway = 0.5 * np.diff(minima["position"])
     none = np.full(min(to_left.size, 1), np.inf)
     return np.minimum(np.minimum(to_left, np.append(none, halfway)), np.minimum(to_right, np.append(halfway, none)))

@@ -306,12 +306,9 @@ def in_order(middle: Array, half_width: Array, period: float) -> tuple[Array, Ar
 @kernel
 def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
     """From the right end of each segment to the left end of the next, round the period, in lambda_0."""
-    n, distance = centre.size, np.empty(centre.size)
-    for j in range(n):
-        k = (j + 1) % n
-        between_origins = origin[k] - origin[j] + (period if k == 0 else 0.0)
-        distance[j] = between_origins + (centre[k] - half_width[k] - (centre[j] + half_width[j]))
-    return distance
+    between_origins = np.roll(origin, -1) - origin
+    between_origins[-1] += period
+    return between_origins + (np.roll(centre - half_width, -1) - (centre + half_width))
 
 
 def estimate_node_count(

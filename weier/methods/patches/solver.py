@@ -163,17 +163,15 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    rows, edges, none = np.empty((loads.size, 9)), [], np.empty(0)
-    for i, load in enumerate(loads):
-        state, steps = solve_state(starts, float(load))
-        rows[i] = *_curve_point(starts.surface, state, tolerance), steps
+    points, edges, none = [], [], np.empty(0)
+    for load in map(float, loads):
+        state, steps = solve_state(starts, load)
+        points.append((*_curve_point(starts.surface, state, tolerance), steps))
         left, half_width, _ = _sorted_contacts(state, profile.period) if state is not None else 3 * [none]
         edges.append(np.stack([left, left + 2 * half_width], axis=1).ravel())
         count_load()
-    compliance, error, indentation, resistance, of_R, fraction, count, residual, work = rows.T
-    points = compliance, error, indentation, resistance, of_R, fraction, count.astype(np.int64), residual
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
-    return Curve(*points, work.astype(np.int64), padded)
+    return Curve._make([*map(np.array, zip(*points, strict=True)), padded])
 
 
 def _curve_point(
@@ -185,12 +183,11 @@ def _curve_point(
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
     share = float(2 * state.segments.half_width.sum() / surface.heights.period)
-    count, resistance = state.segments.centre.size, state.resistance
-    base = total if state.dual else total - top
-    compliance, indentation = base + state.approach, top * state.dual + state.approach
-    of_R = error_model.error(tolerance, RESISTANCE) * max(resistance, 1.0) + _error_by_light_contacts(surface, state)
-    fraction = 1 - share if state.dual else share
-    return compliance, state.error + rounding, indentation, resistance, of_R, fraction, count, state.residual
+    base, fraction = (top, 1 - share) if state.dual else (0.0, share)
+    of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
+    of_R = error_model.error(tolerance, RESISTANCE) * max(R, 1.0) + _error_by_light_contacts(surface, state)
+    count = state.segments.centre.size
+    return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
 
 def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
@@ -203,14 +200,11 @@ def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
     force lowers the surface nowhere by more than 2 ln 2 times itself. Crests other than the highest and its twins are
     known to a unit in the last place of the amplitudes.
     """
-    series, period = surface.heights, surface.heights.period
+    series, period, most = surface.heights, surface.heights.period, surface.total_amplitude
     origin, centre, half_width = contacts_of(state.segments, state.dual, period)
     crest, y = nearest_crests(series, origin + centre)
-    curvature, is_twin = (
-        -evaluate_at(series, crest, y, 2),
-        series.crest_offset[crest] > -TWIN_HEIGHT * surface.total_amplitude,
-    )
-    error = state.error + np.where(is_twin, 0.0, np.finfo(float).eps * surface.total_amplitude)
+    curvature, is_lower = -evaluate_at(series, crest, y, 2), series.crest_offset[crest] < -TWIN_HEIGHT * most
+    error = state.error + np.finfo(float).eps * most * is_lower
     force = np.where(curvature > 0, half_width**2 * curvature / 4, np.inf)
     c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
     share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
