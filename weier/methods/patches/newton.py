@@ -97,6 +97,7 @@ class TwoGrids(NamedTuple):
     restriction : of the residual at the points to what few nodes see of it
     interpolation : of phi on few nodes to many
     fast : phi on many nodes by the rest of the residual, which also has the `lift` at the centres of contacts
+    expansion : of phi on many nodes in U_k
     factors : of the matrix on few nodes
     """
 
@@ -104,6 +105,7 @@ class TwoGrids(NamedTuple):
     interpolation: Blocks
     fast: Blocks
     lift: Blocks
+    expansion: Blocks
     factors: Factors
 
     def solve(self, residual: Array) -> Array:
@@ -332,17 +334,12 @@ def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Tab
     return restriction, interpolation, many.polynomial[less:].T @ to_U, lift
 
 
-def _make_grids(factors: Factors, few: Indices, many: Indices, period: float, dual: bool) -> TwoGrids:
-    """From the matrix on so many nodes of each segment, to so many more."""
-    modes = (_modes(less, count, period, dual) for less, count in zip(few.tolist(), many.tolist(), strict=True))
-    restriction, interpolation, fast, lift = map(make_blocks, zip(*modes, strict=True))
-    return TwoGrids(restriction, interpolation, fast, lift, factors)
-
-
-def expand(phi: Array, first_node: Indices) -> Array:
-    """Coefficients of phi in U_k, segment by segment, shape (nodes,)."""
-    rules = (gauss_rule(count, True) for count in np.diff(first_node).tolist())
-    return np.asarray(apply_blocks(make_blocks(rule.expansion for rule in rules), phi))
+@lru_cache(maxsize=64)
+def _mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
+    """What `TwoGrids` is made of, from so many nodes of each segment to so many: few contacts often have as many."""
+    modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
+    expansions = (gauss_rule(count, True).expansion for count in many)
+    return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
 
 
 def change_nodes(now: Iterate | ContactState, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
@@ -356,15 +353,14 @@ def on_few_nodes(now: Iterate | ContactState, series: CosineSeries) -> Iterate:
     """The density on as few nodes as a guess has."""
     old = now.segments
     count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
-    pairs = zip(np.diff(old.first_node).tolist(), count.tolist(), strict=True)
-    interpolation = make_blocks(_modes(*each, series.period, now.dual)[1] for each in pairs)
-    return change_nodes(now, count, interpolation, series.period)
+    counts = tuple(np.diff(old.first_node).tolist()), tuple(count.tolist())
+    return change_nodes(now, count, _mode_blocks(*counts, series.period, now.dual)[1], series.period)
 
 
 def own_density(guess: Iterate, series: CosineSeries, load: float) -> Iterate:
     """The density that each segment takes under those of the others."""
-    counts = np.diff(guess.segments.first_node).tolist()
-    fast = make_blocks(_modes(0, count, series.period, True)[2] for count in counts)
+    counts = tuple(np.diff(guess.segments.first_node).tolist())
+    fast = _mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
     return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load).residual))
 
 
@@ -444,11 +440,12 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
     count = np.maximum(count, np.diff(few.first_node))
     for _ in range(MAX_NODE_ROUNDS):
         _check_size(int(count.sum()), count.size, load)
-        grids = _make_grids(factors, np.diff(few.first_node), count, series.period, guess.dual)
+        counts = tuple(np.diff(few.first_node).tolist()), tuple(count.tolist())
+        grids = TwoGrids._make((*_mode_blocks(*counts, series.period, guess.dual), factors))
         finer = change_nodes(coarse, count, grids.interpolation, series.period)
         now, more = _refine(finer, grids, series, load, tolerance)
         steps += more
-        coefficient = expand(now.phi, now.segments.first_node)
+        coefficient = apply_blocks(grids.expansion, now.phi)
         resolved = are_resolved(now.segments, coefficient, tolerance)
         if np.all(resolved):
             rate, more = _sensitivity(now, grids, series, load)
