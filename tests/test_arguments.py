@@ -130,8 +130,7 @@ def clear(message, argument):
     """One sentence that names the argument, or the rule that its value breaks."""
     assert "\n" not in message, message
     assert len(message) < MAX_MESSAGE, message
-    named = dict.fromkeys(("mu_2", "nu_1", "nu_2", "lambda_0", "g_0"), "mu_1")
-    named |= {"path": "there is no file", "low": "mean_pressure"}
+    named = {"path": "there is no file"} | dict.fromkeys(("mu_2", "nu_1", "nu_2", "lambda_0", "g_0"), "mu_1")
     assert argument in message or named.get(argument, argument) in message, (argument, message)
 
 
@@ -161,7 +160,9 @@ def check(name, argument, value):
     result = attempt(lambda: FUNCTIONS[name](**arguments(name) | {argument: value}), argument)
     if result is None or argument in NOT_NUMBERS or (value is None and argument in NONE_TOO.get(name, ())):
         return
-    texts = argument in TEXT_TOO and all(isinstance(each, str | float) for each in np.atleast_1d(value).tolist())
+    texts = argument in TEXT_TOO and all(
+        isinstance(each, str) or holds_a_number(each) for each in np.atleast_1d(value).tolist()
+    )
     assert texts or holds_a_number(value), (name, argument, value, result)
 
 

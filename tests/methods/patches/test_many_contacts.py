@@ -103,6 +103,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size
     assert state.approach == pytest.approx(expected.approach, abs=1e-12)
     assert state.resistance == pytest.approx(expected.resistance, rel=1e-9)
+    assert state.dual or state.share.sum() == pytest.approx(1, rel=1e-9)
 
 
 def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():

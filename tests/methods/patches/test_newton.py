@@ -52,6 +52,17 @@ def test_what_a_dense_matrix_does_not_solve_is_left_to_sums(fault, monkeypatch):
     assert curve.resistance == pytest.approx(expected.resistance, rel=1e-9)
 
 
+def test_the_share_of_a_contact_is_what_its_force_grows_by():
+    loads, period = 0.4 * (1 + np.array([-1e-5, 0, 1e-5])), THREE_WAVES.period
+    states = [each.state for each in patches.solve_loads(THREE_WAVES, loads)]
+    force = [
+        np.pi / 2 * each.segments.half_width * each.coefficient[each.segments.first_node[:-1]] for each in states
+    ]
+    grown = (force[2] - force[0]) / (loads[2] - loads[0]) / period
+    np.testing.assert_allclose(states[1].share, grown, rtol=1e-7)
+    assert states[1].share.size > 2
+
+
 @pytest.mark.parametrize("above", [1e-2, 1e-4, 1e-6])
 def test_a_shallow_missing_contact_is_seen(above):
     """Contacts from below a birth, pressed beyond it: the overlap is 1e-6 to 1e-2 of what it soon would be."""

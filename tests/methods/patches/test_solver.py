@@ -222,6 +222,13 @@ def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, sha
     assert abs(found.resistance[0] - R) < found.resistance_error[0] < share * R
 
 
+@pytest.mark.parametrize(("load", "dual"), [(0.01, False), (0.4, False), (2.2, True), (3.0, True)])
+def test_far_from_births_no_contact_adds_to_the_error_of_the_resistance(load, dual):
+    R, error = (values[0] for values in patches.curve(THREE_WAVES, [load])[3:5])
+    assert patches.solve_load(THREE_WAVES, load).state.dual == dual
+    assert error < 1.01 * patches.error_model.error(1e-10, "resistance") * max(R, 1)
+
+
 @pytest.mark.parametrize("shift", [0.0, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8])
 def test_loads_on_an_event_are_solved(shift):
     events = patches.events(THREE_WAVES, 0.15, 0.35)

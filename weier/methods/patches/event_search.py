@@ -28,7 +28,7 @@ from weier.methods.patches.fields import (
 from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import contacts_of
-from weier.methods.patches.solver import TOLERANCE, Starts, check_loads, solve_state
+from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, Starts, check_loads, solve_state
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.theory.waves import Waves
 
@@ -99,6 +99,8 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
         If a load in between cannot be solved.
 
     """
+    if low < MIN_LOAD:
+        raise ValueError(f"low must be at least {MIN_LOAD:g} p_0*, got {low:g}")
     check_loads([low, high])
     starts = Starts(profile, tolerance)
     surface = starts.surface
