@@ -1,8 +1,14 @@
 """config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
 
+import atexit
+import gc
 import os
 import sys
+import threading
 from pathlib import Path
+
+# Else Snakemake looks for garbage when it ends, which takes a third of a second.
+atexit.register(gc.freeze)
 
 # Ctrl-C ends a run in one line; of its own, Snakemake adds a traceback until the jobs begin.
 sys.excepthook = lambda kind, error, trace: (
@@ -55,6 +61,9 @@ onstart:
 
 
 onsuccess:
+    for thread in threading.enumerate():
+        if isinstance(thread, threading.Timer):
+            thread.cancel()  # which looks for further jobs in a second, and Snakemake waits for it
     for name in scene_names():
         solutions(name).tidy()
         page = Path(f"results/{name}/page.html")
