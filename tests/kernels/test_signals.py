@@ -1,9 +1,11 @@
 """Signals at random moments: no call crashes or makes them wait, and the next solve has the same bits."""
 
 import ctypes
+import os
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -112,6 +114,18 @@ for _ in range(20):
 @compiled
 def test_signals_while_a_kernel_returns():
     subprocess.run([sys.executable, "-c", KERNEL_ALONE], check=True)
+
+
+@compiled
+def test_ctrl_c_ends_compiling_at_once(tmp_path):
+    """Python alone would see it when LLVM is done with a kernel."""
+    command = [sys.executable, "-m", "weier", "compile", "bem"]
+    process = subprocess.Popen(command, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
+    while not any(tmp_path.rglob("lock")):
+        assert process.poll() is None
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(2) == -signal.SIGINT
 
 
 def test_ctrl_c_that_a_callback_loses_is_raised(monkeypatch):
