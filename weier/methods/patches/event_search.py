@@ -107,7 +107,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
     last = min(high, surface.full_contact_load * (1 - MIN_INTERVAL))
     if low >= last:
         return _sort_events([], 0, surface)
-    search = _Search(starts, surface)
+    search = _Search(starts)
     state = search.state(low)
     patch_count = state.segments.centre.size
     located: list[tuple[float, _Event]] = []
@@ -142,7 +142,6 @@ class _Search(NamedTuple):
     """Bisection on ln(p) until each interval holds the events of one load, and then root-finding."""
 
     starts: Starts
-    surface: Surface
 
     def state(self, load: float) -> ContactState:
         """The state under a load of partial contact."""
@@ -174,9 +173,9 @@ class _Search(NamedTuple):
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
         """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether that is all."""
-        period = self.surface.heights.period
+        period = self.starts.surface.heights.period
         origins, lefts, rights = _intervals(low, low.dual, period)
-        finest = 2 * np.pi / self.surface.heights.wavenumber[-1]
+        finest = 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
         changes, expected, is_certain = [], [], True
         for origin, left, right in zip(*_intervals(high, high.dual, period), strict=True):
             shift = origins - origin
@@ -207,7 +206,7 @@ class _Search(NamedTuple):
         count, origin, left, right = expected[expected[:, 3] > expected[:, 2]].T
         if count.size == 0:
             return True
-        minima = _minima_of_gap(low, self.surface.series(low.dual), origin, left, right)
+        minima = _minima_of_gap(low, self.starts.surface.series(low.dual), origin, left, right)
         return bool(np.all(minima <= count))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[tuple[float, _Event]]:
@@ -226,13 +225,10 @@ class _Search(NamedTuple):
 
         def minimum(load: float) -> tuple[float, float]:
             state = self._follow(start, load)
-            return _minimum(state, self.surface.series(state.dual), event)
-
-        def minimum_value(load: float) -> float:
-            return minimum(load)[1]
+            return _minimum(state, self.starts.surface.series(state.dual), event)
 
         accuracy = {"xtol": LOAD_ACCURACY * low.load, "rtol": LOAD_ACCURACY}
-        load = float(scipy.optimize.brentq(minimum_value, low.load, high.load, **accuracy))
+        load = float(scipy.optimize.brentq(lambda load: minimum(load)[1], low.load, high.load, **accuracy))
         y, _ = minimum(load)
         return load, event._replace(left=y, right=y)
 
@@ -242,8 +238,8 @@ class _Search(NamedTuple):
         An edge may have gone on over a crest that touches by then, so that there is tension behind it.
         """
         state = self._follow(start, load)
-        overlap = -lowest_outside(state, self.surface.series(state.dual))
-        limit = MAX_VIOLATION * load * (1.0 if state.dual else self.surface.heights.period)
+        overlap = -lowest_outside(state, self.starts.surface.series(state.dual))
+        limit = MAX_VIOLATION * load * (1.0 if state.dual else self.starts.surface.heights.period)
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["share"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
@@ -251,9 +247,9 @@ class _Search(NamedTuple):
         if load == start.load:
             return start
         if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            return many_contacts.follow_contacts(self.surface, start, load, self.starts.tolerance)
-        few = on_few_nodes(start, self.surface.series(start.dual))
-        return solve_on_segments(self.surface, few, load, self.starts.tolerance)[0]
+            return many_contacts.follow_contacts(self.starts.surface, start, load, self.starts.tolerance)
+        few = on_few_nodes(start, self.starts.surface.series(start.dual))
+        return solve_on_segments(self.starts.surface, few, load, self.starts.tolerance)[0]
 
 
 def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:

@@ -87,29 +87,32 @@ def carried_load(state: ContactState, period: float) -> float:
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest share height", np.float64, ()))
 
 
+@kernel
 def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
     """Points in intervals between segments, and the interval of each; ascending in each.
 
     They are some for each of the finest waves, and the crests of the series with the middles between them: two crests
     that stand side by side would else look like one.
     """
-    per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
-    length = np.maximum(length, 0.0)  # segments may overlap
-    count = MIN_PROBES + np.ceil(per_length * length).astype(np.int64)
-    end, interval = np.cumsum(count), np.repeat(np.arange(length.size), count)
-    angle = (np.arange(end[-1]) - (end - count - 0.5)[interval]) * (np.pi / count)[interval]
-    point = left[interval] + 0.5 * length[interval] * (1 - np.cos(angle))
-    crest = series.crest_position
-    turning = np.concatenate((crest, 0.5 * (crest + np.append(crest[1:], crest[0] + series.period))))
-    turning -= series.period * np.floor((turning - left[0]) / series.period)
-    after = np.searchsorted(left, turning, side="right") - 1
-    within = turning < left[after] + length[after]
-    point, interval = np.append(point, turning[within]), np.append(interval, after[within])
-    order = np.argsort(point, kind="stable")
-    point, interval = point[order], interval[order]
-    apart = np.ones(point.size, bool)
-    apart[1:] = (np.diff(point) > MIN_PROBE_DISTANCE / per_length) | (np.diff(interval) > 0)
-    return point[apart], interval[apart]
+    crest, period = series.crest_position, series.period
+    turning = np.stack((crest, 0.5 * (crest + np.append(crest[1:], crest[0] + period))), axis=1).ravel()
+    per_length, n = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi), turning.size
+    count = MIN_PROBES + np.ceil(per_length * np.maximum(length, 0.0)).astype(np.int64)  # segments may overlap
+    point, interval, last = np.empty(count.sum() + n), np.empty(count.sum() + n, np.int64), -1
+    for j in range(left.size):
+        turns = np.floor((left[j] - crest[0]) / period)
+        i, k = 0, np.searchsorted(turning, left[j] - period * turns)
+        while True:
+            share = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
+            probe, turn = left[j] + share * length[j], turning[k % n] + period * (turns + k // n)
+            x = min(probe, turn)
+            if x >= left[j] + length[j]:
+                break
+            i, k = i + (probe == x), k + (turn == x)
+            if last < 0 or interval[last] < j or x - point[last] > MIN_PROBE_DISTANCE / per_length:
+                last += 1
+                point[last], interval[last] = x, j
+    return point[: last + 1], interval[: last + 1]
 
 
 @kernel

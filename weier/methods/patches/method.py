@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.patches import error_model, many_contacts, newton
+from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums
 from weier.methods.patches.solver import TOLERANCE, Curve, curve, lone_contacts, lone_gaps
 from weier.methods.patches.surface import nearest_crests, surface_of
@@ -51,7 +51,7 @@ def _run_kernels() -> None:
     for guess, load in ((contact, LIGHT), (gap, surface.full_contact_load - LIGHT)):
         assert guess is not None
         series = surface.series(guess.dual)
-        newton.solve_few_contacts(surface, guess, load, TOLERANCE)
+        curve(ONE_WAVE, load)
         state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
         crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)

@@ -27,7 +27,6 @@ overlap. A solution is checked, too. Where its set of segments turns out to be w
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,18 +44,14 @@ from weier.methods.patches.segments import (
     Blocks,
     Iterate,
     Segments,
-    Table,
     apply_blocks,
     are_resolved,
     coefficient_tails,
     distances_between,
     estimate_node_count,
-    gauss_rule,
     increase_node_count,
-    log_moments,
-    make_blocks,
     make_segments,
-    move_segments,
+    mode_blocks,
 )
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_series
 
@@ -84,11 +79,18 @@ class System(NamedTuple):
 
     matrix : the derivatives of all equations in one unknown a row, shape (unknowns, equations)
     residual, by_load : of the equations, and its derivative in the mean pressure, shape (equations,)
+    sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
+        without a further call; no digit is lost, for both angles are counted from the centre of one segment.
+    point_sine, point_cosine : the same at the points, shape (nodes + segments,)
     """
 
-    matrix: NDArray[np.float64]
+    matrix: Matrix
     residual: Array
     by_load: Array
+    sine: Array
+    cosine: Array
+    point_sine: Array
+    point_cosine: Array
 
 
 class TwoGrids(NamedTuple):
@@ -108,41 +110,31 @@ class TwoGrids(NamedTuple):
     expansion: Blocks
     factors: Factors
 
-    def solve(self, residual: Array) -> Array:
-        """The unknowns of about this residual."""
-        rest = residual[self.restriction.first_column[-1] :].copy()
-        rest[:-1] -= apply_blocks(self.lift, residual)
-        fewer = np.concatenate([apply_blocks(self.restriction, residual), rest])
-        slow = solve_factorised(self.factors, fewer)
-        phi = apply_blocks(self.interpolation, slow) + apply_blocks(self.fast, residual)
-        return np.concatenate([phi, slow[self.interpolation.first_column[-1] :]])
 
-
-def assemble(now: Iterate, series: CosineSeries, load: float) -> System:
-    """What the equations are off, and their derivatives.
+@kernel
+def assemble(now: Iterate, series: CosineSeries, load: float) -> tuple[Matrix, Array, Array]:
+    """What the equations are off, and their derivatives, as in `System`.
 
     The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
     and last the load or the mean gap.
     """
-    size = now.phi.size + 2 * now.segments.centre.size + 1
-    system = System(np.zeros((size, size)), np.zeros(size), np.zeros(size))
-    _fill_system(system, now, series, load)
-    return system
-
-
-@kernel
-def _fill_system(system: System, now: Iterate, series: CosineSeries, load: float) -> None:
-    segments, force = now.segments, now.phi * now.segments.weight
-    for j in range(segments.centre.size):
-        force[segments.first_node[j] : segments.first_node[j + 1]] *= segments.half_width[j]
+    segments, factor, n = now.segments, np.pi / series.period, now.segments.centre.size
+    count, size = np.diff(segments.first_node), now.phi.size + 2 * n + 1
+    r, at_points = np.repeat(segments.half_width, count), np.repeat(segments.half_width, count + 1)
+    angle, of_points = factor * r * segments.node, factor * at_points * segments.point
+    force = r * segments.weight * now.phi
+    sines = np.sin(angle), np.cos(angle), np.sin(of_points), np.cos(of_points)
+    system = System(np.zeros((size, size)), np.zeros(size), np.zeros(size), *sines)
+    for j in range(n):
         _add_forcing(system, now, series, load, j)
         _add_cauchy_integral(system, segments, force, series.period, j)
     if now.dual:
         _fill_closure_rows(system, now, force, series.period)
     else:
-        for i in range(segments.centre.size):
+        for i in range(n):
             _fill_height_row(system, now, series, i)
         _fill_load_row(system, now, load, series.period)
+    return system.matrix, system.residual, system.by_load
 
 
 @kernel
@@ -186,11 +178,11 @@ def _add_cauchy_integral(system: System, segments: Segments, force: Array, perio
     for i in range(n):
         s, c = _angle_between_centres(segments, i, j, factor)
         for a in range(segments.first_node[i] + i, segments.first_node[i + 1] + i + 1):
-            sine[a] = s * segments.point_cosine[a] + c * segments.point_sine[a]
-            cosine[a] = c * segments.point_cosine[a] - s * segments.point_sine[a]
+            sine[a] = s * system.point_cosine[a] + c * system.point_sine[a]
+            cosine[a] = c * system.point_cosine[a] - s * system.point_sine[a]
     integral, by_centre, by_width = np.zeros(size), np.zeros(size), np.zeros(size)
     for q in range(segments.first_node[j], segments.first_node[j + 1]):
-        u, v, cot = segments.sine[q], segments.cosine[q], system.matrix[q, :size]
+        u, v, cot = system.sine[q], system.cosine[q], system.matrix[q, :size]
         for a in range(size):  # loops of their own, which the compiler turns into operations on four at a time
             cot[a] = (cosine[a] * v + sine[a] * u) / (sine[a] * v - cosine[a] * u)
         here, weight, lever = force[q], r * segments.weight[q], r * segments.node[q]
@@ -226,7 +218,7 @@ def _fill_height_row(system: System, now: Iterate, series: CosineSeries, i: int)
     scale = 1 / segments.half_width[i]
     total = (now.approach + value) * scale
     dtotal_dc = slope
-    potential, dln_dx, dln_dr = _log_potentials(segments, i, series.period)
+    potential, dln_dx, dln_dr = _log_potentials(system, segments, i, series.period)
     for j in range(n):
         r = segments.half_width[j]
         dV_dc, dV_dr = 0.0, 0.0
@@ -245,7 +237,7 @@ def _fill_height_row(system: System, now: Iterate, series: CosineSeries, i: int)
 
 
 @kernel
-def _log_potentials(segments: Segments, i: int, period: float) -> tuple[Array, Array, Array]:
+def _log_potentials(system: System, segments: Segments, i: int, period: float) -> tuple[Array, Array, Array]:
     """Of all nodes, at the centre of segment i: w r ln|2 sin(pi (x-s)/L)|, d ln/dx and r d ln/dr.
 
     From a node of another segment, d ln/dx = (pi/L) cot(pi (x-s)/L) and r d ln/dr = -r t d ln/dx. From one of its
@@ -257,7 +249,7 @@ def _log_potentials(segments: Segments, i: int, period: float) -> tuple[Array, A
     for j in range(n):
         s, c = _angle_between_centres(segments, i, j, factor)
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
-            x, sine, cosine = segments.half_width[j] * segments.node[q], segments.sine[q], segments.cosine[q]
+            x, sine, cosine = segments.half_width[j] * segments.node[q], system.sine[q], system.cosine[q]
             if i != j:
                 distance[q] = abs(2 * (s * cosine - c * sine))
                 dln_dx[q] = factor * (c * cosine + s * sine) / (s * cosine - c * sine)
@@ -307,39 +299,31 @@ def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float
             matrix[row, -1] += 2 * moment
 
 
-def factorise(matrix: Matrix) -> Factors:
-    """LAPACK's factors of a matrix, which they may overwrite."""
-    lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix, overwrite_a=True)
-    return lu, pivot
+@kernel
+def _solve_factorised(lu: Matrix, pivot: NDArray[np.int32], right: Array) -> Array:
+    """The solution for a right side by LAPACK's factors of a matrix."""
+    x = right.copy()
+    for k in range(x.size):
+        x[k], x[pivot[k]] = x[pivot[k]], x[k]
+    for k in range(x.size):
+        for i in range(k + 1, x.size):
+            x[i] -= x[k] * lu[i, k]
+    for k in range(x.size - 1, -1, -1):
+        x[k] /= lu[k, k]
+        for i in range(k):
+            x[i] -= x[k] * lu[i, k]
+    return x
 
 
-def solve_factorised(factors: Factors, right: Matrix) -> Matrix:
-    """The solution for one right side or several, shape (unknowns,) or (unknowns, columns)."""
-    return np.asarray(scipy.linalg.lapack.dgetrs(*factors, right)[0])
-
-
-@lru_cache(maxsize=256)
-def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
-    """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
-
-    The residual at the points, a sum of T_m, is cut off where the fewer points end. The fast modes of phi take off
-    what is left. Each also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
-    """
-    few, many = gauss_rule(less, True), gauss_rule(count, True)
-    to_T, kept = gauss_rule(count + 1, False).expansion, min(less, count)
-    restriction = gauss_rule(less + 1, False).polynomial[: kept + 1].T @ to_T[: kept + 1]
-    interpolation = many.polynomial[:kept].T @ few.expansion[:kept]
-    to_U = to_T[less + 1 :] / period
-    lift = 2 * (not dual) * log_moments(count)[None, less:] @ to_U
-    return restriction, interpolation, many.polynomial[less:].T @ to_U, lift
-
-
-@lru_cache(maxsize=64)
-def _mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
-    """What `TwoGrids` is made of, from so many nodes of each segment to so many: few contacts often have as many."""
-    modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
-    expansions = (gauss_rule(count, True).expansion for count in many)
-    return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
+@kernel
+def _correction(grids: TwoGrids, residual: Array) -> Array:
+    """The change of the unknowns that takes off a residual, but for what the fast modes of others see of it."""
+    few, points = grids.interpolation.first_column[-1], grids.restriction.first_column[-1]
+    fewer = np.concatenate((apply_blocks(grids.restriction, residual), residual[points:]))
+    fewer[grids.restriction.first_row[-1] : -1] -= apply_blocks(grids.lift, residual)
+    slow = _solve_factorised(grids.factors[0], grids.factors[1], fewer)
+    phi = apply_blocks(grids.interpolation, slow) + apply_blocks(grids.fast, residual)
+    return -np.concatenate((phi, slow[few:]))
 
 
 def change_nodes(now: Iterate | ContactState, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
@@ -354,43 +338,45 @@ def on_few_nodes(now: Iterate | ContactState, series: CosineSeries) -> Iterate:
     old = now.segments
     count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
     counts = tuple(np.diff(old.first_node).tolist()), tuple(count.tolist())
-    return change_nodes(now, count, _mode_blocks(*counts, series.period, now.dual)[1], series.period)
+    return change_nodes(now, count, mode_blocks(*counts, series.period, now.dual)[1], series.period)
 
 
 def own_density(guess: Iterate, series: CosineSeries, load: float) -> Iterate:
     """The density that each segment takes under those of the others."""
     counts = tuple(np.diff(guess.segments.first_node).tolist())
-    fast = _mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
-    return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load).residual))
+    fast = mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
+    return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load)[1]))
 
 
-def _take_step(now: Iterate, step: Array, period: float) -> tuple[Iterate, float]:
-    """The unknowns after a step, and its size: inf or NaN if it cannot be taken, and nothing has changed."""
-    segments, N, n = now.segments, now.phi.size, now.segments.centre.size
-    place = segments.origin, segments.centre, segments.half_width
-    size = _step_size(*place, segments.first_node, now.phi, step, period)
-    if not size < np.inf:
-        return now, size
-    centre = segments.centre + step[N : N + n] * segments.half_width
-    moved = move_segments(segments, centre, segments.half_width * (1 + step[N + n : -1]), period)
-    return Iterate(now.dual, moved, now.phi + step[:N], now.approach + step[-1]), size
+def _correct(now: Iterate, grids: TwoGrids, residual: Array, period: float) -> tuple[Iterate, float]:
+    """The unknowns after a correction, and its size: they are of no use if it is inf or NaN."""
+    centre, half_width, phi, approach, size = _moved(now, grids, residual, period)
+    moved = now.segments._replace(centre=centre, half_width=half_width)
+    return Iterate(now.dual, moved, phi, approach), size
 
 
 @kernel
-def _step_size(
-    origin: Array, centre: Array, r: Array, first_node: Indices, phi: Array, step: Array, period: float
-) -> float:
+def _moved(now: Iterate, grids: TwoGrids, residual: Array, period: float) -> tuple[Array, Array, Array, float, float]:
+    """Centres, half-widths, density and approach after a correction, and its size."""
+    step, N, r = _correction(grids, residual), now.phi.size, now.segments.half_width
+    centre, half_width = now.segments.centre + step[N : N + r.size] * r, r * (1 + step[N + r.size : -1])
+    return centre, half_width, now.phi + step[:N], now.approach + step[-1], _step_size(now, step, period)
+
+
+@kernel
+def _step_size(now: Iterate, step: Array, period: float) -> float:
     """The largest relative change of any segment's density, centre or width, or of a distance between segments.
 
     NaN if the step is not finite, and inf if a width or a distance is lost.
     """
-    n, N, largest, distance = r.size, phi.size, 0.0, distances_between(origin, centre, r, period)
+    segments, r, phi, largest = now.segments, now.segments.half_width, now.phi, 0.0
+    n, N, distance = r.size, phi.size, distances_between(segments.origin, segments.centre, r, period)
     for i in range(step.size):
         if not np.isfinite(step[i]):
             return np.nan
     for j in range(n):
         k, of_phi, of_step = (j + 1) % n, 0.0, 0.0
-        for q in range(first_node[j], first_node[j + 1]):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
             of_phi, of_step = max(of_phi, abs(phi[q])), max(of_step, abs(step[q]))
         shift, growth = step[N + j], step[N + n + j]
         loss = (r[j] * (growth + shift) + r[k] * (step[N + n + k] - step[N + k])) / distance[j]
@@ -400,20 +386,20 @@ def _step_size(
     return largest
 
 
-def newton_iteration(
-    now: Iterate, series: CosineSeries, load: float, tolerance: float
-) -> tuple[Iterate, Factors, int]:
+def _newton_iteration(now: Iterate, series: CosineSeries, load: float) -> tuple[Iterate, Factors, int]:
     """The solution on the nodes of a guess, the factors of the last matrix, and the steps.
 
     ConvergenceError is raised if the steps do not shrink.
     """
     _check_size(now.segments.node.size, now.segments.centre.size, load)
+    counts = tuple(np.diff(now.segments.first_node).tolist())
+    blocks = mode_blocks(counts, counts, series.period, now.dual)  # which leave the nodes as they are
     for steps in range(1, MAX_STEPS + 1):
-        system = assemble(now, series, load)
-        factors = factorise(system.matrix.T)  # if it is singular, the step is not finite
-        now, size = _take_step(now, -solve_factorised(factors, system.residual), series.period)
-        if size < tolerance:
-            return now, factors, steps
+        matrix, residual, _ = assemble(now, series, load)
+        lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)  # if singular, no step is finite
+        now, size = _correct(now, TwoGrids._make((*blocks, (lu, pivot))), residual, series.period)
+        if size < COARSE_TOLERANCE:
+            return now, (lu, pivot), steps
         if not size < np.inf:
             break
     raise ConvergenceError(f"Newton's method fails under the mean pressure {load:.6g} p_0*", float(size))
@@ -434,24 +420,27 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
     corrections fall below the tolerance, or to rounding.
     """
     series = surface.series(guess.dual)
-    coarse, factors, steps = newton_iteration(guess, series, load, COARSE_TOLERANCE)
+    coarse, factors, steps = _newton_iteration(guess, series, load)
     few = coarse.segments
     count = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
     count = np.maximum(count, np.diff(few.first_node))
     for _ in range(MAX_NODE_ROUNDS):
         _check_size(int(count.sum()), count.size, load)
         counts = tuple(np.diff(few.first_node).tolist()), tuple(count.tolist())
-        grids = TwoGrids._make((*_mode_blocks(*counts, series.period, guess.dual), factors))
+        grids = TwoGrids._make((*mode_blocks(*counts, series.period, guess.dual), factors))
         finer = change_nodes(coarse, count, grids.interpolation, series.period)
         now, more = _refine(finer, grids, series, load, tolerance)
         steps += more
         coefficient = apply_blocks(grids.expansion, now.phi)
         resolved = are_resolved(now.segments, coefficient, tolerance)
         if np.all(resolved):
-            rate, more = _sensitivity(now, grids, series, load)
-            unknowns = now.approach, now.segments, now.phi, coefficient
-            rates = float(rate[-1]), _shares(now, rate, series.period)
-            return ContactState(now.dual, load, *unknowns, *rates), steps + more
+            matrix, _, by_load = assemble(now, series, load)
+            resistance, share, more, error = _sensitivity(now, grids, matrix, by_load)
+            if error <= MAX_RESISTANCE_ERROR:
+                known = now.approach, now.segments, now.phi, coefficient, resistance, share / series.period
+                return ContactState(now.dual, load, *known), steps + more
+            why = f"the resistance does not converge under the mean pressure {load:.6g} p_0*"
+            raise ConvergenceError(why, error)
         count = increase_node_count(count, resolved, load)
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
@@ -462,41 +451,39 @@ def _refine(
     """The solution on the nodes of a guess and the corrections to it; ConvergenceError if these do not shrink."""
     previous = np.inf
     for steps in range(1, MAX_STEPS + 1):
-        now, size = _take_step(now, -grids.solve(assemble(now, series, load).residual), series.period)
+        now, size = _correct(now, grids, assemble(now, series, load)[1], series.period)
         ratio, previous = size / previous, size
         is_stuck = ratio > MAX_RATIO
         if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
             return now, steps
         if is_stuck or not size < 1:
             break
-    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", float(size))
+    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", size)
 
 
-def _sensitivity(now: Iterate, grids: TwoGrids, series: CosineSeries, load: float) -> tuple[Array, int]:
-    """The derivatives of the unknowns in the mean pressure, and the corrections to these."""
-    system = assemble(now, series, load)
-    found, previous, error = np.zeros(system.residual.size), np.inf, np.inf
+@kernel
+def _sensitivity(now: Iterate, grids: TwoGrids, matrix: Matrix, by_load: Array) -> tuple[float, Array, int, float]:
+    """The resistance, and the share of a new load that each contact takes: d/dp of its force, r sum w phi.
+
+    And the corrections to these, and the relative error of the resistance.
+    """
+    rate, previous, error = np.zeros(by_load.size), np.inf, np.inf
     for step in range(1, MAX_STEPS + 1):
-        change = grids.solve(-system.by_load - found @ system.matrix)
-        found += change
-        size = float(np.abs(change).max())
+        change = _correction(grids, by_load + rate @ matrix)
+        rate += change
+        size, error = np.abs(change).max(), abs(change[-1] / rate[-1])
         ratio, previous = size / max(previous, 1e-300), size
-        error = float(abs(change[-1] / found[-1]))
         if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
-            return found, step
+            error *= ratio
+            break
         if not ratio <= MAX_RATIO:
             break
-    if error <= MAX_RESISTANCE_ERROR:
-        return found, step
-    raise ConvergenceError(f"the resistance does not converge under the mean pressure {load:.6g} p_0*", error)
-
-
-def _shares(now: Iterate, rate: Array, period: float) -> Array:
-    """Of a new load, what each contact takes: d/dp of its force, (1/L) r sum w phi."""
-    segments, N, n = now.segments, now.phi.size, now.segments.centre.size
-    growth = np.repeat(rate[N + n : -1], np.diff(segments.first_node))
-    change = segments.weight * (rate[:N] + growth * now.phi)
-    return segments.half_width / period * np.add.reduceat(change, segments.first_node[:-1])
+    segments, share = now.segments, np.zeros(now.segments.centre.size)
+    growth = rate[now.phi.size + share.size :]
+    for j in range(share.size):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            share[j] += segments.half_width[j] * segments.weight[q] * (rate[q] + growth[j] * now.phi[q])
+    return rate[-1], share, step, error
 
 
 def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:

@@ -23,9 +23,6 @@ from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.surface import CosineSeries
 
-# The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
-# pole: 1e-16 from ln(rho) = 18.5/(K+1) on.
-FAR_FIELD_EXPONENT = 18.5
 MAX_NODES = 2000
 # Nodes of a segment, by the digits asked for: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments; and
 # e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
@@ -104,10 +101,9 @@ class Blocks(NamedTuple):
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
     """The matrices of all segments in order; one that several segments share stands in the table once."""
     matrices = list(matrices)
-    names = list(map(id, matrices))
-    distinct = dict(zip(names, matrices, strict=True))
+    distinct = {id(each): each for each in matrices}
     place = {name: number for number, name in enumerate(distinct)}
-    which = [place[name] for name in names]
+    which = [place[id(each)] for each in matrices]
     shapes = np.array([each.shape for each in distinct.values()])
     table, end = np.concatenate([each.ravel("F") for each in distinct.values()]), np.cumsum(shapes.prod(axis=1))
     start, (rows, columns) = (end - shapes.prod(axis=1))[which], shapes[which].T
@@ -126,6 +122,30 @@ def apply_blocks(blocks: Blocks, f: Array) -> Array:
                 here[i] += factor * column[i]
             entry += here.size
     return result
+
+
+@lru_cache(maxsize=256)
+def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
+    """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
+
+    The residual at the points, a sum of T_m, is cut off where the fewer points end. The fast modes of phi take off
+    what is left. Each also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
+    """
+    few, many = gauss_rule(less, True), gauss_rule(count, True)
+    to_T, kept = gauss_rule(count + 1, False).expansion, min(less, count)
+    restriction = gauss_rule(less + 1, False).polynomial[: kept + 1].T @ to_T[: kept + 1]
+    interpolation = many.polynomial[:kept].T @ few.expansion[:kept]
+    to_U = to_T[less + 1 :] / period
+    lift = 2 * (not dual) * log_moments(count)[None, less:] @ to_U
+    return restriction, interpolation, many.polynomial[less:].T @ to_U, lift
+
+
+@lru_cache(maxsize=64)
+def mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
+    """What `newton.TwoGrids` is made of, from so many nodes of each segment to so many, which loads often have."""
+    modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
+    expansions = (gauss_rule(count, True).expansion for count in many)
+    return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
 
 
 @kernel
@@ -213,11 +233,6 @@ class Segments(NamedTuple):
     point : where the quadrature of the Cauchy integral is exact, one more on each segment, shape (nodes + segments,)
     weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
     log_weight : for int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
-    far_field : distance from c from which on the quadrature is exact to rounding, in half-widths, shape (segments,)
-    centre_sine, centre_cosine : of pi x/L at the centres, shape (segments,)
-    sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
-        without a further call; no digit is lost, for both angles are counted from the centre of one segment.
-    point_sine, point_cosine : the same at the points, shape (nodes + segments,)
     """
 
     crest: Indices
@@ -229,13 +244,6 @@ class Segments(NamedTuple):
     point: Array
     weight: Array
     log_weight: Array
-    far_field: Array
-    centre_sine: Array
-    centre_cosine: Array
-    sine: Array
-    cosine: Array
-    point_sine: Array
-    point_cosine: Array
 
 
 class Iterate(NamedTuple):
@@ -268,25 +276,10 @@ def make_segments(
     first_node = np.append(0, np.cumsum(node_count))
     of_nodes = zip(*map(_quadrature, node_count.tolist()), strict=True)
     node, point, weight, log_weight = map(np.concatenate, of_nodes)
-    far_field = np.cosh(FAR_FIELD_EXPONENT / (node_count + 1))
-    angles = centre, centre, node, node, point, point  # until the segments are where they are to be
-    rule = node, point, weight, log_weight, far_field
-    return move_segments(
-        Segments(crest, origin, centre, half_width, first_node, *rule, *angles), centre, half_width, period
-    )
+    return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
 
 
-def move_segments(segments: Segments, centre: Array, half_width: Array, period: float) -> Segments:
-    """Segments of the same contacts and nodes, with other centres and half-widths."""
-    centre_angle = np.pi / period * (segments.origin + centre)
-    radius, count = np.pi / period * half_width, np.diff(segments.first_node)
-    angle, at_points = np.repeat(radius, count) * segments.node, np.repeat(radius, count + 1) * segments.point
-    return segments._replace(
-        centre=centre, half_width=half_width, centre_sine=np.sin(centre_angle), centre_cosine=np.cos(centre_angle),
-        sine=np.sin(angle), cosine=np.cos(angle), point_sine=np.sin(at_points), point_cosine=np.cos(at_points),
-    )  # fmt: skip
-
-
+@kernel
 def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, Array, Array]:
     """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
     place = segments.origin, segments.centre, segments.half_width
@@ -344,18 +337,22 @@ def _needs(tolerance: float) -> tuple[float, ...]:
     return tuple(float(np.interp(-np.log10(tolerance), DIGITS, each)) for each in tables)
 
 
+@kernel
 def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
     """Size of two Chebyshev coefficients before the last ones, which are 0, over that of the largest."""
-    size, last = np.abs(coefficient), segments.first_node[1:] - 1 - skipped
-    largest = np.maximum.reduceat(size, segments.first_node[:-1])
-    return np.asarray(np.maximum(size[last], size[last - 1]) / np.maximum(largest, 1e-300))
+    tail = np.empty(segments.centre.size)
+    for j in range(tail.size):
+        size = np.abs(coefficient[segments.first_node[j] : segments.first_node[j + 1]])
+        tail[j] = size[size.size - skipped - 2 : size.size - skipped].max() / max(size.max(), 1e-300)
+    return tail
 
 
+@kernel
 def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
     """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
     tail, widest = coefficient_tails(segments, coefficient, 0), segments.half_width.max()
     rounding = np.minimum(TAIL_ROUNDING * (widest / segments.half_width) ** 2, MAX_TAIL_ROUNDING)
-    return np.asarray(tail <= np.maximum(tolerance, rounding))
+    return tail <= np.maximum(tolerance, rounding)
 
 
 def more_nodes(node_count: NDArray[np.int64]) -> Indices:

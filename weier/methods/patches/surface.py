@@ -141,6 +141,7 @@ def evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int)
     return value
 
 
+@kernel
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
     """Indices of the crests nearest to positions x on the periodic line, and the distances y of x from them."""
     period, crest = series.period, series.crest_position
