@@ -9,6 +9,7 @@ from weier.methods.bem.grid_solution import make_continuum
 from weier.methods.bem.grids import grid_of, nested_grids
 from weier.methods.bem.interaction import displace, make_interaction, press
 from weier.methods.bem.redistribution import solve_bordered
+from weier.methods.punches import invert_punches
 
 PERIOD, POINTS = 1.0, 2048
 PLACES = np.array([0.2, 0.3512, 0.7])
@@ -36,8 +37,9 @@ def three_contacts():
 @pytest.mark.parametrize("compliance", [1e-6, -1.0])
 def test_a_step_that_is_not_known_is_no_small_one(compliance, three_contacts):
     """Else the search for forces would end there: narrow punches so near to each other have more compliance."""
-    right, touching = np.array([1.0, -1.0, 0.0]), np.ones(3, bool)
-    step, found = solve_bordered(np.full(3, compliance), right, touching, 0.0, 1e-14, three_contacts)
+    slope, right = np.full(3, compliance), np.array([1.0, -1.0, 0.0])
+    inverse = invert_punches(np.arange(3), PLACES, slope, PERIOD)
+    step, found = solve_bordered(slope, right, 0.0, 1e-14, three_contacts, inverse)
     assert not found
     assert np.all(np.isinf(step))
 

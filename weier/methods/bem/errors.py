@@ -25,6 +25,7 @@ from weier.theory.halfplane import displacement_of_punch
 
 MAX_BEYOND = 2.5  # nodes from a crest to another one that is not seen as one of its own
 SAMPLES = 10  # to each side, to look for it
+MAX_OTHERS = 100  # on either side, whose effects are summed: they fall as the squares of distances, or faster
 MAX_BEND = DEGREE**2 * (DEGREE**2 - 1) / 3  # second derivative of T_8 at most: of heights, what rounding adds to it
 
 
@@ -175,8 +176,8 @@ def _effects_of_others(
     and not on all of either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses
     displaces both by f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
-    displacement = relief = 0.0
-    for i in range(contacts.size):
+    displacement, relief, others = 0.0, 0.0, min(contacts.size - 1, 2 * MAX_OTHERS)
+    for i in np.arange(at - others // 2, at - others // 2 + others + 1) % contacts.size:
         if i == at:
             continue
         contact, other = contacts[i], corrected[i]

@@ -15,11 +15,12 @@ from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.interaction import MOMENTS, Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
 from weier.methods.bem.narrow_contacts import contact_energies, plane_height
+from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual, 15 where a contact lets go
 MAX_ROUNDS = 8  # of touching and letting go
-MAX_GRADIENTS = 400  # steps of conjugate gradients: some 250 of them are needed by 8 000 contacts
+MAX_GRADIENTS = 400  # steps of conjugate gradients: 5 in a step of Newton's, 12 for the shares
 STEP_TOLERANCE = 1e-4  # square of the relative error at which they stop in a step of Newton's, which the next mends
 SHARE_TOLERANCE = 1e-14  # and for the shares, which nothing mends
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
@@ -137,12 +138,14 @@ def _equalise_heights(
     `lift` is their displacement by moments of all that the grid has not, with its images, in the first column; the
     forces are `total` in all.
     """
-    for _ in range(MAX_STEPS):
+    for number in range(MAX_STEPS):
         if not _heights(contacts, plane, period, state):
             return False
+        if number == 0:
+            inverse = invert_punches(np.flatnonzero(state.touching), contacts["position"], state.slope, period)
         right = _asked_heights(contacts, lift, interaction, state)
         rest = -state.change.sum()
-        step, found = solve_bordered(state.slope, right, state.touching, rest, STEP_TOLERANCE, interaction)
+        step, found = solve_bordered(state.slope, right, rest, STEP_TOLERANCE, interaction, inverse)
         largest, done, released = 0.0, True, False
         for i in range(contacts.size):
             if state.touching[i]:
@@ -173,28 +176,24 @@ def _asked_heights(contacts: Records, lift: Array, interaction: Interaction, sta
 
 @kernel
 def solve_bordered(
-    slope: Array, right: Array, touching: Flags, total: float, tolerance: float, interaction: Interaction
+    slope: Array, right: Array, total: float, tolerance: float, interaction: Interaction, inverse: Inverse
 ) -> tuple[Array, bool]:
-    """Solve (slope + mutual) x + y = right for those touching, with the sum of x given: x, and whether it went well.
+    """Solve (slope + mutual) x + y = right with the sum of x given: x, and whether it went well.
 
-    Conjugate gradients on changes that sum to 0, preconditioned by the slopes, until the square of the error is so
-    small a part of what it was. Where not one step of them can be taken, x is infinite.
+    Only those change that the inverse is of. Conjugate gradients on changes that sum to 0, preconditioned by about
+    the inverse, until the square of the error is so small a part of what it was. Where not one step of them can be
+    taken, as where no inverse is known, x is infinite.
     """
-    unknown, stiffness, size = np.full(right.size, np.inf), np.zeros(right.size), 0.0
-    for i in range(right.size):
-        if touching[i]:
-            if not slope[i] > 0:
-                return unknown, False
-            stiffness[i] = 1 / slope[i]
-            size += right[i] ** 2 * stiffness[i]
-    weight = stiffness.sum()
-    x, direction = total * stiffness / weight, np.zeros(right.size)
+    _, member, entry = inverse
+    size = np.sum((entry * right[member]) ** 2)  # the energy of such heights, each by itself
+    even, direction = solve_forces(inverse, np.ones(right.size)), np.zeros(right.size)  # what raises all alike
+    x = total / even.sum() * even
     rest = right - slope * x - press(x, interaction)
     energy, first = np.inf, 0.0
     for step in range(MAX_GRADIENTS):
-        common, last = dot(rest, stiffness) / weight, energy
-        downhill = (rest - common) * stiffness
-        energy = dot(rest - common, downhill)
+        rest -= dot(even, rest) / even.sum()
+        downhill, last = solve_forces(inverse, rest), energy
+        energy = dot(rest, downhill)
         first = energy if step == 0 else first
         if energy <= tolerance * first + ROUNDING**2 * size:
             return x, True
@@ -202,10 +201,10 @@ def solve_bordered(
         product = slope * direction + press(direction, interaction)
         curvature = dot(product, direction)
         if not curvature > 0:
-            return x if step > 0 else unknown, False
+            return x if step > 0 else np.full(x.size, np.inf), False
         x += energy / curvature * direction
         rest -= energy / curvature * product
-    return x, energy <= (10 * ROUNDING) ** 2 * size  # thousands of contacts add up their rounding
+    return x, bool(energy <= (10 * ROUNDING) ** 2 * size)  # thousands of contacts add up their rounding
 
 
 @kernel
@@ -286,7 +285,7 @@ def _correct_by_reciprocity(
     weights, compliance = _weigh(contacts, rate, period, state)
     of_force, of_share = _moments(False, contacts, state), _moments(True, contacts, state)
     by_shares = displace(of_share, interaction)
-    share_change, released, solved = _changes_of_shares(contacts, weights, by_shares, state, interaction)
+    share_change, released, solved = _changes_of_shares(contacts, weights, by_shares, period, state, interaction)
     for i in range(contacts.size):
         of_force[i, 0], of_share[i, 0] = state.change[i], share_change[i]
     moved_shares = displace(of_share, interaction)
@@ -380,7 +379,7 @@ def _weigh(contacts: Records, rate: float, period: float, state: State) -> tuple
 
 @kernel
 def _changes_of_shares(
-    contacts: Records, weights: Records, by_shares: Array, state: State, interaction: Interaction
+    contacts: Records, weights: Records, by_shares: Array, period: float, state: State, interaction: Interaction
 ) -> tuple[Array, float, bool]:
     """How much more of a load each carries, shares released, and whether these were found."""
     n = contacts.size
@@ -394,5 +393,6 @@ def _changes_of_shares(
     released = on_released.sum()
     if released > 0:  # what they carried on the grid is carried by the others
         right += press(on_released, interaction)
-    share_change, found = solve_bordered(slope, right, state.touching, released, SHARE_TOLERANCE, interaction)
+    inverse = invert_punches(np.flatnonzero(state.touching), contacts["position"], slope, period)
+    share_change, found = solve_bordered(slope, right, released, SHARE_TOLERANCE, interaction, inverse)
     return share_change - on_released, released, found

@@ -8,8 +8,8 @@ edges like that of a punch. At the zeros t_i of T_K, psi is known by the forces 
 with d the mean gap. Gauss's quadrature is exact where psi is resolved, but on the contact of i itself: there the sum
 over its nodes is replaced by int T_k(s)/sqrt(1-s^2) ln|t-s| ds = -(pi/k) T_k(t), and -pi ln 2 for k = 0. So A is
 symmetric, positive definite on forces of sum 0, and diagonal on each contact in the basis T_k, k > 0. This diagonal
-and the forces between contacts taken as punches are the preconditioner. It leaves 10 to 30 steps of
-conjugate gradients to eight digits, whether there are 30 contacts or 27 000.
+and the forces between contacts taken as punches are the preconditioner. It leaves 10 to 30 steps of conjugate
+gradients to eight digits, whether there are 30 contacts or 27 000.
 
 Gaps with given edges (dual) are cracks: w = sqrt(1-t^2) W(t) is the gap that frees them of the pressure of full
 contact. At the zeros t_i of U_K, with the weights w_i of Gauss's quadrature, W is known by f_i = r w_i W_i, and
@@ -20,23 +20,14 @@ On the gap of i itself, the finite part of int sqrt(1-s^2) U_k(s)/(t-s)^2 ds = -
 So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps feel
 each other only as dipoles do, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
 the form of the pressure on a contact, so that the same expansions and the same moves of the edges serve both.
-
-The forces between n punches take the time O(n). The unit force displaces a flat punch of half-width r by
--2 ln(pi r/L), and moves the surface at the centre of another by -2 ln|2 sin(pi d/L)|. This matrix is taken for the
-covariance of random displacements. Of these, every second is told from its nearest neighbours among the others but
-for an error that hardly depends on those of the rest; and so on with the others, every second of them, until few are
-left (Vecchia's approximation of the inverse: Schaefer, Katzfuss and Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019).
-It need not be exact, because it serves conjugate gradients as a part of their preconditioner.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
-from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
@@ -51,13 +42,8 @@ from weier.methods.patches.segments import (
     gauss_rule,
     make_blocks,
 )
-from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
+from weier.methods.punches import Inverse, invert_punches, solve_forces
 
-Inverse = tuple[Any, Any]  # two sparse matrices, each the other's transpose
-
-MAX_DENSE = 128  # punches whose matrix is inverted as it is
-NEIGHBOURS = 8  # of a punch on either side: 12 save no step of conjugate gradients
-OFFSET = 2.0  # of all displacements, which makes the matrix positive definite and changes nothing for forces of sum 0
 MAX_STEPS = 300  # of conjugate gradients
 MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
 
@@ -114,49 +100,6 @@ class Bounds(NamedTuple):
     reduction: float
     least: float
     most: float
-
-
-def invert_punches(centre: Array, half_width: Array, period: float) -> Inverse:
-    """About the inverse of the influence of punches in order round the period, in factors W' W.
-
-    With the punches from coarse to fine, as if they were random numbers of this covariance, a row of W is what the
-    displacement of one deviates by from its mean for given displacements of its neighbours among the coarser.
-    """
-    stride = 2 ** max(0, int(np.ceil(np.log2(centre.size / MAX_DENSE))))
-    coarsest = np.arange(0, centre.size, stride)
-    lower = np.linalg.cholesky(_influences(coarsest[None], centre, half_width, period)[0])
-    members, entries = [np.tile(coarsest, (coarsest.size, 1))], [np.linalg.inv(lower)]
-    while stride > 1:
-        coarser, new = np.arange(0, centre.size, stride), np.arange(stride // 2, centre.size, stride)
-        near = coarser[(new[:, None] // stride + np.arange(1 - NEIGHBOURS, 1 + NEIGHBOURS)) % coarser.size]
-        members.append(np.column_stack([near, new]))
-        rows = np.linalg.inv(_influences(members[-1], centre, half_width, period))[:, -1]
-        entries.append(rows / np.sqrt(rows[:, -1:]))
-        stride //= 2
-    row_sizes = np.concatenate([np.full(each.shape[0], each.shape[1]) for each in members])
-    entry, member = (np.concatenate([each.ravel() for each in parts]) for parts in (entries, members))
-    W = scipy.sparse.csr_array((entry, member, np.append(0, np.cumsum(row_sizes))))
-    return W, W.T
-
-
-def solve_forces(inverse: Inverse, displacement: Array) -> Array:
-    """About the forces that displace the punches by so much, shape (punches,)."""
-    W, transposed = inverse
-    return np.asarray(transposed @ (W @ displacement))
-
-
-@kernel
-def _influences(members: NDArray[np.int64], centre: Array, half_width: Array, period: float) -> NDArray[np.float64]:
-    """The influence on each other of some punches in each row, and `OFFSET`, shape (rows, members, members)."""
-    rows, count = members.shape
-    matrix = np.empty((rows, count, count))
-    for row in range(rows):
-        x, r, here = centre[members[row]], half_width[members[row]], matrix[row]
-        for i in range(count):
-            here[i, i] = OFFSET + displacement_of_punch(r[i], period)
-            for j in range(i):
-                here[i, j] = here[j, i] = OFFSET + displacement_at_distance(x[i] - x[j], period)
-    return matrix
 
 
 @lru_cache(maxsize=256)
@@ -222,7 +165,8 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
     dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)
     scale = 2 * np.repeat(punches.half_width, punches.node_count) if dual else np.ones(start.size)
     if not dual:
-        inverse = invert_punches(punches.centre, punches.half_width, punches.period)
+        compliance = -2 * np.log(np.pi / punches.period * punches.half_width)  # of flat punches
+        inverse = invert_punches(np.arange(compliance.size), punches.centre, compliance, punches.period)
         even = _precondition(punches, inverse, np.ones(start.size))  # the forces that raise all contacts alike
         force = start + even * ((total - start.sum()) / even.sum())
     residual = forcing - displacement(punches, force)

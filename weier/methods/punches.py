@@ -1,0 +1,85 @@
+"""About the forces on flat punches that displace them by so much, in the time O(punches).
+
+The unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of another
+by -2 ln|2 sin(pi d/L)|. This matrix is taken for the covariance of random displacements. Of these, every second is
+told from its nearest neighbours among the others but for an error that hardly depends on those of the rest; and so on
+with the others, every second of them, until few are left (Vecchia's approximation of the inverse: Schaefer, Katzfuss
+and Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019). It serves conjugate gradients as their preconditioner, or as a part
+of it, which need not be exact.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.theory.halfplane import displacement_at_distance
+
+Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
+
+MAX_COARSEST = 32  # punches each of which is told from all before it
+NEIGHBOURS = 8  # of a punch on either side: 12 save no step of conjugate gradients
+OFFSET = 2.0  # of all displacements, which makes the matrix positive definite and changes nothing for forces of sum 0
+
+
+@kernel
+def invert_punches(which: Indices, centre: Array, compliance: Array, period: float) -> Inverse:
+    """About the inverse of the influence of those punches on each other, in order round the period, in factors W' W.
+
+    With the punches from coarse to fine, as if they were random numbers of this covariance, a row of W is what the
+    displacement of one deviates by from its mean for given displacements of its neighbours among the coarser. Where
+    the matrix is not positive definite, it is NaN.
+    """
+    n, stride, row = which.size, 1, 0
+    while n > stride * MAX_COARSEST:
+        stride *= 2
+    start, most = np.zeros(n + 1, np.int64), MAX_COARSEST**2 + (2 * NEIGHBOURS + 1) * n
+    member, entry = np.empty(most, np.int64), np.empty(most)
+    for last in range(0, n, stride):
+        start[row + 1] = start[row] + last // stride + 1
+        member[start[row] : start[row + 1]] = which[: last + 1 : stride]
+        row += 1
+    while stride > 1:
+        coarser = (n - 1) // stride + 1
+        for new in range(stride // 2, n, stride):
+            start[row + 1] = start[row] + 2 * NEIGHBOURS + 1
+            near = np.arange(new // stride + 1 - NEIGHBOURS, new // stride + 1 + NEIGHBOURS) % coarser
+            member[start[row] : start[row + 1] - 1], member[start[row + 1] - 1] = which[near * stride], which[new]
+            row += 1
+        stride //= 2
+    for row in range(n):
+        here = member[start[row] : start[row + 1]]
+        _fill_row(centre[here], compliance[here], period, entry[start[row] : start[row + 1]])
+    return start, member[: start[n]], entry[: start[n]]
+
+
+@kernel
+def _fill_row(x: Array, compliance: Array, period: float, entry: Array) -> None:
+    """The last row of the inverse of Cholesky's factor of the influence of these punches on each other."""
+    n, factor = x.size, np.empty((x.size, x.size))
+    for i in range(n):
+        for j in range(i + 1):
+            rest = OFFSET + (compliance[i] if i == j else displacement_at_distance(x[i] - x[j], period))
+            for k in range(j):
+                rest -= factor[i, k] * factor[j, k]
+            factor[i, j] = rest / factor[j, j] if j < i else np.sqrt(rest)
+    for j in range(n - 1, -1, -1):
+        rest = 1.0 if j == n - 1 else 0.0
+        for i in range(j + 1, n):
+            rest -= entry[i] * factor[i, j]
+        entry[j] = rest / factor[j, j]
+
+
+@kernel
+def solve_forces(inverse: Inverse, displacement: Array) -> Array:
+    """About the forces that displace those punches by so much, and none on others, shape (punches,)."""
+    start, member, entry = inverse
+    force = np.zeros(displacement.size)
+    for row in range(start.size - 1):
+        deviation = 0.0
+        for i in range(start[row], start[row + 1]):
+            deviation += entry[i] * displacement[member[i]]
+        for i in range(start[row], start[row + 1]):
+            force[member[i]] += entry[i] * deviation
+    return force
