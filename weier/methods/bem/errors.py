@@ -107,11 +107,6 @@ def _errors_of_edges(
 ) -> tuple[float, float]:
     """What steps that are misjudged change of compliance and resistance at most."""
     errors, edge, points = np.zeros(2), solution.edge, solution.pressure.size
-    # One contact has the whole load, whatever the rate, and has had it from first touch on: only images bear on it.
-    if edge.size == 4 and polynomial[0 if solution.contact[edge[1] % points] else 1]:
-        nodes = min(edge[2] - edge[1], edge[3] - edge[2])
-        change = (nodes / points) ** 4 * steps["drop"].sum()
-        return factors.IMAGES * change * mean_pressure, factors.IMAGES * change
     half_wave = np.pi / angle  # in nodes: the surface below a wider run bends as much
     for run in range(edge.size - 2):
         here, before = edge[run + 2] - edge[run + 1], edge[run + 1] - edge[run]
@@ -171,10 +166,10 @@ def _effects_of_others(
     """How far others may displace a crest by moments that are not corrected, and how much they relieve its force.
 
     These moments are the second of wide contacts, by K''/2 of each, and those after the third of contacts with
-    polynomials. They displace no more, it is taken, than three times what third and fourth moments of dipoles at the
-    edges that have the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A change of force acts in the middles,
-    and not on all of either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses
-    displaces both by f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
+    polynomials. They displace no more, it is taken, than third and fourth moments of dipoles at the edges that have
+    the corrected m_1 and m_2 would: 3 a^2 m_1 and 2 a^2 m_2. A change of force acts in the middles, and not on all of
+    either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses displaces both by
+    f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
     displacement, relief, others = 0.0, 0.0, min(contacts.size - 1, 2 * MAX_OTHERS)
     for i in np.arange(at - others // 2, at - others // 2 + others + 1) % contacts.size:
@@ -188,7 +183,7 @@ def _effects_of_others(
         elif other.touching:
             change, first, second = abs(other.moments[0]), abs(other.moments[1]), abs(other.moments[2])
             half_width = other.half_width * contact.scale
-            displacement += factors.MOMENTS_LEFT * near * (near * half_width) ** 2 * (2 * first + near * second)
+            displacement += near * (near * half_width) ** 2 * (2 * first + near * second)
             widths = half_width**2 + (corrected[at].half_width * contacts[at].scale) ** 2
             displacement += near**2 / 2 * widths * change
             yielding = displacement_of_punch(half_width, period)

@@ -212,11 +212,11 @@ def average_under_triangle(polynomial: Array, scale: float) -> Array:
 
 @kernel
 def added_by_triangles(polynomial: Array, nodes: int, scale: float) -> Array:
-    """What that average adds at the nodes of a run, to second differences."""
-    second = derivative(derivative(polynomial))
+    """What that average adds at the nodes of a run."""
+    added = average_under_triangle(polynomial, scale) - polynomial
     values = np.empty(nodes)
     for i in range(nodes):
-        values[i] = value(second, (i - (nodes - 1) / 2) / scale) / (12 * scale**2)
+        values[i] = value(added, (i - (nodes - 1) / 2) / scale)
     return values
 
 

@@ -12,9 +12,9 @@ from weier.methods.bem.active_set import dot
 from weier.methods.bem.contacts import CREST, NARROW, WIDE
 from weier.methods.bem.factors import ROUNDING
 from weier.methods.bem.grid_solution import Continuum, GridSolution
-from weier.methods.bem.interaction import MOMENTS, Interaction, displace, make_interaction, press
+from weier.methods.bem.interaction import HATS, MOMENTS, Interaction, displace, make_interaction, press
 from weier.methods.bem.local_fit import expansion, slopes, value
-from weier.methods.bem.narrow_contacts import contact_energies, plane_height
+from weier.methods.bem.narrow_contacts import contact_energies, move_edges, plane_height
 from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch
 
@@ -301,8 +301,9 @@ def _correct_by_reciprocity(
             each.moments[k] = of_force[i, k]
             compliance += of_force[i, k] * by_shares[i, k] / period
             resistance += of_share[i, k] * by_shares[i, k] / period
-        force_spread = _spread(of_force[i], each.force)
-        share_spread = _spread(of_share[i], each.share)
+        reach = max(each.half_width * contact.scale, interaction.spacing)
+        least = HATS * np.sqrt(reach * interaction.spacing**3)
+        force_spread, share_spread = _spread(of_force[i], each.force, least), _spread(of_share[i], each.share, least)
         images = 2 / 15 * (np.pi / period) ** 4
         by_share = abs(moved_shares[i, 2]) + images * share_spread
         each.second = (force_spread * by_share + share_spread * abs(moved[i, 2])) / period
@@ -311,10 +312,11 @@ def _correct_by_reciprocity(
             tilts = (each.half_width * contact.scale) ** 2 * abs(moved_shares[i, 1]) / (4 * period)
             each.second += tilts * abs(each.tilt)
             each.rate_second += tilts * abs(moved_shares[i, 1])
-            rate_slope = slopes(contact.rate, each.centre)[0] / contact.scale + moved_shares[i, 1]
-            bend = slopes(contact.height, each.centre)[1] / contact.scale**2
-            if bend < 0:  # it moves by slope over curvature, to where the rate of others is another
-                resistance += 2 * each.share * rate_slope * each.tilt / bend / period
+            # What displaces it tilts and bends the surface: it moves along, to another rate of others, and widens.
+            tilt, bend = each.tilt * contact.scale, moved[i, 2] * contact.scale**2
+            along, wider = move_edges(contact.height, -tilt, -bend * each.half_width, each.centre, each.half_width)
+            rate_slope = slopes(contact.rate, each.centre)[0] + moved_shares[i, 1] * contact.scale
+            resistance += 2 * each.share * (rate_slope * along - each.share * wider / each.half_width) / period
         elif each.touching:  # its edges move on with the force, by a step at most
             yielded = min(max(contact.edge_yield * change, -contact.edge_drop), contact.edge_drop)
             resistance -= yielded
@@ -344,9 +346,13 @@ def _correct_by_reciprocity(
 
 
 @kernel
-def _spread(moments: Array, total: float) -> float:
-    """Size of second moments: of the one that was found, and of the first one."""
-    return abs(moments[2]) + (moments[1] ** 2 / total if total > 0 else 0.0)
+def _spread(moments: Array, total: float, least: float) -> float:
+    """Size of second moments: of the one that was found, at least so much per force, and of the first one.
+
+    The second moment happens to vanish at some loads, where the fourth, which is not corrected, does not. It usually
+    is that of a node alone, or, for the root at the edges of a wide contact, that of half a node there.
+    """
+    return max(abs(moments[2]), least * abs(total)) + (moments[1] ** 2 / total if total > 0 else 0.0)
 
 
 @kernel
