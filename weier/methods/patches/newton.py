@@ -118,23 +118,29 @@ def assemble(now: Iterate, series: CosineSeries, load: float) -> tuple[Matrix, A
     The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
     and last the load or the mean gap.
     """
-    segments, factor, n = now.segments, np.pi / series.period, now.segments.centre.size
-    count, size = np.diff(segments.first_node), now.phi.size + 2 * n + 1
-    r, at_points = np.repeat(segments.half_width, count), np.repeat(segments.half_width, count + 1)
-    angle, of_points = factor * r * segments.node, factor * at_points * segments.point
-    force = r * segments.weight * now.phi
-    sines = np.sin(angle), np.cos(angle), np.sin(of_points), np.cos(of_points)
+    segments, n, size = now.segments, now.segments.centre.size, now.phi.size + 2 * now.segments.centre.size + 1
+    sines = _sines(segments, segments.node, 0, series.period) + _sines(segments, segments.point, 1, series.period)
     system = System(np.zeros((size, size)), np.zeros(size), np.zeros(size), *sines)
     for j in range(n):
         _add_forcing(system, now, series, load, j)
-        _add_cauchy_integral(system, segments, force, series.period, j)
+        _add_cauchy_integral(system, segments, now.phi, series.period, j)
     if now.dual:
-        _fill_closure_rows(system, now, force, series.period)
+        _fill_closure_rows(system, now, series.period)
     else:
         for i in range(n):
             _fill_height_row(system, now, series, i)
         _fill_load_row(system, now, load, series.period)
     return system.matrix, system.residual, system.by_load
+
+
+@kernel
+def _sines(segments: Segments, t: Array, more: int, period: float) -> tuple[Array, Array]:
+    """Sine and cosine of pi r t/L, where each segment has so many t more than nodes."""
+    angle = np.empty(t.size)
+    for j in range(segments.centre.size):
+        for q in range(segments.first_node[j] + j * more, segments.first_node[j + 1] + (j + 1) * more):
+            angle[q] = np.pi / period * segments.half_width[j] * t[q]
+    return np.sin(angle), np.cos(angle)
 
 
 @kernel
@@ -165,7 +171,7 @@ def _angle_between_centres(segments: Segments, i: int, j: int, factor: float) ->
 
 
 @kernel
-def _add_cauchy_integral(system: System, segments: Segments, force: Array, period: float, j: int) -> None:
+def _add_cauchy_integral(system: System, segments: Segments, phi: Array, period: float, j: int) -> None:
     """I = int rho cot(pi (x-s)/L) ds over segment j at all points x = c_i + r_i t.
 
     With K = cot and dK/ds = (pi/L) (1 + K^2), dI/dc_j = sum w r phi dK/ds = -dI/dx, and
@@ -185,7 +191,8 @@ def _add_cauchy_integral(system: System, segments: Segments, force: Array, perio
         u, v, cot = system.sine[q], system.cosine[q], system.matrix[q, :size]
         for a in range(size):  # loops of their own, which the compiler turns into operations on four at a time
             cot[a] = (cosine[a] * v + sine[a] * u) / (sine[a] * v - cosine[a] * u)
-        here, weight, lever = force[q], r * segments.weight[q], r * segments.node[q]
+        weight, lever = r * segments.weight[q], r * segments.node[q]
+        here = weight * phi[q]
         for a in range(size):
             term, slope = here * cot[a], factor * here * (1 + cot[a] * cot[a])
             cot[a] *= weight
@@ -217,21 +224,19 @@ def _fill_height_row(system: System, now: Iterate, series: CosineSeries, i: int)
     value, slope, _ = evaluate_series(series, segments.crest[i], segments.centre[i])
     scale = 1 / segments.half_width[i]
     total = (now.approach + value) * scale
-    dtotal_dc = slope
+    row[phi.size + i] = slope
     potential, dln_dx, dln_dr = _log_potentials(system, segments, i, series.period)
     for j in range(n):
-        r = segments.half_width[j]
-        dV_dc, dV_dr = 0.0, 0.0
+        r, dV_dc, dV_dr = segments.half_width[j], 0.0, 0.0
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
             weight = r * segments.weight[q]
             row[q] = 2 * potential[q] * scale
             total += 2 * potential[q] * phi[q] * scale
             dV_dc -= 2 * weight * phi[q] * dln_dx[q]
             dV_dr += 2 * (potential[q] + weight * dln_dr[q]) * phi[q]
-        dtotal_dc -= dV_dc
+        row[phi.size + i] -= dV_dc
         row[phi.size + j] += dV_dc * r * scale
         row[phi.size + n + j] += dV_dr * scale
-    row[phi.size + i] += dtotal_dc
     row[-1] = scale
     system.residual[phi.size + n + i] = total
 
@@ -282,7 +287,7 @@ def _fill_load_row(system: System, now: Iterate, load: float, period: float) -> 
 
 
 @kernel
-def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float) -> None:
+def _fill_closure_rows(system: System, now: Iterate, period: float) -> None:
     """int rho dx = 0: each gap, which opens at one end of its segment, has closed at the other.
 
     And the approach is minus the mean gap: approach = (1/L) int (x - c) rho dx.
@@ -292,17 +297,16 @@ def _fill_closure_rows(system: System, now: Iterate, force: Array, period: float
     for j in range(segments.centre.size):
         row, r = now.phi.size + segments.centre.size + j, segments.half_width[j]
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
-            moment = r * force[q] * segments.node[q] / period
             matrix[q, row], matrix[q, -1] = segments.weight[q], r * r * segments.weight[q] * segments.node[q] / period
+            moment = matrix[q, -1] * now.phi[q]
             residual[row] += segments.weight[q] * now.phi[q]
             residual[-1] += moment
             matrix[row, -1] += 2 * moment
 
 
 @kernel
-def _solve_factorised(lu: Matrix, pivot: NDArray[np.int32], right: Array) -> Array:
-    """The solution for a right side by LAPACK's factors of a matrix."""
-    x = right.copy()
+def _solve_factorised(lu: Matrix, pivot: NDArray[np.int32], x: Array) -> None:
+    """Replace a right side by the solution for it, by LAPACK's factors of a matrix."""
     for k in range(x.size):
         x[k], x[pivot[k]] = x[pivot[k]], x[k]
     for k in range(x.size):
@@ -312,18 +316,18 @@ def _solve_factorised(lu: Matrix, pivot: NDArray[np.int32], right: Array) -> Arr
         x[k] /= lu[k, k]
         for i in range(k):
             x[i] -= x[k] * lu[i, k]
-    return x
 
 
 @kernel
 def _correction(grids: TwoGrids, residual: Array) -> Array:
     """The change of the unknowns that takes off a residual, but for what the fast modes of others see of it."""
-    few, points = grids.interpolation.first_column[-1], grids.restriction.first_column[-1]
-    fewer = np.concatenate((apply_blocks(grids.restriction, residual), residual[points:]))
-    fewer[grids.restriction.first_row[-1] : -1] -= apply_blocks(grids.lift, residual)
-    slow = _solve_factorised(grids.factors[0], grids.factors[1], fewer)
+    restricted, lift = apply_blocks(grids.restriction, residual), apply_blocks(grids.lift, residual)
+    slow = np.concatenate((restricted, residual[grids.restriction.first_column[-1] :]))
+    for j in range(lift.size):
+        slow[restricted.size + j] -= lift[j]
+    _solve_factorised(grids.factors[0], grids.factors[1], slow)
     phi = apply_blocks(grids.interpolation, slow) + apply_blocks(grids.fast, residual)
-    return -np.concatenate((phi, slow[few:]))
+    return -np.concatenate((phi, slow[grids.interpolation.first_column[-1] :]))
 
 
 def change_nodes(now: Iterate | ContactState, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
@@ -371,9 +375,8 @@ def _step_size(now: Iterate, step: Array, period: float) -> float:
     """
     segments, r, phi, largest = now.segments, now.segments.half_width, now.phi, 0.0
     n, N, distance = r.size, phi.size, distances_between(segments.origin, segments.centre, r, period)
-    for i in range(step.size):
-        if not np.isfinite(step[i]):
-            return np.nan
+    if not np.isfinite(step.sum()):
+        return np.nan
     for j in range(n):
         k, of_phi, of_step = (j + 1) % n, 0.0, 0.0
         for q in range(segments.first_node[j], segments.first_node[j + 1]):

@@ -279,7 +279,6 @@ def make_segments(
     return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
 
 
-@kernel
 def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, Array, Array]:
     """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
     place = segments.origin, segments.centre, segments.half_width
@@ -299,9 +298,11 @@ def in_order(middle: Array, half_width: Array, period: float) -> tuple[Array, Ar
 @kernel
 def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
     """From the right end of each segment to the left end of the next, round the period, in lambda_0."""
-    between_origins = np.roll(origin, -1) - origin
-    between_origins[-1] += period
-    return between_origins + (np.roll(centre - half_width, -1) - (centre + half_width))
+    distance = np.empty(centre.size)
+    for k in range(distance.size):
+        between_origins = origin[k] - origin[k - 1] + (period if k == 0 else 0.0)
+        distance[k - 1] = between_origins + ((centre[k] - half_width[k]) - (centre[k - 1] + half_width[k - 1]))
+    return distance
 
 
 def estimate_node_count(

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
-from weier.kernels.jit import kernel
 from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
@@ -191,7 +190,6 @@ def _curve_point(
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
 
-@kernel
 def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
     """How far the resistance may be off, in g_0/p_0*, where contacts are so light that heights tell little of them.
 
@@ -206,11 +204,11 @@ def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
     origin, centre, half_width = contacts_of(state.segments, state.dual, period)
     crest, y = nearest_crests(series, origin + centre)
     curvature, is_lower = -evaluate_at(series, crest, y, 2), series.crest_offset[crest] < -TWIN_HEIGHT * most
-    error = state.error + np.finfo(np.float64).eps * most * is_lower
+    error = state.error + np.finfo(float).eps * most * is_lower
     force = np.where(curvature > 0, half_width**2 * curvature / 4, np.inf)
     c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
     share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
-    return np.sum(period * share**2 * (2 / c + 0.5) * error / force)
+    return float(np.sum(period * share**2 * (2 / c + 0.5) * error / force))
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:

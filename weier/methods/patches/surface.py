@@ -144,11 +144,12 @@ def evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int)
 @kernel
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
     """Indices of the crests nearest to positions x on the periodic line, and the distances y of x from them."""
-    period, crest = series.period, series.crest_position
-    after = np.searchsorted(crest, x - period * np.floor(x / period))
-    left, right = (after - 1) % crest.size, after % crest.size
-    from_left, from_right = x - crest[left], x - crest[right]
-    from_left -= period * np.rint(from_left / period)
-    from_right -= period * np.rint(from_right / period)
-    is_left = np.abs(from_left) <= np.abs(from_right)
-    return np.where(is_left, left, right), np.where(is_left, from_left, from_right)
+    period, crest, nearest, y = series.period, series.crest_position, np.zeros(x.size, np.int64), np.empty(x.size)
+    for i in range(x.size):
+        after, y[i] = np.searchsorted(crest, x[i] - period * np.floor(x[i] / period)), np.inf
+        for neighbour in ((after - 1) % crest.size, after % crest.size):
+            distance = x[i] - crest[neighbour]
+            distance -= period * np.rint(distance / period)
+            if abs(distance) < abs(y[i]):
+                nearest[i], y[i] = neighbour, distance
+    return nearest, y
