@@ -33,7 +33,7 @@ def test_points_are_the_fewest_that_do(error):
     assert points == 12 * waves or bem.error_model.compliance_error(THREE_WAVES, int(points * 0.75)) > error
 
 
-@pytest.mark.parametrize("per_wave", [16, 48, 128])
+@pytest.mark.parametrize("per_wave", [16, 48, 192])
 @pytest.mark.parametrize("quantity", ["compliance", "resistance"])
 def test_most_loads_state_what_plans_expect_of_them_and_not_by_far_less(per_wave, quantity):
     expected, stated, lone = [], [], []

@@ -23,7 +23,7 @@ COMPLIANCE = math.pi**2 / 2
 # contacts of a wave, since these bear on each other in pairs. The errors themselves are far smaller. A solution that
 # states more than this, as next to births, is not taken if it is too much.
 STATED_COMPLIANCE = 1.8
-STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.03, 1.3, 0.012
+STATED_RESISTANCE, RESISTANCE_CROWDING, RESISTANCE_PAIRS = 0.03, 1.05, 0.012
 LONE_SHARE = 3e-3  # of these where there is one contact, which has no neighbours that bear on it
 
 MIN_MEASURED_POINTS = 12  # for each of the finest waves, with edges on nodes: coarser grids were not measured

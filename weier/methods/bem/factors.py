@@ -19,7 +19,7 @@ ALONE = np.array([0.2, 0.9])
 UNEVEN = 2.0  # times the load that the steps beside an edge take if it moves evenly: no step says where it is then
 GAP = np.array([0.006, 0.035])  # times (2 pi/points a wave)^2, for gaps with a polynomial, which stands for waves
 NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
-MOMENTS_LEFT = 2.0  # times what second moments of contacts change
+MOMENTS_LEFT = 1.7  # times what second moments of contacts change
 # Births, by how far off the height of a crest may be.
 HEIGHT_SHARE = 5.0  # errors of the compliance, beside those of its polynomial and of what displaces it
 # Times the error of its height: a crest may be so much lower, since the resistance drops most steeply as it touches.

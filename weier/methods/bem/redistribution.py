@@ -138,11 +138,10 @@ def _equalise_heights(
     `lift` is their displacement by moments of all that the grid has not, with its images, in the first column; the
     forces are `total` in all.
     """
-    for number in range(MAX_STEPS):
-        if not _heights(contacts, plane, period, state):
-            return False
-        if number == 0:
-            inverse = invert_punches(np.flatnonzero(state.touching), contacts["position"], state.slope, period)
+    if not _heights(contacts, plane, period, state):
+        return False
+    inverse = invert_punches(np.flatnonzero(state.touching), contacts["position"], state.slope, period)
+    for _ in range(MAX_STEPS):
         right = _asked_heights(contacts, lift, interaction, state)
         rest = -state.change.sum()
         step, found = solve_bordered(state.slope, right, rest, STEP_TOLERANCE, interaction, inverse)
@@ -161,6 +160,8 @@ def _equalise_heights(
         # search, though gradients need not converge in it.
         if done or released or not found:
             return done or released
+        if not _heights(contacts, plane, period, state):
+            return False
     return False
 
 
