@@ -28,7 +28,7 @@ CONFIG = Path("config" if Path("config/scenes").is_dir() else CHECKOUT / "config
 from snakemake.utils import validate
 
 from weier.data.files import bring_to_present, check_writable, remove_leftovers
-from weier.kernels.digests import digest_of_program
+from weier.digests import digest_of_program
 
 
 configfile:

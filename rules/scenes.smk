@@ -9,7 +9,7 @@ from weier.data.files import check_target
 from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
-from weier.kernels.digests import KERNELS, PACKAGE
+from weier.digests import KERNELS, PACKAGE
 from weier.kernels.jit import LISTENERS, cache_folder, disabled
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import NUMBERS, Solutions, read_batch

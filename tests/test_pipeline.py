@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from weier.data import dataset
-from weier.kernels.digests import PACKAGE
+from weier.digests import PACKAGE
 
 SCENE = """
 title: test

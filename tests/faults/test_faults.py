@@ -17,7 +17,7 @@ import pytest
 import xarray as xr
 
 from weier.data import dataset
-from weier.kernels.digests import PACKAGE
+from weier.digests import PACKAGE
 
 SCENE = """
 title: test

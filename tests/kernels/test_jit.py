@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from tests.marks import compiled
+from weier.digests import KERNELS, PACKAGE
 from weier.kernels import jit
-from weier.kernels.digests import KERNELS, PACKAGE
 
 PATIENCE = 120  # seconds
 
@@ -37,8 +37,8 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     for name in ("", "kernels", "theory"):
         (package / name).mkdir(exist_ok=True)
         (package / name / "__init__.py").touch()
-    for path in (PACKAGE / "kernels").glob("[a-z]*.py"):
-        (package / "kernels" / path.name).write_text(path.read_text())
+    for path in [PACKAGE / "digests.py", *(PACKAGE / "kernels").glob("[a-z]*.py")]:
+        (package / path.relative_to(PACKAGE)).write_text(path.read_text())
     (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier.theory import constants"))
 
     def run(value):

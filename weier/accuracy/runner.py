@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from weier.digests import PACKAGE
 from weier.kernels.arrays import Array
-from weier.kernels.digests import PACKAGE
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method

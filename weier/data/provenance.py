@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
 
-from weier.kernels.digests import PACKAGE
+from weier.digests import PACKAGE
 
 NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "

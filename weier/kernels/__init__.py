@@ -1,4 +1,4 @@
-"""What numerical code is compiled and run with: numba with its cache, FFTs, BLAS on one thread, digests.
+"""What numerical code is compiled and run with: numba with its cache, arrays, BLAS on one thread.
 
-Imports nothing else of weier, and every other folder may use it.
+Imports nothing else of weier but the digests, and every other folder may use it.
 """

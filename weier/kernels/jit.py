@@ -19,7 +19,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar, cast
 
-from weier.kernels.digests import KERNELS, PACKAGE, digest, digest_of_program
+from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
 from weier.kernels.transform import register_transforms
 
 Function = TypeVar("Function", bound=Callable[..., Any])

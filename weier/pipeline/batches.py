@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from weier.data.files import write_text
+from weier.digests import KERNELS, digest, digest_of_program
 from weier.kernels.arrays import Array
-from weier.kernels.digests import KERNELS, digest, digest_of_program
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
 from weier.methods.registry import PLANNED, find_method

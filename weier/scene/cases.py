@@ -11,8 +11,8 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from weier.digests import digest
 from weier.kernels.arrays import Array, Indices
-from weier.kernels.digests import digest
 from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).parent
 KERNELS = ("kernels", "theory", "methods")  # what is compiled
 SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
 
