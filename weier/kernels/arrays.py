@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
+Spectrum = NDArray[np.complex128]
 Records = NDArray[np.record]
 Record = Any  # one of them, whose fields are attributes
 

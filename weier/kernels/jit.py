@@ -20,7 +20,6 @@ from time import perf_counter
 from typing import Any, TypeVar, cast
 
 from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
-from weier.kernels.transform import register_transforms
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -137,9 +136,9 @@ def raising_lost_interrupts() -> Iterator[None]:
 
 def _introduce_kernels() -> None:
     """Tell numba of the kernels that were defined since the last time, for others to call as parts of theirs."""
+    import rocket_fft  # noqa: F401 - which tells it of numpy's Fourier transforms
     from numba.extending import overload
 
-    register_transforms()
     options: Any = {"error_model": "numpy", "no_cfunc_wrapper": True}
     while UNKNOWN:
         kernel = UNKNOWN[-1]

@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags, Indices, Spectrum
 from weier.kernels.jit import kernel
-from weier.kernels.transform import Spectrum, backward, forward
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import (
     Grid,
@@ -97,10 +96,10 @@ def leading_part(state: GridState, points: int) -> GridState:
 @kernel
 def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: Array) -> None:
     """Multiply x by the symmetric circulant matrix with these eigenvalues: one pair of FFTs."""
-    forward(x, spectrum)
+    np.fft.rfft(x, out=spectrum)
     for k in range(spectrum.size):
         spectrum[k] *= eigenvalue[k]
-    backward(spectrum, product)
+    np.fft.irfft(spectrum, product.size, out=product)
 
 
 def count_patches(contact: Flags) -> int:

@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array, Indices, Spectrum
 from weier.kernels.jit import kernel
-from weier.kernels.transform import Spectrum
 from weier.methods.bem.active_set import circulant_product
 from weier.methods.bem.grid_solution import Continuum
 from weier.theory.halfplane import displacement_at_distance
