@@ -48,17 +48,22 @@ def invert_punches(which: Indices, centre: Array, compliance: Array, period: flo
             member[start[row] : start[row + 1] - 1], member[start[row + 1] - 1] = which[near * stride], which[new]
             row += 1
         stride //= 2
+    factor = np.empty((MAX_COARSEST, MAX_COARSEST))
     for row in range(n):
         here = member[start[row] : start[row + 1]]
-        _fill_row(centre[here], compliance[here], period, entry[start[row] : start[row + 1]])
+        known = row if here.size == row + 1 else 0  # the coarsest have all before them, whose rows are the same
+        _fill_row(centre[here], compliance[here], period, known, factor, entry[start[row] : start[row + 1]])
     return start, member[: start[n]], entry[: start[n]]
 
 
 @kernel
-def _fill_row(x: Array, compliance: Array, period: float, entry: Array) -> None:
-    """The last row of the inverse of Cholesky's factor of the influence of these punches on each other."""
-    n, factor = x.size, np.empty((x.size, x.size))
-    for i in range(n):
+def _fill_row(x: Array, compliance: Array, period: float, known: int, factor: Array, entry: Array) -> None:
+    """The last row of the inverse of Cholesky's factor of the influence of these punches on each other.
+
+    So many rows of the factor are known; the others are written.
+    """
+    n = x.size
+    for i in range(known, n):
         for j in range(i + 1):
             rest = OFFSET + (compliance[i] if i == j else displacement_at_distance(x[i] - x[j], period))
             for k in range(j):

@@ -351,11 +351,15 @@ class NestedSolver:
         """Start the next load from full contact, as the first one."""
         self._start = None
 
-    def solve(self, load: float) -> tuple[float, float, float]:
-        """Plane, residual and pairs of FFTs of a load, those of coarser grids by their size."""
+    def start(self, load: float) -> Array:
+        """The pressure on the coarsest grid that the search under the next load begins with, and then leaves."""
         if self._start is None:
             self._start = load + self._flattening
-        return cascade(load, self.hierarchy, self._start, self.state)
+        return self._start
+
+    def solve(self, load: float) -> tuple[float, float, float]:
+        """Plane, residual and pairs of FFTs of a load, those of coarser grids by their size."""
+        return cascade(load, self.hierarchy, self.start(load), self.state)
 
     def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:
         """The contact as it stands on nodes, and its rate if asked for, at about the cost of another load."""

@@ -117,7 +117,7 @@ def enter_contact(run: int, polynomial: bool, solution: GridSolution, continuum:
     contact.kind, contact.limit = NARROW, limit
     contact.centre, contact.half_width = centre, width
     contact.position += centre * scale * spacing
-    others = without_own(solution.displacement, share, continuum.influence, start, np.arange(nodes))
+    others = without_own(solution.displacement, share, continuum.influence, start, 0, np.arange(nodes))
     smoothing = added_by_triangles(contact.rate, nodes, scale)
     contact.grid_mixed, contact.grid_cross = dot(force, others + smoothing), dot(share, others + smoothing / 2)
     contact.self_compliance = dot(share, solution.displacement[run_nodes] - others) / contact.share**2

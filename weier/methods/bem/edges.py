@@ -80,23 +80,40 @@ def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
 def find_steps(solution: GridSolution) -> Records:
     """The steps of all edges, of shape (edges,); zeros where one is not known."""
     points, steps = solution.pressure.size, np.zeros(solution.edge.size - 2, STEP)
-    closing = solution.rate - solution.displacement
-    # The loads since a node has touched and until it does; 0 where that means nothing.
-    since = np.maximum(solution.pressure, 0.0) / np.where(solution.per_load > 0, solution.per_load, np.inf)
-    until = np.maximum(solution.plane - solution.deformed, 0.0) / np.where(closing > 0, closing, np.inf)
     for at in range(steps.size):
         start = solution.edge[at + 1] % points
         outwards = -1 if solution.contact[start] else 1
         inside = start if solution.contact[start] else (start - 1) % points
         outside = (inside + outwards) % points
-        load = since[inside] + until[outside]
-        if solution.per_load[inside] > 0 and closing[outside] > 0 and load > 0:
+        since, until, closing = _since(inside, solution), _until(outside, solution), _closing(outside, solution)
+        load = since + until
+        if solution.per_load[inside] > 0 and closing > 0 and load > 0:
             step, behind, beyond = steps[at], (inside - outwards) % points, (outside + outwards) % points
-            step.drop = solution.per_load[inside] * closing[outside] / points
-            step.load, step.position = load, since[inside] / load - 0.5
-            step.uneven = solution.contact[behind] and since[behind] - since[inside] > UNEVEN * BEHIND * load
-            step.uneven |= not solution.contact[beyond] and until[beyond] - until[outside] > UNEVEN * BEYOND * load
+            step.drop = solution.per_load[inside] * closing / points
+            step.load, step.position = load, since / load - 0.5
+            step.uneven = solution.contact[behind] and _since(behind, solution) - since > UNEVEN * BEHIND * load
+            step.uneven |= not solution.contact[beyond] and _until(beyond, solution) - until > UNEVEN * BEYOND * load
     return steps
+
+
+@kernel
+def _closing(node: int, solution: GridSolution) -> float:
+    """By how much the gap at a node falls per mean pressure."""
+    return solution.rate - solution.displacement[node]
+
+
+@kernel
+def _since(node: int, solution: GridSolution) -> float:
+    """The load since a node has touched; 0 where that means nothing."""
+    share = solution.per_load[node]
+    return max(solution.pressure[node], 0.0) / share if share > 0 else 0.0
+
+
+@kernel
+def _until(node: int, solution: GridSolution) -> float:
+    """The load until a node touches; 0 where that means nothing."""
+    closing = _closing(node, solution)
+    return max(solution.plane - solution.deformed[node], 0.0) / closing if closing > 0 else 0.0
 
 
 @kernel

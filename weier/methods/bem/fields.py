@@ -49,6 +49,6 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
         return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
     grid = NestedSolver(profile, points, tolerance)
     plane, residual, _ = grid.solve(load)
-    check_residual(np.array([residual]), np.array([load]), points, tolerance)
+    check_residual(residual, load, points, tolerance)
     deformed = grid.state.deformed
     return Field(x, grid.state.pressure, plane - deformed, height - deformed)

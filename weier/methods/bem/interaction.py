@@ -86,6 +86,9 @@ def displace(moments: Array, interaction: Interaction) -> Array:
     points, weights = interaction.pressure.size, interaction.weights
     forces, effects = np.zeros(moments.shape), np.zeros(moments.shape)
     interaction.pressure[:] = 0.0
+    if not moments.any():
+        interaction.displacement[:] = 0.0
+        return effects
     for i in range(moments.shape[0]):
         for a in range(MOMENTS):
             for k in range(MOMENTS):

@@ -145,15 +145,17 @@ def scale_of(window: int) -> float:
 
 
 @kernel
-def without_own(field: Array, own: Array, table: Array, start: int, offset: Indices) -> Array:
-    """The field at so many nodes from `start`, less what a run that begins there does by its `own` nodal values.
+def without_own(field: Array, own: Array, table: Array, start: int, margin: int, offset: Indices) -> Array:
+    """The field at nodes of a window that begins `margin` nodes before a run, less what its `own` nodal values do.
 
-    `table` tells what a value of 1 does to the field at 0, 1, 2, ... nodes from it.
+    The run begins at `start`. `table` tells what a value of 1 does to the field at 0, 1, 2, ... nodes from it.
     """
-    values = field[(start + offset) % field.size]
+    values = np.empty(offset.size)
     for i in range(offset.size):
+        node = offset[i] - margin
+        values[i] = field[(start + node) % field.size]
         for j in range(own.size):
-            values[i] -= table[abs(offset[i] - j)] * own[j]
+            values[i] -= table[abs(node - j)] * own[j]
     return values
 
 
@@ -162,7 +164,7 @@ def fit_without(field: Array, own: Array, table: Array, start: int, margin: int,
     """The polynomial of what that leaves, fitted on the run and `margin` more nodes at both ends, shape (TERMS,)."""
     window = own.size + 2 * margin
     coefficient = windows.coefficient[window]
-    values = without_own(field, own, table, start, windows.offset[window, : windows.fitted[window]] - margin)
+    values = without_own(field, own, table, start, margin, windows.offset[window, : windows.fitted[window]])
     polynomial = np.zeros(TERMS)
     for i in range(values.size):
         for k in range(TERMS):

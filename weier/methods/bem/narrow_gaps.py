@@ -62,8 +62,8 @@ class Gaps(NamedTuple):
 
 
 @kernel
-def find_gaps(solution: GridSolution, continuum: Continuum) -> tuple[Flags, Records, Array, bool]:
-    """Correct all narrow gaps, and find those that open between two nodes; the fields of `Gaps`."""
+def find_gaps(solution: GridSolution, continuum: Continuum) -> Gaps:
+    """Correct all narrow gaps, and find those that open between two nodes."""
     edge, points = solution.edge, solution.pressure.size
     pressure = _pressure_without_residual(solution, continuum.grid)
     polynomial = narrow_runs(edge, solution.contact, continuum.narrow)
@@ -88,7 +88,7 @@ def find_gaps(solution: GridSolution, continuum: Continuum) -> tuple[Flags, Reco
             if left < right:
                 opened[count, 0], opened[count, 1] = left, right
                 count += 1
-    return polynomial, gaps, opened[:count], found
+    return Gaps(polynomial, gaps, opened[:count], found)
 
 
 @kernel
@@ -160,7 +160,7 @@ def correct_gap(
     mixed, energy = gap_energy(
         expansion(pressure, centre, half_width), expansion(rate, centre, half_width), half_length
     )
-    closing = without_own(solution.per_load, opening, stiffness, start, np.arange(nodes))
+    closing = without_own(solution.per_load, opening, stiffness, start, 0, np.arange(nodes))
     closing += added_by_triangles(rate, nodes, scale)
     correction.compliance += (spacing * dot(gap, closing) - mixed) / continuum.period
     correction.resistance += (spacing * dot(opening, closing) - energy) / continuum.period

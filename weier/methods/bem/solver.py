@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import active_set, direct, error_model
+from weier.methods.bem.contact_list import LISTED
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.subgrid_solver import LoadSolution, check_residual, solve_curve
 from weier.methods.errors import ConvergenceError
@@ -130,9 +131,9 @@ def _nodal_curve(profile: Waves, loads: Array, points: int, tolerance: float, re
         grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
     for load in map(float, partial[::-1]):
         rows.append(grid.solve_discrete(load, resistance))
+        check_residual(rows[-1].residual, load, points, tolerance)
         count_load()
     curve = _as_curve(profile, loads, rows[::-1], [], np.full((loads.size, 0), np.nan), points, "nodes")
-    check_residual(curve.residual, loads, points, tolerance)
     check_resistance(curve.resistance, loads, points)
     error = error_model.solution_error(profile, points, curve.residual)
     return curve._replace(compliance_error=error, resistance_error=np.full(loads.size, np.nan))
@@ -142,10 +143,11 @@ def _subgrid_curve(profile: Waves, loads: Array, points: int, tolerance: float, 
     """The curve with the edges of contact between nodes."""
     found = solve_curve(profile, points, tolerance, loads)
     rows, errors = [], [(each.compliance_error, each.resistance_error) for each in found]
-    for each in found:
-        fraction = float((each.contacts["right"] - each.contacts["left"]).sum()) / profile.period
+    edge = _padded_edges(found, loads.size)
+    fractions = np.nansum(edge[:, 1::2] - edge[:, ::2], axis=1) / profile.period
+    for each, fraction in zip(found, fractions, strict=False):  # full contact has none
         rows.append((each.plane, each.resistance, fraction, each.contacts.size, each.residual, each.work))
-    curve = _as_curve(profile, loads, rows, errors, _padded_edges(found, loads.size), points, "subgrid")
+    curve = _as_curve(profile, loads, rows, errors, edge, points, "subgrid")
     unknown = np.full(loads.size, np.nan)
     return curve if resistance else curve._replace(resistance=unknown, resistance_error=unknown)
 
@@ -168,11 +170,12 @@ def _as_curve(
 
 def _padded_edges(solutions: list[LoadSolution], loads: int) -> Array:
     """Left and right edges of the contacts at each load, shape (loads, edges)."""
-    edge = np.full((loads, 2 * max((each.contacts.size for each in solutions), default=0)), np.nan)
-    for row, each in zip(edge, solutions, strict=False):  # full contact has none
-        row[: 2 * each.contacts.size : 2] = each.contacts["left"]
-        row[1 : 2 * each.contacts.size : 2] = each.contacts["right"]
-    return edge
+    contacts = np.concatenate([np.zeros(0, LISTED), *(each.contacts for each in solutions)])
+    count = np.zeros(loads, np.int64)
+    count[: len(solutions)] = [each.contacts.size for each in solutions]
+    edge = np.full((loads, count.max(initial=0), 2), np.nan)
+    edge[np.arange(edge.shape[1]) < count[:, None]] = np.stack([contacts["left"], contacts["right"]], axis=1)
+    return edge.reshape(loads, 2 * edge.shape[1])
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

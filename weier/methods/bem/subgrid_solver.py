@@ -9,13 +9,14 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Records
 from weier.kernels.jit import kernel
-from weier.methods.bem import active_set
+from weier.methods.bem.active_set import GridState, NestedSolver, cascade, resume, solve_rate
 from weier.methods.bem.contact_list import LISTED, list_contacts
 from weier.methods.bem.contacts import find_contacts, find_crests
 from weier.methods.bem.edges import find_edges, find_steps
 from weier.methods.bem.errors import estimate_errors
 from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
-from weier.methods.bem.narrow_gaps import Gaps, find_gaps
+from weier.methods.bem.grids import Grid, Hierarchy, copy_values
+from weier.methods.bem.narrow_gaps import find_gaps
 from weier.methods.bem.redistribution import redistribute
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, telling
@@ -51,37 +52,68 @@ class LoadSolution(NamedTuple):
 
 
 @kernel
-def correct_contacts(
-    gaps: Gaps, solution: GridSolution, continuum: Continuum
-) -> tuple[bool, float, float, float, float, Records]:
-    """Correct a converged solution, whose gaps are `gaps`, by what the continuum adds to it.
+def solve_on_grid(
+    load: float, heavier: float, carried: Array, start: Array, hierarchy: Hierarchy, grid: Grid, state: GridState
+) -> tuple[float, float, float]:
+    """Plane, residual and pairs of FFTs of a load.
+
+    Under a load near the `heavier` one before, the search begins with the pressure that this has left, `carried`;
+    else on the coarsest grid, with the pressure `start` there. Both become what this load leaves.
+    """
+    plane, residual, pairs = 0.0, np.inf, 0.0
+    if load > MIN_NEAR * heavier:
+        plane, residual, pairs = resume(load, heavier, carried, grid, state)
+    if not residual <= grid.max_residual:
+        plane, residual, more = cascade(load, hierarchy, start, state)
+        pairs += more
+    copy_values(state.pressure, carried)
+    return plane, residual, pairs
+
+
+@kernel
+def solve_and_correct(
+    load: float, heavier: float, flatness: float, carried: Array, start: Array, hierarchy: Hierarchy,
+    continuum: Continuum, state: GridState,
+) -> tuple[bool, float, float, float, float, Records, float, float]:  # fmt: skip
+    """One load on the grid, its rate to this `flatness`, and what the continuum adds: the fields of `LoadSolution`.
 
     Crests that may touch are told by the plane on the grid at first. The corrected plane and pressure judge all
-    crests again, until no more of them may touch. Returns the fields of `LoadSolution`, but for the last two.
+    crests again, until no more of them may touch.
     """
-    points = solution.pressure.size
-    steps = find_steps(solution)
+    grid, points, rate = continuum.grid, carried.size, np.inf
+    plane, residual, pairs = solve_on_grid(load, heavier, carried, start, hierarchy, grid, state)
+    deformed = state.deformed.copy()
+    if residual <= grid.max_residual:
+        rate, more = solve_rate(flatness, grid, state)
+        pairs += more
+    if not rate < np.inf:  # the load was not solved on the grid, or its rate was not
+        return False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED), residual, pairs
+    edge = find_edges(state.contact, state.edge)
+    solution = GridSolution(plane, rate, carried, deformed, state.pressure, -state.deformed, state.contact, edge)
+    gaps, steps = find_gaps(solution, continuum), find_steps(solution)
     crest = np.zeros(points, np.bool_)
-    find_crests(solution.plane, solution, np.zeros(points), crest)
+    find_crests(plane, solution, np.zeros(points), crest)
     for _ in range(MAX_ROUNDS):
         contacts, polynomial = find_contacts(crest, gaps, steps, solution, continuum)
         forces = redistribute(contacts, solution, continuum)
-        plane, resistance = solution.plane - forces.compliance, solution.rate + forces.resistance
+        corrected, resistance = plane - forces.compliance, rate + forces.resistance
         if contacts.size == 0:  # all nodes touch
-            plane, resistance = plane - gaps.runs[0].compliance, resistance + gaps.runs[0].resistance
-        new = find_crests(plane, solution, forces.displacement, crest)
+            corrected, resistance = corrected - gaps.runs[0].compliance, resistance + gaps.runs[0].resistance
+        new = find_crests(corrected, solution, forces.displacement, crest)
         if not (new and forces.found):
             break
     errors = estimate_errors(solution, steps, polynomial, gaps, contacts, forces, continuum)
-    finite = np.isfinite(plane + resistance + errors.compliance + errors.resistance)
+    finite = np.isfinite(corrected + resistance + errors.compliance + errors.resistance)
     # A mean gap and a resistance are not below 0, where both are smaller than their errors.
     return (
         not new and gaps.found and forces.found and errors.judged and finite,
-        max(plane, 0.0),
+        max(corrected, 0.0),
         max(resistance, 0.0),
         errors.compliance,
         errors.resistance,
         list_contacts(contacts, forces.contacts, gaps.opened, solution, continuum.period),
+        residual,
+        pairs,
     )
 
 
@@ -92,7 +124,7 @@ class GridSolver:
         self, profile: Waves, points: int, max_residual: float, rate_tolerance: float = RATE_TOLERANCE
     ) -> None:
         """Make the grids, and room for a solution."""
-        self.nested, self._rate_tolerance = active_set.NestedSolver(profile, points, max_residual), rate_tolerance
+        self.nested, self._rate_tolerance = NestedSolver(profile, points, max_residual), rate_tolerance
         self._continuum = make_continuum(profile, self.nested.grid)
         self._carried, self._heavier = np.zeros(points), np.inf
         # Beyond so many points the edges move by many of them from load to load.
@@ -100,39 +132,16 @@ class GridSolver:
 
     def solve(self, load: float) -> LoadSolution:
         """Solve the next lighter load: on the grid, its rate, and what the continuum adds to both."""
-        plane, residual, pairs = self._solve_on_grid(load)
-        grid, state = self.nested.grid, self.nested.state
-        if not residual <= grid.max_residual:
-            return _unsolved(plane, residual, pairs)
-        deformed = state.deformed.copy()
-        rate, more = active_set.solve_rate(self._rate_tolerance, grid, state)
-        if not rate < np.inf:
-            return _unsolved(plane, residual, pairs + more)
-        edge = find_edges(state.contact, state.edge)
-        solution = GridSolution(
-            plane, rate, self._carried, deformed, state.pressure, -state.deformed, state.contact, edge
-        )
-        gaps = Gaps(*find_gaps(solution, self._continuum))
-        return LoadSolution(*correct_contacts(gaps, solution, self._continuum), residual, pairs + more)
-
-    def _solve_on_grid(self, load: float) -> tuple[float, float, float]:
-        """Plane, residual and pairs of FFTs of a load.
-
-        Under a load near the heavier one before, the search begins with what that has left; else on the coarsest
-        grid, with the pressure there of the load before, or of full contact.
-        """
-        plane, residual, pairs, nested = 0.0, np.inf, 0.0, self.nested
+        nested = self.nested
         if self._heavier == np.inf:
             nested.forget()
-        elif load > MIN_NEAR * self._heavier:
-            plane, residual, pairs = active_set.resume(load, self._heavier, self._carried, nested.grid, nested.state)
-        if not residual <= nested.grid.max_residual:
-            plane, residual, more = nested.solve(load)
-            pairs += more
-        self._carried[:] = nested.state.pressure
+        found = solve_and_correct(
+            load, self._heavier, self._rate_tolerance, self._carried, nested.start(load), nested.hierarchy,
+            self._continuum, nested.state,
+        )  # fmt: skip
         if self._few:
             self._heavier = load
-        return plane, residual, pairs
+        return LoadSolution(*found)
 
     def solve_alone(self, load: float) -> LoadSolution:
         """Solve a load independently of all others."""
@@ -140,17 +149,13 @@ class GridSolver:
         return self.solve(load)
 
 
-def _unsolved(plane: float, residual: float, pairs: float) -> LoadSolution:
-    """A load that was not solved on the grid, or whose rate was not."""
-    return LoadSolution(False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED), residual, pairs)
-
-
 def solve_curve(profile: Waves, points: int, max_residual: float, loads: Array) -> list[LoadSolution]:
     """Solve those of increasing loads that leave a gap, from the heaviest down; finer grids are made if needed."""
-    found, grid_on = [], cache(lambda count: GridSolver(profile, count, max_residual))
+    rate_tolerance = max(RATE_TOLERANCE, max_residual)  # what it leaves, times the load, is a residual of a height
+    found, grid_on = [], cache(lambda count: GridSolver(profile, count, max_residual, rate_tolerance))
     for load in map(float, loads[loads < profile.full_contact_load][::-1]):
         solution = grid_on(points).solve(load)
-        check_residual(np.array([solution.residual]), np.array([load]), points, max_residual)
+        check_residual(solution.residual, load, points, max_residual)
         work = solution.work
         for finer in FINER:
             if not solution.verified and points * finer <= MAX_POINTS:
@@ -182,21 +187,19 @@ def _solve_by_patches(profile: Waves, load: float) -> LoadSolution:
     return LoadSolution(True, mean_gap, R, h_error, R_error, contacts, residual, 0.0)
 
 
-def check_residual(residual: Array, loads: Array, points: int, max_residual: float) -> None:
+def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:
     """Refuse a solution with a residual above the tolerance, in g_0, or without one.
 
     Raises
     ------
     ConvergenceError
-        With the first such residual and its load.
+        With this residual.
 
     """
-    failed = np.flatnonzero(~(residual <= max_residual))
-    if failed.size:
-        worst = failed[0]
+    if not residual <= max_residual:
         raise ConvergenceError(
-            f"boundary elements on {points} points stopped at a residual of {residual[worst]:.1e} g_0 under the mean "
-            f"pressure {loads[worst]:.6g} p_0*, above the tolerance {max_residual:.1e}; try other points or a larger "
+            f"boundary elements on {points} points stopped at a residual of {residual:.1e} g_0 under the mean "
+            f"pressure {load:.6g} p_0*, above the tolerance {max_residual:.1e}; try other points or a larger "
             "residual_tolerance",
-            float(residual[worst]),
+            residual,
         )
