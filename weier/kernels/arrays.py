@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,5 +18,4 @@ Record = Any  # one of them, whose fields are attributes
 def record_type(*fields: tuple[str, type, tuple[int, ...]]) -> np.dtype[np.record]:
     """The type of records of these fields: names with spaces between them, their type, and the shape of each."""
     named = [(name, kind, shape) for names, kind, shape in fields for name in names.split()]
-    records: Any = np.record, named
-    return np.dtype(records)
+    return cast(np.dtype[np.record], np.dtype((np.record, named)))

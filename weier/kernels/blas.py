@@ -7,24 +7,24 @@ it, so that a load takes ten times as long. Each case has one core; the other co
 from __future__ import annotations
 
 from contextlib import ContextDecorator
-from functools import cache
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import OpenBLASController, ThreadpoolController
+from threadpoolctl import OpenBLASController, get_cached_controller
 
 
 class _OneThread(ContextDecorator):
     """A context or decorator for the whole process: BLAS has one setting, which the last thread to leave restores."""
 
-    def __init__(self) -> None:
-        self._lock, self._inside = Lock(), 0
-        self._limits: Any = None
+    _lock, _inside = Lock(), 0
+    _limits: Any = None
 
     def __enter__(self) -> None:
+        import scipy.linalg  # noqa: F401 - which has a library beside that of numpy, and must be loaded for it
+
         with self._lock:
             if self._inside == 0:
-                self._limits = _libraries().limit(limits=1, user_api="blas")
+                self._limits = get_cached_controller().limit(limits=1, user_api="blas")
             self._inside += 1
 
     def __exit__(self, *failure: object) -> None:
@@ -38,11 +38,3 @@ class _OneThread(ContextDecorator):
 
 
 one_thread = _OneThread()
-
-
-@cache
-def _libraries() -> ThreadpoolController:
-    # numpy has one, and scipy another that must be loaded to be found. Once, since the search takes 30 ms.
-    import scipy.linalg  # noqa: F401
-
-    return ThreadpoolController()

@@ -14,7 +14,6 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar, cast
@@ -31,7 +30,7 @@ LISTENERS: list[Callable[[str], None]] = []
 UNKNOWN: list[Kernel] = []  # to numba
 
 
-@cache
+@functools.cache
 def cache_folder() -> Path:
     """Where compiled kernels live, in NUMBA_CACHE_DIR or the cache of the user: named by a digest of their sources.
 
@@ -42,9 +41,8 @@ def cache_folder() -> Path:
     from importlib.metadata import version  # which takes longer than all that is imported above
 
     made_of = digest_of_program(*KERNELS), str(PACKAGE), version("numba"), version("rocket-fft")
-    chosen, caches = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
-    base = Path(chosen) if chosen else Path(caches or Path.home() / ".cache") / "weier"
-    return base / f"weier-{digest(made_of)[:16]}"
+    caches = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(os.environ.get("NUMBA_CACHE_DIR") or Path(caches, "weier"), f"weier-{digest(made_of)[:16]}")
 
 
 def disabled() -> bool:
