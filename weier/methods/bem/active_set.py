@@ -32,6 +32,7 @@ from weier.theory.waves import Waves
 RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
 MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
 MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
+FIRST_PATIENCE = 3  # violations over the error on the contact, at which it is corrected first: 1 takes more FFTs
 
 
 class DiscreteSolution(NamedTuple):
@@ -217,7 +218,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
     Converged means so on a freshly applied operator, with the pressure free of tension and scaled to the load;
     otherwise the residual stays above the tolerance.
     """
-    pairs, patience, energy = 0, 1, 0.0
+    pairs, patience, energy = 0, FIRST_PATIENCE, 0.0
     fresh = restart = True
     edge = find_edges(state.contact, state.edge)
     for _ in range(MAX_STEPS):

@@ -73,11 +73,11 @@ def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage
     if problem.dual:  # a wave of this pressure has the height of its pressure over the waves in lambda_0
         rough *= 2 * np.pi / float(problem.series.wavenumber[-1])
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
-    most = (rough * target) ** 0.5  # looser, what is left beside a thin gap that was just cut in looks like its end
     overlap, at_last = (ROUGH_TENSION * problem.load, MAX_TENSION * problem.load) if problem.dual else (rough, target)
     return (
         Stage(False, 1e-8, 2.0, Bounds(REDUCTION, target, rough), overlap, ROUGH_TENSION, 0.0),
-        Stage(True, 1e-9, 5.0, Bounds(REDUCTION, least, most), at_last, MAX_TENSION, MIN_OPENING * least),
+        # Looser than the target, what is left beside a thin gap that was just cut in looks like its end.
+        Stage(True, 1e-9, 5.0, Bounds(REDUCTION, least, target), at_last, MAX_TENSION, MIN_OPENING * least),
     )
 
 
@@ -133,7 +133,7 @@ def _solve_to(
             counts = step.punches.node_count.astype(float) if stage.fine else None
             now = rearrange(problem, step, step.b, _edges(step), remaining, added, stage, counts)
         elif not stage.fine:
-            stage = fine if step.settled else rough
+            stage = fine
             now = next_guess(problem, step, stage)
         else:
             residual = contact_residual(state, problem.series)

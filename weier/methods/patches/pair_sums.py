@@ -269,18 +269,19 @@ def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, B
 def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
     """What f at the points amounts to at the Chebyshev points of each node, shape (nodes, ORDER)."""
     moment = np.zeros((tree.low.size, ORDER))
-    for node in range(tree.low.size - 1, -1, -1):
-        here = moment[node]
-        if node >= _first_leaf(tree):
-            start, end = points_of_leaf(tree, node)
-            for a in range(start, end):
+    for level in range(tree.depth, -1, -1):  # in each, forwards: memory is read three times as slowly backwards
+        for node in range((1 << level) - 1, (1 << (level + 1)) - 1):
+            here = moment[node]
+            if level == tree.depth:
+                start, end = points_of_leaf(tree, node)
+                for a in range(start, end):
+                    for q in range(ORDER):
+                        here[q] += tree.at_points[a, q] * f[a]
+            if level > 0:
+                parent = moment[(node - 1) >> 1]
                 for q in range(ORDER):
-                    here[q] += tree.at_points[a, q] * f[a]
-        if node > 0:
-            parent = moment[(node - 1) >> 1]
-            for q in range(ORDER):
-                for s in range(ORDER):
-                    parent[s] += tree.to_parent[node, q, s] * here[q]
+                    for s in range(ORDER):
+                        parent[s] += tree.to_parent[node, q, s] * here[q]
     return moment
 
 
