@@ -43,9 +43,9 @@ TARGETS = {"h": (1e-4, 1e-5, 1e-6, 1e-7), "R": (3e-2, 1e-2, 1e-3)}
 SIZES = [400, *sorted([2**k for k in range(9, 17)] + [3 * 2**k for k in range(8, 16)])]  # 400: 16 for a finest wave
 MAX_SIZES = {"h": 2**16, "R": 2**13}  # of R, for those that need differences: each takes six curves
 ORDER = 3  # no error falls faster: sizes that are too small by this are not tried
-# Residual allowed, in the error wanted, of all programs alike. At light loads a difference divides by little. Of h,
-# a hundredth of this residual changes the largest error of weier by less than 1 %, and its largest estimate by less
-# than a tenth.
+# Residual allowed, in the error wanted, of all programs alike. At light loads a difference divides by little. With a
+# residual 100 times smaller, the largest error of h by weier changes by less than 1 %, and its largest estimate by
+# less than a tenth.
 SHARES = {"h": 0.1, "R": 1e-4}
 TIGHTER = 1 / 8  # a tolerance of their own, in the residual wanted, where no time is taken
 STEPS = (0.01, 0.03, 0.09)  # of ln p on either side of a load
@@ -82,7 +82,7 @@ class Attempt(NamedTuple):
 
 
 class Reached(NamedTuple):
-    """The smallest grid with which a program gets to an error, and the least processor seconds of some runs.
+    """The smallest grid with which a program gets to an error, and the least processor seconds of its runs.
 
     The seconds are infinite for a grid that was not tried, since it would take more than MAX_SECONDS.
     """

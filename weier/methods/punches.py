@@ -60,7 +60,7 @@ def invert_punches(which: Indices, centre: Array, compliance: Array, period: flo
 def _fill_row(x: Array, compliance: Array, period: float, known: int, factor: Array, entry: Array) -> None:
     """The last row of the inverse of Cholesky's factor of the influence of these punches on each other.
 
-    So many rows of the factor are known; the others are written.
+    The first `known` rows of the factor are given; the others are written.
     """
     n = x.size
     for i in range(known, n):

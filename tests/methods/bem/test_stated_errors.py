@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+import weier
 from tests.hard_series import hard_series
 from weier import Profile
 from weier.methods import patches
@@ -29,6 +30,18 @@ def test_errors_hold(profile, loads, points_per_wave, tolerance, contacts, large
             assert np.abs(found.resistance - exact.resistance).max() < largest[1]
         if contacts == "same":
             assert np.array_equal(found.patch_count, exact.patch_count)
+
+
+@pytest.mark.parametrize(
+    ("D", "gamma", "m", "phases", "load"),
+    [(1.508811728881581, 7, 4, 0, 0.0107663), (1.19419083047206, 7, 3, np.pi, 4.4445)],
+)
+def test_a_residual_is_as_loose_as_errors_hold_and_no_looser(D, gamma, m, phases, load):
+    """With 1e-2, R at the first load is off by more than stated; with 1e-3, all nodes touch at the second."""
+    profile = Profile(D, gamma, m, phases)
+    assert solve_within_errors(profile, [load], tolerance=1e-5)[1].contact_fraction[0] > 0
+    with pytest.raises(ValueError, match="at most 1e-05 with edges"):
+        weier.solve(profile, [load], "bem", residual_tolerance=1e-4)
 
 
 @pytest.mark.parametrize("points", [16, 22, 33, 64])

@@ -4,7 +4,7 @@ The unknown is the nodal pressure p, the deformed surface is z - A p, and the ri
 z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact nodes
 this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole surface, on
 residuals that are continued into the gaps. The gap outside and the pressure inside are known after every step for
-free, so the active set is corrected as soon as its violations outweigh the error of the current solution on it.
+free, so the active set is corrected as soon as its violations clearly outweigh the error of the solution on it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ from weier.theory.waves import Waves
 RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
 MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
 MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
-FIRST_PATIENCE = 3  # violations over the error on the contact, at which it is corrected first: 1 takes more FFTs
+# Violations over the error on the contact, at which it is corrected first. With 1, ten thousand contacts take 1.4
+# times as many FFTs, and ten contacts 3 % fewer.
+FIRST_PATIENCE = 3
 
 
 class DiscreteSolution(NamedTuple):
@@ -230,7 +232,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float,
         solved = max(contact_gap, violation) <= grid.max_residual
         if solved and fresh:
             break
-        # Correct the contact when its violations outweigh the error on it, each time more patiently.
+        # Correct the contact when its violations clearly outweigh the error on it, each time more patiently.
         if not fresh and (solved or violation > patience * contact_gap):
             fresh = _correct_contact(plane, state) or solved
             edge = find_edges(state.contact, state.edge)
@@ -353,7 +355,7 @@ class NestedSolver:
         self._start = None
 
     def start(self, load: float) -> Array:
-        """The pressure on the coarsest grid that the search under the next load begins with, and then leaves."""
+        """The pressure on the coarsest grid with which the next load begins, and which its solution then replaces."""
         if self._start is None:
             self._start = load + self._flattening
         return self._start

@@ -42,7 +42,7 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     """
     load = checked_load(mean_pressure)
     points = checked_points(profile, points)
-    check_tolerance(tolerance)
+    check_tolerance(tolerance, "nodes")
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     height = profile.sampled_height(points)
     if load >= full_contact_load(profile, points):  # pressed flat, however heavy: a solver would lose the waves

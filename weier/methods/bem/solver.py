@@ -23,6 +23,7 @@ from weier.theory.waves import Waves
 
 POINTS_PER_WAVE = {"subgrid": 32, "nodes": 64}  # of the finest wave, by default: docs/subgrid.md says why
 MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # that it takes: fewer were not measured; fewer show no wave
+MAX_TOLERANCE = {"subgrid": 1e-5, "nodes": math.inf}  # of residuals: what is stated with larger ones does not hold
 
 
 class Curve(NamedTuple):
@@ -79,7 +80,7 @@ def curve(
     points : int, optional
         Nodes in one period; unless told, 32 for each of the finest waves, or 64 with edges "nodes".
     tolerance : float
-        Largest residual, in g_0.
+        Largest residual, in g_0; 1e-5 at most with edges "subgrid", whose rate is solved no more tightly, either.
     resistance : bool
         Whether the fast solver should solve for the resistance too; without, it is NaN. It costs nothing beside
         edges "subgrid", which need it anyway.
@@ -115,8 +116,8 @@ def curve(
 
     """
     loads = checked_loads(mean_pressure)
-    check_tolerance(tolerance)
     edges = checked_edges(edges, solver)
+    check_tolerance(tolerance, edges)
     points = checked_points(profile, points, edges, points_per_wave)
     check_points(points, dense=solver == "direct")
     if edges == "subgrid":
@@ -248,8 +249,8 @@ def _checked_points_per_wave(count: int | None, edges: str) -> int:
     return int(checked_number("points_per_wave", count, condition, lambda n: n >= fewest and n == n // 1))
 
 
-def check_tolerance(tolerance: float) -> None:
-    """Refuse a tolerance, in g_0, that is no positive number.
+def check_tolerance(tolerance: float, edges: str) -> None:
+    """Refuse a tolerance, in g_0, that is no positive number, or with which stated errors do not hold.
 
     Raises
     ------
@@ -257,7 +258,10 @@ def check_tolerance(tolerance: float) -> None:
         If it is not.
 
     """
-    checked_number("tolerance", tolerance, "be a positive length in g_0, such as 1e-10", lambda t: 0 < t < math.inf)
+    condition, most = "be a positive length in g_0, such as 1e-10", MAX_TOLERANCE[edges]
+    if math.isfinite(most):
+        condition += f", and at most {most:g} with edges between the nodes"
+    checked_number("tolerance", tolerance, condition, lambda t: 0 < t <= most and t < math.inf)
 
 
 def check_resistance(resistance: Array, loads: Array, points: int) -> None:

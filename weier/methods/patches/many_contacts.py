@@ -76,7 +76,7 @@ def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage
     overlap, at_last = (ROUGH_TENSION * problem.load, MAX_TENSION * problem.load) if problem.dual else (rough, target)
     return (
         Stage(False, 1e-8, 2.0, Bounds(REDUCTION, target, rough), overlap, ROUGH_TENSION, 0.0),
-        # Looser than the target, what is left beside a thin gap that was just cut in looks like its end.
+        # With a residual above the target, what is left beside a thin gap that was just cut in looks like its end.
         Stage(True, 1e-9, 5.0, Bounds(REDUCTION, least, target), at_last, MAX_TENSION, MIN_OPENING * least),
     )
 

@@ -16,7 +16,7 @@ from weier.theory.crests import SAMPLES_PER_WAVE, countable
 from weier.theory.profile import Profile, terms_within
 
 MAX_COUNTED_WAVES = 256  # in a period, whose contacts are counted: in 20 to 40 ms
-COUNTED_POINTS, COUNTED_RESIDUAL = 16, 1e-4  # for each of the finest waves, and in g_0: enough to count contacts
+COUNTED_POINTS, COUNTED_RESIDUAL = 16, 1e-5  # for each of the finest waves, and in g_0: enough to count contacts
 # In units of the load of full contact:
 COUNTED_LOADS = np.concatenate([np.geomspace(1e-9, 0.1, 17), np.arange(2, 10) / 10, [0.95, 0.98]])
 TABLE_LOADS = np.geomspace(1e-4, 1e5, 226)  # p_0*, on which a compliance is foreseen
