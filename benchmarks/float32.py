@@ -52,7 +52,6 @@ def _residuals(points: int) -> list[tuple[float, float]]:
     influence, z = eigenvalues(points, 1).astype(np.float32), PROFILE.sampled_height(points).astype(np.float32)
     residuals = []
     for load in LOADS:
-        grids.forget()
         grids.solve(load)
         deformed = z - _product(influence, grids.state.pressure.astype(np.float32))
         residuals.append((load, float(np.ptp(deformed[grids.state.contact]) / 2)))

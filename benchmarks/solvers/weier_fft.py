@@ -18,11 +18,11 @@ class Descent(NamedTuple):
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """The grids keep their own start and tolerance."""
-        _, residual, pairs = self.grids.solve(load)
+        self.grids.solve(load)
         pressure = self.grids.state.pressure.copy()
         if self.with_resistance:
-            pairs += active_set.solve_rate(active_set.RATE_TOLERANCE, self.grids.grid, self.grids.state)[1]
-        return Step(pressure, pairs, residual <= self.grids.grid.max_residual)
+            self.grids.solve_rate()
+        return Step(pressure, self.grids.work, self.grids.residual <= self.grids.grid.max_residual)
 
 
 def begin(problem: Problem, with_resistance: bool = False) -> Descent:

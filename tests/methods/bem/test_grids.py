@@ -6,7 +6,7 @@ import pytest
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import westergaard
-from weier.methods.bem import curve, field
+from weier.methods.bem import active_set, curve, field
 from weier.methods.bem.grids import add_harmonic, nested_grids
 from weier.theory.halfplane import eigenvalues
 
@@ -15,12 +15,12 @@ SEVEN_WAVES = Profile(1.25, 5, 7, tuple(range(7)))
 
 def test_a_wave_joins_on_the_first_grid_that_shows_it():
     grids = nested_grids(SEVEN_WAVES, 2**18, 1e-8)
-    assert grids.points.tolist() == [2**n for n in range(8, 19)]
+    assert grids.points.tolist() == [2**n for n in range(7, 19)]
     for points, terms in zip(grids.points[:-1], grids.terms[:-1], strict=True):
         shown = [k for k in SEVEN_WAVES.waves_per_period if points >= 8 * k]
         assert terms == len(shown)
     assert grids.terms[-1] == 7
-    assert grids.height[:256] == pytest.approx(Profile(1.25, 5, 3, (0, 1, 2)).sampled_height(256), abs=1e-14)
+    assert grids.height[:128] == pytest.approx(Profile(1.25, 5, 2, (0, 1)).sampled_height(128), abs=1e-14)
 
 
 @pytest.mark.parametrize("xi", [0.05, 0.7, 1.0, 3.0])
@@ -41,16 +41,21 @@ def test_any_number_of_nodes_has_coarser_grids(points):
     """And then takes no more work than a power of two: 35 pairs a load on 4095 nodes without them."""
     grids = nested_grids(THREE_WAVES, points, 1e-8)
     assert grids.points[-1] == points
-    assert 256 <= grids.points[0] < 512
+    assert 128 <= grids.points[0] < 256
     assert np.all(np.diff(grids.points) >= 0.45 * grids.points[1:])
     loads, settings = np.geomspace(1e-3, 2, 40), {"tolerance": 1e-8, "resistance": False, "edges": "nodes"}
     found = curve(THREE_WAVES, loads, points=points, **settings)
     assert found.work.mean() < 25
 
 
-def test_thousands_of_contacts_meet_the_contact_conditions():
-    """Checked with NumPy's own transform, which shares nothing with the solver's but the eigenvalues."""
+def test_thousands_of_contacts_meet_the_contact_conditions(monkeypatch):
+    """Checked with NumPy's own transform, which shares nothing with the solver's but the eigenvalues.
+
+    They are solved in parts, between which Ctrl-C may come.
+    """
     points, load = 2**17, 1.0
+    parts, cascade = [], active_set.cascade
+    monkeypatch.setattr(active_set, "cascade", lambda *of: parts.append(of) or cascade(*of))
     found = field(SEVEN_WAVES, load, points=points, tolerance=1e-8)
     sunk = np.fft.irfft(eigenvalues(points) * np.fft.rfft(found.pressure))
     gap = sunk - SEVEN_WAVES.sampled_height(points)
@@ -58,6 +63,7 @@ def test_thousands_of_contacts_meet_the_contact_conditions():
     assert found.pressure.min() >= 0
     assert found.pressure.mean() == pytest.approx(load, rel=1e-12)
     assert gap.min() >= -2e-8
+    assert len(parts) > 3
     assert np.minimum(found.pressure, gap).max() <= 2e-8
     begins = (found.pressure > 0) & (np.roll(found.pressure, 1) == 0)
     assert begins.sum() > 1000

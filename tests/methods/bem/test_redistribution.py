@@ -29,7 +29,7 @@ def images(x):
 def three_contacts():
     """Contacts in line, on a grid much finer than their distances."""
     profile = Profile(1.25, 5, 1)
-    grid = grid_of(nested_grids(profile, POINTS, 1e-10), 3)
+    grid = grid_of(nested_grids(profile, POINTS, 1e-10), 4)
     assert grid.height.size == POINTS
     return make_interaction(PLACES, make_continuum(profile, grid))
 

@@ -5,6 +5,9 @@ z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = loa
 this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole surface, on
 residuals that are continued into the gaps. The gap outside and the pressure inside are known after every step for
 free, so the active set is corrected as soon as its violations clearly outweigh the error of the solution on it.
+
+A kernel does a part of the work and tells whether all is done; Python calls it again until it is, so that Ctrl-C need
+not wait for a load on many nodes.
 """
 
 from __future__ import annotations
@@ -13,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices, Spectrum
+from weier.kernels.arrays import Array, Flags, Indices, Record, Records, Spectrum, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import (
@@ -21,7 +24,6 @@ from weier.methods.bem.grids import (
     Hierarchy,
     add_harmonic,
     copy_values,
-    full_contact_pressure,
     grid_of,
     nested_grids,
     refine,
@@ -30,11 +32,23 @@ from weier.methods.bem.local_fit import EDGE
 from weier.theory.waves import Waves
 
 RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
+MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
 MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
 # Violations over the error on the contact, at which it is corrected first. With 1, ten thousand contacts take 1.4
 # times as many FFTs, and ten contacts 3 % fewer.
 FIRST_PATIENCE = 3
+PART = 2**22  # nodes of pairs of FFTs that a call takes: a quarter of a second on a busy machine
+
+# How far a load has come; without `work` it begins. On the grid of this `level` it has taken so many `steps` and
+# `corrections` of the contact, the last step with this `energy`. The pressure has `moved` since the operator was
+# applied afresh, and the last direction is `kept` for the next where the contact is the same. The load is `near` a
+# heavier one if it began there. `work` are the nodes of all pairs of FFTs; a call ends beyond `limit` of them.
+SEARCH = record_type(
+    ("level steps corrections work limit", np.int64, ()),
+    ("energy plane residual rate", np.float64, ()),
+    ("near moved kept", np.bool_, ()),
+)
 
 
 class DiscreteSolution(NamedTuple):
@@ -66,6 +80,7 @@ class GridState(NamedTuple):
     spectrum : of what is being multiplied, shape (N//2 + 1,)
     contact : whether a node is in contact, shape (N,)
     edge : space for the edges of contact, shape (N + 2,)
+    search : how far the load has come, shape (1,)
     """
 
     pressure: Array
@@ -76,6 +91,7 @@ class GridState(NamedTuple):
     spectrum: Spectrum
     contact: Flags
     edge: Indices
+    search: Records
 
 
 def make_grid_state(points: int) -> GridState:
@@ -83,6 +99,7 @@ def make_grid_state(points: int) -> GridState:
     return GridState(
         np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points),
         np.zeros(points // 2 + 1, np.complex128), np.zeros(points, np.bool_), np.zeros(points + 2, np.int64),
+        np.zeros(1, SEARCH),
     )  # fmt: skip
 
 
@@ -92,7 +109,7 @@ def leading_part(state: GridState, points: int) -> GridState:
     return GridState(
         state.pressure[:points], state.deformed[:points], state.direction[:points], state.product[:points],
         state.residual[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
-        state.edge[: points + 2],
+        state.edge[: points + 2], state.search,
     )  # fmt: skip
 
 
@@ -183,15 +200,12 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 
 
 @kernel
-def conjugate_step(
-    plane: float, edge: Indices, restart: bool, last_energy: float, grid: Grid, state: GridState
-) -> float:
+def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -> None:
     """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
 
-    Returns the energy r.M^-1 r of the residual r before the step, M the preconditioner: `last_energy` of the next.
-    `restart` forgets it, and the last direction with it: they were of another contact.
+    The energy is r.M^-1 r of the residual r before the step, M the preconditioner.
     """
-    points = state.pressure.size
+    search, points = state.search[0], state.pressure.size
     for i in range(points):
         state.residual[i] = state.deformed[i] - plane if state.contact[i] else 0.0
     extrapolate_into_gap(state.residual, edge, state.contact)
@@ -202,7 +216,7 @@ def conjugate_step(
     for i in range(points):
         if state.contact[i]:
             energy += state.residual[i] * (state.product[i] - shift)
-    beta = energy / last_energy if last_energy > 0 and not restart else 0.0
+    beta = energy / search.energy if search.kept and search.energy > 0 else 0.0
     for i in range(points):
         state.direction[i] = state.product[i] - shift + beta * state.direction[i] if state.contact[i] else 0.0
     circulant_product(grid.influence, state.direction, state.spectrum, state.product)
@@ -210,39 +224,46 @@ def conjugate_step(
     for i in range(points):
         state.pressure[i] += step * state.direction[i]
         state.deformed[i] -= step * state.product[i]
-    return energy
+    search.energy, search.moved, search.kept = energy, True, True
+    search.work += 2 * points
 
 
 @kernel
-def solve_load(load: float, grid: Grid, state: GridState) -> tuple[float, float, int]:
-    """Contact under one load from the pressure and contact in `state`: plane H, residual, pairs of FFTs.
+def _begin_on(level: int, search: Record) -> None:
+    """Begin on another grid."""
+    search.level, search.steps, search.corrections = level, 0, 0
+    search.moved = search.kept = False
+
+
+@kernel
+def solve_load(load: float, grid: Grid, state: GridState) -> bool:
+    """Go on with the contact under one load, from the pressure and contact in `state`: whether this grid is done.
 
     Converged means so on a freshly applied operator, with the pressure free of tension and scaled to the load;
     otherwise the residual stays above the tolerance.
     """
-    pairs, patience, energy = 0, FIRST_PATIENCE, 0.0
-    fresh = restart = True
+    search = state.search[0]
     edge = find_edges(state.contact, state.edge)
-    for _ in range(MAX_STEPS):
-        if fresh:
+    while search.work < search.limit and search.steps < MAX_STEPS:
+        search.steps += 1
+        if not search.moved:
             _refresh(load, grid, state)
-            pairs += 1
+            search.work += state.pressure.size
         plane = mean_in_contact(state.deformed, state.contact)
         contact_gap, violation = violations(plane, grid, state)
-        solved = max(contact_gap, violation) <= grid.max_residual
-        if solved and fresh:
-            break
+        search.plane, search.residual = plane, max(contact_gap, violation)
+        solved = search.residual <= grid.max_residual
+        if solved and not search.moved:
+            return True
         # Correct the contact when its violations clearly outweigh the error on it, each time more patiently.
-        if not fresh and (solved or violation > patience * contact_gap):
-            fresh = _correct_contact(plane, state) or solved
+        if search.moved and (solved or violation > (FIRST_PATIENCE + search.corrections) * contact_gap):
+            search.moved = not (_correct_contact(plane, state) or solved)
             edge = find_edges(state.contact, state.edge)
-            patience += 1
-            restart = True
+            search.corrections += 1
+            search.kept = False
         else:
-            energy = conjugate_step(plane, edge, restart, energy, grid, state)
-            pairs += 2
-            fresh = restart = False
-    return plane, max(contact_gap, violation), pairs
+            _conjugate_step(plane, edge, grid, state)
+    return search.steps == MAX_STEPS
 
 
 @kernel
@@ -260,30 +281,33 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 
 
 @kernel
-def solve_rate(flatness: float, grid: Grid, state: GridState) -> tuple[float, int]:
-    """Height that the plane loses per mean pressure on the contact as it stands, or inf if missed; pairs of FFTs.
+def solve_rate(flatness: float, grid: Grid, state: GridState) -> bool:
+    """Go on with the height that the plane loses per mean pressure on the contact as it stands: whether it is done.
 
     The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within `flatness` times
-    the rate, which is the energy q.Aq. It starts from the contact of this load alone: what an unfinished rate leaves
-    depends on no other load.
+    the rate, which is the energy q.Aq, or inf if missed. It starts from the contact of this load alone: what an
+    unfinished rate leaves depends on no other load.
     """
-    points = state.pressure.size
+    search, points = state.search[0], state.pressure.size
     edge = find_edges(state.contact, state.edge)
-    punch_shape(edge, state.contact, state.pressure)
-    total = state.pressure.sum()
-    for i in range(points):
-        state.pressure[i] *= points / total
-    deformed_surface(np.zeros(points), grid, state)
-    pairs, restart, energy = 1, True, 0.0
-    for _ in range(MAX_STEPS):
+    search.limit = search.work + PART
+    if search.steps == 0:
+        punch_shape(edge, state.contact, state.pressure)
+        total = state.pressure.sum()
+        for i in range(points):
+            state.pressure[i] *= points / total
+        deformed_surface(np.zeros(points), grid, state)
+        search.work += points
+    while search.work < search.limit and search.steps < MAX_STEPS:
+        search.steps += 1
         plane = mean_in_contact(state.deformed, state.contact)
-        rate = -dot(state.pressure, state.deformed) / points
-        if violations(plane, grid, state)[0] <= flatness * max(rate, MIN_RATE):
-            return rate, pairs
-        energy = conjugate_step(plane, edge, restart, energy, grid, state)
-        pairs += 2
-        restart = False
-    return np.inf, pairs
+        search.rate = -dot(state.pressure, state.deformed) / points
+        if violations(plane, grid, state)[0] <= flatness * max(search.rate, MIN_RATE):
+            return True
+        _conjugate_step(plane, edge, grid, state)
+    if search.steps == MAX_STEPS:
+        search.rate = np.inf
+    return search.steps == MAX_STEPS
 
 
 @kernel
@@ -297,36 +321,37 @@ _compiled_grid_of = kernel(grid_of)
 
 
 @kernel
-def cascade(load: float, hierarchy: Hierarchy, start: Array, fine: GridState) -> tuple[float, float, float]:
-    """Solve one load on every grid, coarse to fine: plane H, residual, pairs of FFTs, each grid's by its size.
-
-    `start` is the pressure to begin with on the coarsest grid, and becomes its solution; `fine` that of the finest.
-    """
-    pairs = 0.0
-    finest = hierarchy.points.size - 1
-    for level in range(finest + 1):
-        points = hierarchy.points[level]
-        state = leading_part(fine, points)
-        if level == 0:
-            copy_values(start, state.pressure)
-        else:
-            refine(hierarchy.points[level - 1], state.pressure, state.residual)
-            for wave in range(hierarchy.terms[level - 1], hierarchy.terms[level]):
+def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
+    """Go on with one load on every grid, from the mean on the coarsest to the `fine` one: whether it is done."""
+    search = fine.search[0]
+    if search.work == 0:
+        _begin_on(0, search)
+    search.limit = search.work + PART
+    while search.level < hierarchy.points.size:
+        level = search.level
+        state = leading_part(fine, hierarchy.points[level])
+        if search.steps == 0:
+            carried = 0
+            if level == 0:
+                state.pressure[:] = load
+            else:
+                refine(hierarchy.points[level - 1], state.pressure, state.residual)
+                carried = hierarchy.terms[level - 1]
+            for wave in range(carried, hierarchy.terms[level]):
                 add_harmonic(wave, hierarchy.harmonics, state.pressure, state.residual)
-        _contact_from_pressure(state)
-        plane, residual, here = solve_load(load, _compiled_grid_of(hierarchy, level), state)
-        pairs += here * points / hierarchy.points[finest]
-        if level == 0:
-            copy_values(state.pressure, start)
-    return plane, residual, pairs
+            _contact_from_pressure(state)
+        if not solve_load(load, _compiled_grid_of(hierarchy, level), state):
+            return False
+        _begin_on(level + 1, search)
+    return True
 
 
 @kernel
-def resume(load: float, heavier: float, pressure: Array, grid: Grid, state: GridState) -> tuple[float, float, float]:
-    """Solve one load on the finest grid alone, from the `pressure` of a heavier one; returns the same as `cascade`.
+def _lighten(load: float, heavier: float, pressure: Array, state: GridState) -> None:
+    """Begin one load on the finest grid, from the `pressure` of a heavier one, whose pressure per load is in `state`.
 
-    The pressure per load of the heavier one is in `state`. As the load falls the square of the pressure falls by
-    2 p q, exactly so for one contact on a parabola. Where that leaves nothing, the search begins with the pressure.
+    As the load falls the square of the pressure falls by 2 p q, exactly so for one contact on a parabola. Where that
+    leaves nothing, the search begins with the pressure.
     """
     left = 0.0
     for i in range(pressure.size):
@@ -336,39 +361,74 @@ def resume(load: float, heavier: float, pressure: Array, grid: Grid, state: Grid
     if not 0 < left < np.inf:
         copy_values(pressure, state.pressure)
     _contact_from_pressure(state)
-    plane, residual, pairs = solve_load(load, grid, state)
-    return plane, residual, float(pairs)
+
+
+@kernel
+def solve_on_grid(
+    load: float, heavier: float, flatness: float, carried: Array, deformed: Array, hierarchy: Hierarchy, grid: Grid,
+    state: GridState,
+) -> bool:  # fmt: skip
+    """Go on with a load and its rate, which becomes inf if either is missed: whether all is done.
+
+    Under a load near the `heavier` one before, the search begins with the pressure that this has left, `carried`;
+    else on the coarsest grid. What this load leaves becomes `carried`, and `deformed` is its surface.
+    """
+    search, grids = state.search[0], hierarchy.points.size
+    if search.work == 0:
+        _begin_on(0, search)
+        search.near = load > MIN_NEAR * heavier
+    if search.near and search.level == 0:
+        if search.steps == 0:
+            _lighten(load, heavier, carried, state)
+        search.limit = search.work + PART
+        if not solve_load(load, grid, state):
+            return False
+        search.near = search.residual <= grid.max_residual
+        _begin_on(grids if search.near else 0, search)
+    if not cascade(load, hierarchy, state):
+        return False
+    if search.residual <= grid.max_residual:
+        if search.steps == 0:
+            copy_values(state.pressure, carried)
+            copy_values(state.deformed, deformed)
+        return solve_rate(flatness, grid, state)
+    search.rate = np.inf
+    return True
 
 
 class NestedSolver:
-    """One profile on nested grids: each load starts from the one before, on the coarsest grid."""
+    """One profile on nested grids, for loads that depend on no other."""
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
         """Make the grids, and room for a solution on the finest."""
         self.hierarchy = nested_grids(profile, points, max_residual)
         self.grid, self.state = grid_of(self.hierarchy, self.hierarchy.points.size - 1), make_grid_state(points)
-        self._flattening = full_contact_pressure(grid_of(self.hierarchy, 0).height, profile.period)
-        self._start: Array | None = None
 
-    def forget(self) -> None:
-        """Start the next load from full contact, as the first one."""
-        self._start = None
+    def solve(self, load: float) -> float:
+        """The plane under a load."""
+        self.state.search["work"] = 0
+        while not cascade(load, self.hierarchy, self.state):
+            pass
+        return float(self.state.search["plane"][0])
 
-    def start(self, load: float) -> Array:
-        """The pressure on the coarsest grid with which the next load begins, and which its solution then replaces."""
-        if self._start is None:
-            self._start = load + self._flattening
-        return self._start
+    def solve_rate(self) -> float:
+        """Its rate on the contact that this has left, or inf."""
+        while not solve_rate(RATE_TOLERANCE, self.grid, self.state):
+            pass
+        return float(self.state.search["rate"][0])
 
-    def solve(self, load: float) -> tuple[float, float, float]:
-        """Plane, residual and pairs of FFTs of a load, those of coarser grids by their size."""
-        return cascade(load, self.hierarchy, self.start(load), self.state)
+    @property
+    def residual(self) -> float:
+        """Of the load, in g_0."""
+        return float(self.state.search["residual"][0])
+
+    @property
+    def work(self) -> float:
+        """Pairs of FFTs, those of coarser grids by their size."""
+        return float(self.state.search["work"][0] / self.grid.height.size)
 
     def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:
         """The contact as it stands on nodes, and its rate if asked for, at about the cost of another load."""
-        plane, residual, pairs = self.solve(load)
-        contact, rate = self.state.contact, np.nan
-        if with_resistance:
-            rate, more = solve_rate(RATE_TOLERANCE, self.grid, self.state)
-            pairs += more
-        return DiscreteSolution(plane, rate, contact.mean(), count_patches(contact), residual, pairs)
+        plane, contact = self.solve(load), self.state.contact
+        rate = self.solve_rate() if with_resistance else np.nan
+        return DiscreteSolution(plane, rate, contact.mean(), count_patches(contact), self.residual, self.work)

@@ -48,7 +48,7 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     if load >= full_contact_load(profile, points):  # pressed flat, however heavy: a solver would lose the waves
         return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
     grid = NestedSolver(profile, points, tolerance)
-    plane, residual, _ = grid.solve(load)
-    check_residual(residual, load, points, tolerance)
+    plane = grid.solve(load)
+    check_residual(grid.residual, load, points, tolerance)
     deformed = grid.state.deformed
     return Field(x, grid.state.pressure, plane - deformed, height - deformed)

@@ -17,7 +17,7 @@ from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.waves import Waves
 
 MIN_POINTS_PER_CARRIED_WAVE = 8  # of the finest wave that a grid carries; fewer miss its crests
-MIN_POINTS = 256  # on fewer nodes a grid saves less than its steps cost
+MIN_POINTS = 128  # on fewer nodes a grid saves less than its steps cost
 MIN_SCALE_RATIO = 1.2  # of a wave to the one before: closer ones, of a measured surface, are no scales of their own
 COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten times its own error (docs/numerics.md)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ from weier.theory.waves import Waves
 
 POINTS_PER_WAVE = {"subgrid": 32, "nodes": 64}  # of the finest wave, by default: docs/subgrid.md says why
 MIN_POINTS_PER_WAVE = {"subgrid": 16, "nodes": 3}  # that it takes: fewer were not measured; fewer show no wave
-MAX_TOLERANCE = {"subgrid": 1e-5, "nodes": math.inf}  # of residuals: what is stated with larger ones does not hold
+MAX_TOLERANCE = {"subgrid": 1e-5, "nodes": 1.0}  # of residuals, in g_0: with larger ones stated errors do not hold
 
 
 class Curve(NamedTuple):
@@ -250,7 +249,7 @@ def _checked_points_per_wave(count: int | None, edges: str) -> int:
 
 
 def check_tolerance(tolerance: float, edges: str) -> None:
-    """Refuse a tolerance, in g_0, that is no positive number, or with which stated errors do not hold.
+    """Refuse a tolerance, in g_0, that is no positive number, or too large for what is stated of the solution.
 
     Raises
     ------
@@ -258,10 +257,9 @@ def check_tolerance(tolerance: float, edges: str) -> None:
         If it is not.
 
     """
-    condition, most = "be a positive length in g_0, such as 1e-10", MAX_TOLERANCE[edges]
-    if math.isfinite(most):
-        condition += f", and at most {most:g} with edges between the nodes"
-    checked_number("tolerance", tolerance, condition, lambda t: 0 < t <= most and t < math.inf)
+    most = MAX_TOLERANCE[edges]
+    condition = f'be a positive length in g_0, such as 1e-10, and at most {most:g} with edges="{edges}"'
+    checked_number("tolerance", tolerance, condition, lambda t: 0 < t <= most)
 
 
 def check_resistance(resistance: Array, loads: Array, points: int) -> None:

@@ -9,13 +9,13 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Records
 from weier.kernels.jit import kernel
-from weier.methods.bem.active_set import GridState, NestedSolver, cascade, resume, solve_rate
+from weier.methods.bem.active_set import GridState, NestedSolver, solve_on_grid
 from weier.methods.bem.contact_list import LISTED, list_contacts
 from weier.methods.bem.contacts import find_contacts, find_crests
 from weier.methods.bem.edges import find_edges, find_steps
 from weier.methods.bem.errors import estimate_errors
 from weier.methods.bem.grid_solution import Continuum, GridSolution, make_continuum
-from weier.methods.bem.grids import Grid, Hierarchy, copy_values
+from weier.methods.bem.grids import Hierarchy
 from weier.methods.bem.narrow_gaps import find_gaps
 from weier.methods.bem.redistribution import redistribute
 from weier.methods.errors import ConvergenceError
@@ -23,7 +23,6 @@ from weier.methods.progress import count_load, telling
 from weier.theory.waves import MAX_POINTS, Waves
 
 MAX_ROUNDS = 5  # of judging crests again
-MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MAX_PER_WAVE = 64  # nodes for each of the finest waves, beyond which the edges move by many from load to load
 RATE_TOLERANCE = 1e-8  # of the rate, how flat A q is in contact: corrections are linear in what is left of it
 FINER = (2, 4)  # times the points, for a load that is not verified
@@ -52,42 +51,20 @@ class LoadSolution(NamedTuple):
 
 
 @kernel
-def solve_on_grid(
-    load: float, heavier: float, carried: Array, start: Array, hierarchy: Hierarchy, grid: Grid, state: GridState
-) -> tuple[float, float, float]:
-    """Plane, residual and pairs of FFTs of a load.
-
-    Under a load near the `heavier` one before, the search begins with the pressure that this has left, `carried`;
-    else on the coarsest grid, with the pressure `start` there. Both become what this load leaves.
-    """
-    plane, residual, pairs = 0.0, np.inf, 0.0
-    if load > MIN_NEAR * heavier:
-        plane, residual, pairs = resume(load, heavier, carried, grid, state)
-    if not residual <= grid.max_residual:
-        plane, residual, more = cascade(load, hierarchy, start, state)
-        pairs += more
-    copy_values(state.pressure, carried)
-    return plane, residual, pairs
-
-
-@kernel
 def solve_and_correct(
-    load: float, heavier: float, flatness: float, carried: Array, start: Array, hierarchy: Hierarchy,
+    load: float, heavier: float, flatness: float, carried: Array, deformed: Array, hierarchy: Hierarchy,
     continuum: Continuum, state: GridState,
-) -> tuple[bool, float, float, float, float, Records, float, float]:  # fmt: skip
-    """One load on the grid, its rate to this `flatness`, and what the continuum adds: the fields of `LoadSolution`.
+) -> tuple[bool, bool, float, float, float, float, Records]:  # fmt: skip
+    """Go on with one load, its rate to this `flatness`, and what the continuum adds: whether all is done, and what.
 
     Crests that may touch are told by the plane on the grid at first. The corrected plane and pressure judge all
     crests again, until no more of them may touch.
     """
-    grid, points, rate = continuum.grid, carried.size, np.inf
-    plane, residual, pairs = solve_on_grid(load, heavier, carried, start, hierarchy, grid, state)
-    deformed = state.deformed.copy()
-    if residual <= grid.max_residual:
-        rate, more = solve_rate(flatness, grid, state)
-        pairs += more
-    if not rate < np.inf:  # the load was not solved on the grid, or its rate was not
-        return False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED), residual, pairs
+    grid, points, search = continuum.grid, carried.size, state.search[0]
+    done = solve_on_grid(load, heavier, flatness, carried, deformed, hierarchy, grid, state)
+    plane, rate = search.plane, search.rate
+    if not (done and rate < np.inf):
+        return done, False, plane, np.nan, np.nan, np.nan, np.zeros(0, LISTED)
     edge = find_edges(state.contact, state.edge)
     solution = GridSolution(plane, rate, carried, deformed, state.pressure, -state.deformed, state.contact, edge)
     gaps, steps = find_gaps(solution, continuum), find_steps(solution)
@@ -106,14 +83,13 @@ def solve_and_correct(
     finite = np.isfinite(corrected + resistance + errors.compliance + errors.resistance)
     # A mean gap and a resistance are not below 0, where both are smaller than their errors.
     return (
+        True,
         not new and gaps.found and forces.found and errors.judged and finite,
         max(corrected, 0.0),
         max(resistance, 0.0),
         errors.compliance,
         errors.resistance,
         list_contacts(contacts, forces.contacts, gaps.opened, solution, continuum.period),
-        residual,
-        pairs,
     )
 
 
@@ -126,22 +102,22 @@ class GridSolver:
         """Make the grids, and room for a solution."""
         self.nested, self._rate_tolerance = NestedSolver(profile, points, max_residual), rate_tolerance
         self._continuum = make_continuum(profile, self.nested.grid)
-        self._carried, self._heavier = np.zeros(points), np.inf
+        self._carried, self._deformed, self._heavier = np.zeros(points), np.zeros(points), np.inf
         # Beyond so many points the edges move by many of them from load to load.
         self._few = points <= MAX_PER_WAVE * profile.waves_per_period[-1]
 
     def solve(self, load: float) -> LoadSolution:
         """Solve the next lighter load: on the grid, its rate, and what the continuum adds to both."""
         nested = self.nested
-        if self._heavier == np.inf:
-            nested.forget()
-        found = solve_and_correct(
-            load, self._heavier, self._rate_tolerance, self._carried, nested.start(load), nested.hierarchy,
+        nested.state.search["work"] = 0
+        while not (found := solve_and_correct(
+            load, self._heavier, self._rate_tolerance, self._carried, self._deformed, nested.hierarchy,
             self._continuum, nested.state,
-        )  # fmt: skip
-        if self._few:
-            self._heavier = load
-        return LoadSolution(*found)
+        ))[0]:  # fmt: skip
+            pass
+        solution = LoadSolution(*found[1:], nested.residual, nested.work)
+        self._heavier = load if self._few and np.isfinite(solution.resistance) else np.inf
+        return solution
 
     def solve_alone(self, load: float) -> LoadSolution:
         """Solve a load independently of all others."""
