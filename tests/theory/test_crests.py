@@ -7,7 +7,7 @@ import pytest
 
 from weier import Profile
 from weier.theory import crests
-from weier.theory.crests import highest_crest
+from weier.theory.crests import find_crests, highest_crest
 
 
 def series_of(profile):
@@ -50,3 +50,13 @@ def test_a_crest_that_cannot_be_found_is_refused(gamma, m, match):
         _ = profile.crest
     with pytest.raises(ValueError, match=match):
         _ = profile.full_contact_load
+
+
+@pytest.mark.parametrize(("steeper", "count"), [(0.0, 1), (-1e-4, 1), (1e-4, 2), (1e-6, 2)])
+def test_crests_are_found_where_the_curvature_vanishes(steeper, count):
+    """At x = 0 all waves cancel in z'' for this D, and for larger ones two crests stand side by side there."""
+    profile = Profile(np.log(1.8392867552141612) / np.log(5 / 3) + steeper, "5/3", 4, (0, 0, 0, np.pi))
+    x, theta = find_crests(profile.amplitude, profile.waves_per_period, profile.phase, profile.period)
+    wavenumber = profile.full_contact_pressure * 2 * np.pi
+    assert np.abs(np.sin(theta) @ wavenumber).max() < 1e-14 * wavenumber.sum()
+    assert np.sum(np.abs(x) < 0.01) == count

@@ -19,7 +19,9 @@ from weier.kernels.arrays import Array, Indices
 
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
-NEWTON_STEPS = 8  # from 1/16 wave away Newton's error squares each step: 6 reach rounding
+MAX_NEWTON_STEPS = 40  # from 1/16 wave away; 6 reach rounding, and 25 where the curvature vanishes, too
+PARTS = 31  # of the two samples about a top, where crests may stand side by side; odd, for these to be symmetric
+MIN_PART = 1e-5  # of the finest wave: crests closer together than this are one to rounding
 MAX_SAMPLED_WAVES = 10**6  # of the finest in a period, whose crests are looked for among samples: 128 MB
 MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
 MAX_TERMS = 64  # the search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits
@@ -70,14 +72,45 @@ def find_crests(
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     x = np.asarray(top * (period / points), float)
     theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase
-    for _ in range(NEWTON_STEPS):
-        slope = -np.sin(theta) @ (amplitude * wavenumber)
-        curvature = -np.cos(theta) @ (amplitude * wavenumber**2)
+    x, theta = _told_apart(x, theta, amplitude, wavenumber, period / points)
+    rounding, unsettled = np.finfo(float).eps * (np.abs(amplitude) @ wavenumber), np.arange(x.size)
+    for _ in range(MAX_NEWTON_STEPS):
+        slope, curvature = _slope_and_curvature(theta[unsettled], amplitude, wavenumber)
         # Not beyond the next sample, where a sampled top stands on a slope that is not concave.
         step = np.clip(-slope / np.minimum(curvature, -1e-300), -period / points, period / points)
-        x += step
-        theta += step[:, None] * wavenumber
+        off = np.abs(slope) > rounding
+        unsettled, step = unsettled[off], step[off]
+        x[unsettled] += step
+        theta[unsettled] += step[:, None] * wavenumber
     return x, theta
+
+
+def _slope_and_curvature(theta: Array, amplitude: Array, wavenumber: Array) -> tuple[Array, Array]:
+    """Of the series, where its waves have these phases."""
+    return -np.sin(theta) @ (amplitude * wavenumber), -np.cos(theta) @ (amplitude * wavenumber**2)
+
+
+def _told_apart(x: Array, theta: Array, amplitude: Array, wavenumber: Array, width: float) -> tuple[Array, Array]:
+    """Positions and phases next to each crest, of sampled tops with one or several within this width on either side.
+
+    Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
+    Each is where the slope falls through 0 between points that are so close that the series is concave.
+    """
+    near, near_theta = [x[:0]], [theta[:0]]
+    while x.size > 0:
+        shift = width * wavenumber
+        curvature = _slope_and_curvature(np.stack([theta - shift, theta, theta + shift]), amplitude, wavenumber)[1]
+        clear = np.all(curvature < 0, axis=0) | (width * wavenumber[-1] < 2 * np.pi * MIN_PART)
+        near.append(x[clear])
+        near_theta.append(theta[clear])
+        x, theta = x[~clear], theta[~clear]
+        ends = np.linspace(-1, 1, PARTS + 1)[:, None, None]
+        slope = _slope_and_curvature(theta + ends * shift, amplitude, wavenumber)[0]
+        part, of = np.nonzero((slope[:-1] > 0) & (slope[1:] <= 0))
+        width /= PARTS
+        middle = width * (2 * part + 1 - PARTS)
+        x, theta = x[of] + middle, theta[of] + middle[:, None] * wavenumber
+    return np.concatenate(near), np.concatenate(near_theta)
 
 
 def highest_crest(

@@ -274,6 +274,8 @@ def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residu
     rise = (value[at + 1] - value[at]) / (high - middle) - (value[at] - value[at - 1]) / (middle - low)
     bend, farthest = 2 * np.maximum(rise, 0) / (high - low), 0.5 * np.maximum(high - middle, middle - low)
     some = value[at] < 0.5 * MAX_FALL * bend * farthest**2 + margin
+    if not some.any():
+        return np.empty(0, MINIMUM)
     low, middle, high, interval = low[some], middle[some], high[some], interval[at[some]]
     # Newton's method on differences. The lowest point that was seen counts: where crests stand side by side,
     # differences tell of neither.

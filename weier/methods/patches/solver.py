@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
+from weier.kernels.jit import kernel
 from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
@@ -37,6 +38,7 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
 from weier.methods.progress import count_load
+from weier.methods.punches import MAX_COARSEST, invert_punches, solve_forces
 from weier.methods.segment import RESISTANCE
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.loads import checked_loads
@@ -48,6 +50,7 @@ UNSETTLED = 100  # times the tolerance to which sets of contacts are corrected, 
 MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
 MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
 MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
+MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # of finding their forces; 3 or 4 are usual
 POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
 MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
@@ -198,17 +201,20 @@ def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
     between them, kappa changes by 2 e/a^2. For each e-fold of a, the resistance falls by 2 L f^2, where f is the
     share of a new load that the contact takes. Where gaps are solved for, f is at most (R/L + 2 ln 2)/c, since a
     force lowers the surface nowhere by more than 2 ln 2 times itself. Crests other than the highest and its twins are
-    known to a unit in the last place of the amplitudes.
+    known to a unit in the last place of the amplitudes, and curvatures to one in that of the waves' curvatures. That
+    of a contact is its mean, as a crest may be flat.
     """
     series, period, most = surface.heights, surface.heights.period, surface.total_amplitude
     origin, centre, half_width = contacts_of(state.segments, state.dual, period)
     crest, y = nearest_crests(series, origin + centre)
-    curvature, is_lower = -evaluate_at(series, crest, y, 2), series.crest_offset[crest] < -TWIN_HEIGHT * most
-    error = state.error + np.finfo(float).eps * most * is_lower
-    force = np.where(curvature > 0, half_width**2 * curvature / 4, np.inf)
+    left, right = (evaluate_at(series, crest, y + end, 1) for end in (-half_width, half_width))
+    curvature, is_lower = (left - right) / (2 * half_width), series.crest_offset[crest] < -TWIN_HEIGHT * most
+    curvature, eps = np.where(curvature > 0, curvature, np.inf), float(np.finfo(float).eps)
+    error, force = state.error + eps * most * is_lower, half_width**2 * curvature / 4
+    rounding = eps * (np.abs(series.amplitude) @ series.wavenumber**2) / curvature
     c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
     share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
-    return float(np.sum(period * share**2 * (2 / c + 0.5) * error / force))
+    return float(np.sum(period * share**2 * ((2 / c + 0.5) * error / force + rounding)))
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
@@ -370,21 +376,52 @@ def contacts_guess(surface: Surface, middle: Array, half_width: Array, force: Ar
 
 
 def lone_contacts(series: CosineSeries, load: float) -> Iterate | None:
-    """Hertz's contacts on the highest crests, which share the load alike; None if they are wide, or others may touch.
+    """Hertz's contacts on crests, if they are so small that each feels the others as forces; None if they are not."""
+    curvature, total = crest_curvatures(series), load * series.period
+    if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+        return None
+    force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
+    crest = np.flatnonzero(force)
+    half_width = 2 * np.sqrt(force[crest] / curvature[crest])
+    if crest.size == 0 or not _are_lone(series, crest, half_width):
+        return None
+    return _make_guess(series, False, series.crest_position[crest], half_width, force[crest])
 
-    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by less under that of another.
-    Nowhere does a force displace the surface by less than half a period away.
+
+@kernel
+def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: float, period: float) -> Array:
+    """The forces of Hertz's contacts on crests under a whole load, shape (crests,); all are 0 if they are not found.
+
+    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by what others lower it. The
+    logarithm hardly changes with the forces, which therefore follow from those that were found with the last one. A
+    crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
     """
-    touching = np.flatnonzero(series.crest_offset == 0)
-    total = load * series.period
-    half_width = 2 * np.sqrt(total / touching.size / crest_curvatures(series)[touching])
-    if not _are_lone(series, touching, half_width):
-        return None
-    approach = total * (1 + displacement_of_punch(float(half_width.min()), series.period))
-    lowest = total * displacement_at_distance(0.5 * series.period, series.period)
-    if np.any((series.crest_offset < 0) & (series.crest_offset + approach > lowest)):
-        return None
-    return _make_guess(series, False, series.crest_position[touching], half_width, total / touching.size)
+    force, lowest = np.where(offset == 0, total, 0.0), total * displacement_at_distance(0.5 * period, period)
+    for _ in range(MAX_FORCE_STEPS):
+        crest = np.flatnonzero(force)
+        if crest.size > MAX_COARSEST or curvature[crest].min() <= 0:
+            break
+        sinking = np.empty(crest.size)
+        for i in range(crest.size):
+            half_width = 2 * np.sqrt(force[crest[i]] / curvature[crest[i]])
+            sinking[i] = 1 + displacement_of_punch(half_width, period)
+        inverse = invert_punches(np.arange(crest.size), position[crest], sinking, period)
+        even, found = solve_forces(inverse, np.ones(crest.size)), solve_forces(inverse, offset[crest])
+        found += even * ((total - found.sum()) / even.sum())
+        approach = sinking[0] * found[0] - offset[crest[0]]
+        for i in range(1, crest.size):
+            approach += found[i] * displacement_at_distance(position[crest[i]] - position[crest[0]], period)
+        is_settled = bool(np.all(np.abs(found - force[crest]) < FORCE_TOLERANCE * force[crest]))
+        force[crest] = np.maximum(found, 0.0)
+        for j in np.flatnonzero((force == 0) & (offset + approach > lowest)):
+            gap = -approach - offset[j]
+            for i in range(crest.size):
+                gap += found[i] * displacement_at_distance(position[crest[i]] - position[j], period)
+            if gap < 0:
+                force[j], is_settled = total / offset.size, False
+        if is_settled:
+            return force
+    return np.zeros(offset.size)
 
 
 def crest_curvatures(series: CosineSeries) -> Array:
