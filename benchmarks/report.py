@@ -85,7 +85,7 @@ def _preface(data: xr.Dataset) -> list[str]:
         f"The same curve by several programs: {loads.size} loads in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, "
         f"D = {attributes['D']:g}, gamma = {attributes['gamma']}, m = {attributes['m']}. {attributes['machine']}; "
         f"one thread; {attributes['packages']}. Medians of {repeats} runs, taken in turn; seconds for "
-        "the whole curve, from the heaviest load down, each load from the one before but by weier, which begins anew.",
+        "the whole curve, from the heaviest load down, each load from the one before; weier begins anew.",
         "",
         f"Every program must reach a residual of {attributes['tolerance']:.0e} g_0: the largest |gap| under pressure "
         f"or penetration elsewhere, from the pressure it returns and a freshly applied operator. "
