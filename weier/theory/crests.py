@@ -73,12 +73,14 @@ def find_crests(
     x = np.asarray(top * (period / points), float)
     theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase
     x, theta = _told_apart(x, theta, amplitude, wavenumber, period / points)
-    rounding, unsettled = np.finfo(float).eps * (np.abs(amplitude) @ wavenumber), np.arange(x.size)
+    rounding, unsettled = 4 * np.finfo(float).eps * (np.abs(amplitude) @ wavenumber), np.arange(x.size)
     for _ in range(MAX_NEWTON_STEPS):
         slope, curvature = _slope_and_curvature(theta[unsettled], amplitude, wavenumber)
         # Not beyond the next sample, where a sampled top stands on a slope that is not concave.
         step = np.clip(-slope / np.minimum(curvature, -1e-300), -period / points, period / points)
         off = np.abs(slope) > rounding
+        if not off.any():
+            break
         unsettled, step = unsettled[off], step[off]
         x[unsettled] += step
         theta[unsettled] += step[:, None] * wavenumber

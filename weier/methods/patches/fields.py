@@ -249,7 +249,7 @@ def residuals_by_sums(
     segments, period = state.segments, series.period
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
-    count, force = np.diff(segments.first_node), _node_forces(state)
+    count, force = segments.node_count, _node_forces(state)
     middle = np.repeat(segments.origin + segments.centre, count)
     tree = make_tree(middle, np.repeat(segments.half_width, count) * segments.node)
     total = potential(tree, force, make_tree(origin, offset), period, state.dual)

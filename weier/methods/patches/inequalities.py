@@ -8,6 +8,7 @@ here, too, for both solvers.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -201,13 +202,16 @@ def _sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, A
 
     Of twice as many as the nodes and their ends have intervals, each stands `apart`, as far from all nodes as it can.
     """
-    nodes = np.diff(segments.first_node)
-    count = 2 * (nodes + 1) if apart else np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)).astype(np.int64)
-    first = np.cumsum(count) - count
-    number = np.arange(count.sum()) - np.repeat(first, count)
-    t = -np.cos((number + 0.5) * np.repeat(np.pi / count, count))
-    y = np.repeat(segments.centre, count) + np.repeat(segments.half_width, count) * t
-    return first, np.repeat(segments.crest, count), y
+    zeros = [_zeros(nodes, apart) for nodes in segments.node_count.tolist()]
+    count = np.array([each.size for each in zeros])
+    y = np.repeat(segments.centre, count) + np.repeat(segments.half_width, count) * np.concatenate(zeros)
+    return np.cumsum(count) - count, np.repeat(segments.crest, count), y
+
+
+@lru_cache(maxsize=256)
+def _zeros(nodes: int, apart: bool) -> Array:
+    count = 2 * (nodes + 1) if apart else int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
+    return np.asarray(-np.cos((np.arange(count) + 0.5) * (np.pi / count)))
 
 
 def certify(

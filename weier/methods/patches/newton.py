@@ -341,13 +341,13 @@ def on_few_nodes(now: Iterate | ContactState, series: CosineSeries) -> Iterate:
     """The density on as few nodes as a guess has."""
     old = now.segments
     count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
-    counts = tuple(np.diff(old.first_node).tolist()), tuple(count.tolist())
+    counts = tuple(old.node_count.tolist()), tuple(count.tolist())
     return change_nodes(now, count, mode_blocks(*counts, series.period, now.dual)[1], series.period)
 
 
 def own_density(guess: Iterate, series: CosineSeries, load: float) -> Iterate:
-    """The density that each segment takes under those of the others."""
-    counts = tuple(np.diff(guess.segments.first_node).tolist())
+    """The slope that each gap takes under the pressure of full contact, if it does not feel the others."""
+    counts = tuple(guess.segments.node_count.tolist())
     fast = mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
     return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load)[1]))
 
@@ -395,7 +395,7 @@ def _newton_iteration(now: Iterate, series: CosineSeries, load: float) -> tuple[
     ConvergenceError is raised if the steps do not shrink.
     """
     _check_size(now.segments.node.size, now.segments.centre.size, load)
-    counts = tuple(np.diff(now.segments.first_node).tolist())
+    counts = tuple(now.segments.node_count.tolist())
     blocks = mode_blocks(counts, counts, series.period, now.dual)  # which leave the nodes as they are
     for steps in range(1, MAX_STEPS + 1):
         matrix, residual, _ = assemble(now, series, load)
@@ -426,10 +426,10 @@ def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: 
     coarse, factors, steps = _newton_iteration(guess, series, load)
     few = coarse.segments
     count = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
-    count = np.maximum(count, np.diff(few.first_node))
+    count = np.maximum(count, few.node_count)
     for _ in range(MAX_NODE_ROUNDS):
         _check_size(int(count.sum()), count.size, load)
-        counts = tuple(np.diff(few.first_node).tolist()), tuple(count.tolist())
+        counts = tuple(few.node_count.tolist()), tuple(count.tolist())
         grids = TwoGrids._make((*mode_blocks(*counts, series.period, guess.dual), factors))
         finer = change_nodes(coarse, count, grids.interpolation, series.period)
         now, more = _refine(finer, grids, series, load, tolerance)
@@ -495,7 +495,8 @@ def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance:
     ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
     """
     series = surface.series(guess.dual)
-    state, steps = solve_on_segments(surface, own_density(guess, series, load), load, tolerance)
+    start = own_density(guess, series, load) if guess.dual else guess  # Hertz's pressure is near enough
+    state, steps = solve_on_segments(surface, start, load, tolerance)
     residual = contact_residual(state, series)
     outside, inside = _lowest_values(state, series, residual.max(), tolerance)
     return certify(state, residual, outside, inside, series.period, tolerance), steps

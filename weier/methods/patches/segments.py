@@ -245,6 +245,11 @@ class Segments(NamedTuple):
     weight: Array
     log_weight: Array
 
+    @property
+    def node_count(self) -> Indices:
+        """Of each segment, shape (segments,)."""
+        return self.first_node[1:] - self.first_node[:-1]
+
 
 class Iterate(NamedTuple):
     """Contacts with their pressure, or gaps with their slope (dual), as an initial guess or on the way to a solution.
@@ -279,13 +284,14 @@ def make_segments(
     return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
 
 
+@kernel
 def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, Array, Array]:
     """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
-    place = segments.origin, segments.centre, segments.half_width
+    origin, centre, half_width = segments.origin, segments.centre, segments.half_width
     if not dual:
-        return place
-    half_width = 0.5 * distances_between(*place, period)
-    return segments.origin, segments.centre + segments.half_width + half_width, half_width
+        return origin, centre, half_width
+    between = 0.5 * distances_between(origin, centre, half_width, period)
+    return origin, centre + half_width + between, between
 
 
 def in_order(middle: Array, half_width: Array, period: float) -> tuple[Array, Array, Indices]:

@@ -38,7 +38,7 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Surface, evaluate_at, nearest_crests, surface_of
 from weier.methods.progress import count_load
-from weier.methods.punches import MAX_COARSEST, invert_punches, solve_forces
+from weier.methods.punches import MAX_COARSEST, OFFSET, invert_punches, solve_forces
 from weier.methods.segment import RESISTANCE
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.loads import checked_loads
@@ -48,6 +48,7 @@ TOLERANCE = 1e-10
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
 UNSETTLED = 100  # times the tolerance to which sets of contacts are corrected, where that one fails
 MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
+EPS = float(np.finfo(float).eps)
 MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
 MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # of finding their forces; 3 or 4 are usual
@@ -181,19 +182,20 @@ def _curve_point(
     surface: Surface, state: ContactState | None, tolerance: float
 ) -> tuple[float, float, float, float, float, float, int, float]:
     """Compliance and its error, indentation, resistance and its error, contact fraction, contacts, and residual."""
-    total, top = surface.total_amplitude, surface.heights.maximum
-    rounding = COMPLIANCE_ROUNDING * total
+    total, series = surface.total_amplitude, surface.heights
+    rounding, top = COMPLIANCE_ROUNDING * total, series.maximum
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
-    share = float(2 * state.segments.half_width.sum() / surface.heights.period)
+    share = float(2 * state.segments.half_width.sum() / series.period)
     base, fraction = (top, 1 - share) if state.dual else (0.0, share)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
-    of_R = error_model.error(tolerance, RESISTANCE) * max(R, 1.0) + _error_by_light_contacts(surface, state)
+    of_R = error_model.error(tolerance, RESISTANCE) * max(R, 1.0) + _error_by_light_contacts(state, series, total)
     count = state.segments.centre.size
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
 
-def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
+@kernel
+def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
     """How far the resistance may be off, in g_0/p_0*, where contacts are so light that heights tell little of them.
 
     The half-width a = 2 (F/kappa)^(1/2) follows from the force F and the curvature kappa. Heights that are off by e
@@ -204,14 +206,13 @@ def _error_by_light_contacts(surface: Surface, state: ContactState) -> float:
     known to a unit in the last place of the amplitudes, and curvatures to one in that of the waves' curvatures. That
     of a contact is its mean, as a crest may be flat.
     """
-    series, period, most = surface.heights, surface.heights.period, surface.total_amplitude
-    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
+    period, (origin, centre, half_width) = series.period, contacts_of(state.segments, state.dual, series.period)
     crest, y = nearest_crests(series, origin + centre)
-    left, right = (evaluate_at(series, crest, y + end, 1) for end in (-half_width, half_width))
-    curvature, is_lower = (left - right) / (2 * half_width), series.crest_offset[crest] < -TWIN_HEIGHT * most
-    curvature, eps = np.where(curvature > 0, curvature, np.inf), float(np.finfo(float).eps)
-    error, force = state.error + eps * most * is_lower, half_width**2 * curvature / 4
-    rounding = eps * (np.abs(series.amplitude) @ series.wavenumber**2) / curvature
+    fall = evaluate_at(series, crest, y - half_width, 1) - evaluate_at(series, crest, y + half_width, 1)
+    curvature = np.where(fall > 0, fall / (2 * half_width), np.inf)
+    is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
+    error, force = state.error + EPS * total_amplitude * is_lower, half_width**2 * curvature / 4
+    rounding = EPS * np.sum(np.abs(series.amplitude) * series.wavenumber**2) / curvature
     c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
     share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
     return float(np.sum(period * share**2 * ((2 / c + 0.5) * error / force + rounding)))
@@ -382,10 +383,7 @@ def lone_contacts(series: CosineSeries, load: float) -> Iterate | None:
         return None
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
     crest = np.flatnonzero(force)
-    half_width = 2 * np.sqrt(force[crest] / curvature[crest])
-    if crest.size == 0 or not _are_lone(series, crest, half_width):
-        return None
-    return _make_guess(series, False, series.crest_position[crest], half_width, force[crest])
+    return _lone_guess(series, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
 
 
 @kernel
@@ -402,21 +400,18 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         if crest.size > MAX_COARSEST or curvature[crest].min() <= 0:
             break
         sinking = np.empty(crest.size)
-        for i in range(crest.size):
-            half_width = 2 * np.sqrt(force[crest[i]] / curvature[crest[i]])
-            sinking[i] = 1 + displacement_of_punch(half_width, period)
+        for i, k in enumerate(crest):
+            sinking[i] = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
         inverse = invert_punches(np.arange(crest.size), position[crest], sinking, period)
         even, found = solve_forces(inverse, np.ones(crest.size)), solve_forces(inverse, offset[crest])
-        found += even * ((total - found.sum()) / even.sum())
-        approach = sinking[0] * found[0] - offset[crest[0]]
-        for i in range(1, crest.size):
-            approach += found[i] * displacement_at_distance(position[crest[i]] - position[crest[0]], period)
+        shift = (total - found.sum()) / even.sum()
+        found, approach = found + shift * even, shift - OFFSET * total
         is_settled = bool(np.all(np.abs(found - force[crest]) < FORCE_TOLERANCE * force[crest]))
         force[crest] = np.maximum(found, 0.0)
         for j in np.flatnonzero((force == 0) & (offset + approach > lowest)):
             gap = -approach - offset[j]
-            for i in range(crest.size):
-                gap += found[i] * displacement_at_distance(position[crest[i]] - position[j], period)
+            for i, k in enumerate(crest):
+                gap += found[i] * displacement_at_distance(position[k] - position[j], period)
             if gap < 0:
                 force[j], is_settled = total / offset.size, False
         if is_settled:
@@ -433,19 +428,18 @@ def lone_gaps(series: CosineSeries, load: float) -> Iterate | None:
     """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
     tension = series.maximum - load + series.crest_offset
     crest = np.flatnonzero(tension > 0)
-    half_width = 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest])
-    if crest.size == 0 or not _are_lone(series, crest, half_width):
+    return _lone_guess(series, True, crest, 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest]), 0.0)
+
+
+def _lone_guess(
+    series: CosineSeries, dual: bool, crest: Indices, half_width: Array, force: Array | float
+) -> Iterate | None:
+    """A guess on crests in order; None if segments are not parabolic, or so wide that they feel each other."""
+    position, widest = series.crest_position[crest], half_width.max(initial=0.0)
+    distance = np.append(position[1:], position[:1] + series.period) - position
+    if crest.size == 0 or not widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * distance.min()):
         return None
-    return _make_guess(series, True, series.crest_position[crest], half_width, 0.0)
-
-
-def _are_lone(series: CosineSeries, crest: Indices, half_width: Array) -> bool:
-    """Whether segments on crests, in order, are parabolic, and so small that they hardly feel each other."""
-    if not np.all(half_width * series.wavenumber[-1] < MAX_RADIANS):
-        return False
-    position = series.crest_position[crest]
-    distance = np.append(position[1:], position[0] + series.period) - position
-    return bool(np.all(np.maximum(half_width, np.roll(half_width, -1)) < MAX_CROWDING * distance))
+    return _make_guess(series, dual, position, half_width, force)
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
