@@ -72,6 +72,9 @@ class _Event(NamedTuple):
     right: float
 
 
+_Located = tuple[_Event, ContactState]  # with the state in which it happens
+
+
 @one_thread
 def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE) -> Events:
     """All births and merges of contacts between two mean pressures.
@@ -161,10 +164,10 @@ class _Search(NamedTuple):
         middle = float(np.sqrt(low.load) * np.sqrt(high.load))
         if is_certain and width < MAX_ROOT_INTERVAL and len(changes) <= MAX_ROOTS:
             located = self._locate_all(low, high, changes)
-            loads = sorted(load for load, _ in located)
+            loads = sorted(state.load for _, state in located)
             if loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]:  # one event, or several by symmetry
-                if self._is_in_contact(low if changes[0].birth else high, loads[0]):
-                    return located
+                if self._is_in_contact(located[0][1]):
+                    return [(state.load, event) for event, state in located]
             elif loads:
                 widest = int(np.argmax(np.diff(loads)))
                 middle = 0.5 * (loads[widest] + loads[widest + 1])
@@ -209,37 +212,39 @@ class _Search(NamedTuple):
         minima = _minima_of_gap(low, self.starts.surface.series(low.dual), origin, left, right)
         return bool(np.all(minima <= count))
 
-    def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[tuple[float, _Event]]:
-        """The loads of all changes, each as if it were alone; empty if one cannot be found."""
+    def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
+        """All changes, each as if it were alone; empty if one cannot be found."""
         try:
             return [self._locate(low, high, event) for event in changes]
         except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
             return []
 
-    def _locate(self, low: ContactState, high: ContactState, event: _Event) -> tuple[float, _Event]:
-        """Load and position at which the gap before a birth, or the pressure after a merge, first touches 0.
+    def _locate(self, low: ContactState, high: ContactState, event: _Event) -> _Located:
+        """Where and in which state the gap before a birth, or the pressure after a merge, first touches 0.
 
         The contacts are followed from the side on which that quantity is positive to the other.
         """
-        start = low if event.birth else high
+        followed: list[_Located] = [(event, low if event.birth else high)]
 
-        def minimum(load: float) -> tuple[float, float]:
-            state = self._follow(start, load)
-            return _minimum(state, self.starts.surface.series(state.dual), event)
+        def nearest(load: float) -> _Located:
+            return min(followed, key=lambda located: abs(located[1].load - load))
+
+        def minimum(load: float) -> float:
+            state = self._follow(nearest(load)[1], load)
+            y, value = _minimum(state, self.starts.surface.series(state.dual), event)
+            followed.insert(0, (event._replace(left=y, right=y), state))
+            return value
 
         accuracy = {"xtol": LOAD_ACCURACY * low.load, "rtol": LOAD_ACCURACY}
-        load = float(scipy.optimize.brentq(lambda load: minimum(load)[1], low.load, high.load, **accuracy))
-        y, _ = minimum(load)
-        return load, event._replace(left=y, right=y)
+        return nearest(scipy.optimize.brentq(minimum, low.load, high.load, **accuracy))
 
-    def _is_in_contact(self, start: ContactState, load: float) -> bool:
-        """Whether the contacts that led to the load of an event meet the conditions of contact there.
+    def _is_in_contact(self, state: ContactState) -> bool:
+        """Whether the contacts that led to an event meet the conditions of contact at its load.
 
         An edge may have gone on over a crest that touches by then, so that there is tension behind it.
         """
-        state = self._follow(start, load)
         overlap = -lowest_outside(state, self.starts.surface.series(state.dual))
-        limit = MAX_VIOLATION * load * (1.0 if state.dual else self.starts.surface.heights.period)
+        limit = MAX_VIOLATION * state.load * (1.0 if state.dual else self.starts.surface.heights.period)
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["share"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:

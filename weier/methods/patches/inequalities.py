@@ -266,21 +266,11 @@ def lowest_outside(state: ContactState, series: CosineSeries) -> float:
 
 
 def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Records:
-    """Negative minima of a function of ascending positions, from its values at some of them in some intervals.
-
-    They are sought where no parabola through a low sample and its neighbours stays above the margin for certain.
-    """
-    at = 1 + np.flatnonzero(
-        (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (interval[:-2] == interval[2:])
-    )
-    at = at[np.isfinite(value[at - 1] + value[at + 1])]
-    low, middle, high = x[at - 1], x[at], x[at + 1]
-    rise = (value[at + 1] - value[at]) / (high - middle) - (value[at] - value[at - 1]) / (middle - low)
-    bend, farthest = 2 * np.maximum(rise, 0) / (high - low), 0.5 * np.maximum(high - middle, middle - low)
-    some = value[at] < 0.5 * MAX_FALL * bend * farthest**2 + margin
-    if not some.any():
+    """Negative minima of a function of ascending positions, from its values at some of them in some intervals."""
+    at = _low_samples(x, interval, value, margin)
+    if at.size == 0:
         return np.empty(0, MINIMUM)
-    low, middle, high, interval = low[some], middle[some], high[some], interval[at[some]]
+    low, middle, high, interval = x[at - 1], x[at], x[at + 1], interval[at]
     # Newton's method on differences. The lowest point that was seen counts: where crests stand side by side,
     # differences tell of neither.
     stencil, lowest = FIRST_STENCIL * (high - low), np.full((3, middle.size), np.inf)
@@ -305,6 +295,23 @@ def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residu
     minima = np.empty(middle.size, MINIMUM)
     minima["position"], minima["value"], minima["curvature"], minima["interval"] = *lowest, interval
     return minima
+
+
+@kernel
+def _low_samples(x: Array, interval: Indices, value: Array, margin: float) -> Indices:
+    """Those samples between whose neighbours, in the same interval, a minimum may lie below the margin.
+
+    No parabola through the three stays above it for certain.
+    """
+    at, count = np.empty(x.size, np.int64), 0
+    for i in range(1, x.size - 1):
+        left, right = x[i] - x[i - 1], x[i + 1] - x[i]
+        before, after = value[i - 1] - value[i], value[i + 1] - value[i]
+        if before >= 0 and after >= 0 and before + after < np.inf and interval[i - 1] == interval[i + 1]:
+            bend = 2 * (after / right + before / left) / (left + right)
+            if value[i] < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + margin:
+                at[count], count = i, count + 1
+    return at[:count]
 
 
 def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArray[np.float64], float]:

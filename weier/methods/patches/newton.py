@@ -352,19 +352,12 @@ def own_density(guess: Iterate, series: CosineSeries, load: float) -> Iterate:
     return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load)[1]))
 
 
-def _correct(now: Iterate, grids: TwoGrids, residual: Array, period: float) -> tuple[Iterate, float]:
-    """The unknowns after a correction, and its size: they are of no use if it is inf or NaN."""
-    centre, half_width, phi, approach, size = _moved(now, grids, residual, period)
-    moved = now.segments._replace(centre=centre, half_width=half_width)
-    return Iterate(now.dual, moved, phi, approach), size
-
-
-@kernel
-def _moved(now: Iterate, grids: TwoGrids, residual: Array, period: float) -> tuple[Array, Array, Array, float, float]:
-    """Centres, half-widths, density and approach after a correction, and its size."""
-    step, N, r = _correction(grids, residual), now.phi.size, now.segments.half_width
-    centre, half_width = now.segments.centre + step[N : N + r.size] * r, r * (1 + step[N + r.size : -1])
-    return centre, half_width, now.phi + step[:N], now.approach + step[-1], _step_size(now, step, period)
+def _move(now: Iterate, step: Array, period: float) -> tuple[Iterate, float]:
+    """The unknowns after a step, and its size: they are of no use if it is inf or NaN."""
+    segments, N, r = now.segments, now.phi.size, now.segments.half_width
+    centre, half_width = segments.centre + step[N : N + r.size] * r, r * (1 + step[N + r.size : -1])
+    moved = segments._replace(centre=centre, half_width=half_width)
+    return Iterate(now.dual, moved, now.phi + step[:N], now.approach + step[-1]), _step_size(now, step, period)
 
 
 @kernel
@@ -395,15 +388,13 @@ def _newton_iteration(now: Iterate, series: CosineSeries, load: float) -> tuple[
     ConvergenceError is raised if the steps do not shrink.
     """
     _check_size(now.segments.node.size, now.segments.centre.size, load)
-    counts = tuple(now.segments.node_count.tolist())
-    blocks = mode_blocks(counts, counts, series.period, now.dual)  # which leave the nodes as they are
     for steps in range(1, MAX_STEPS + 1):
         matrix, residual, _ = assemble(now, series, load)
-        lu, pivot, _ = scipy.linalg.lapack.dgetrf(matrix.T, overwrite_a=True)  # if singular, no step is finite
-        now, size = _correct(now, TwoGrids._make((*blocks, (lu, pivot))), residual, series.period)
-        if size < COARSE_TOLERANCE:
+        lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(matrix.T, residual, overwrite_a=True)
+        now, size = _move(now, -change, series.period)
+        if size < COARSE_TOLERANCE and not is_singular:
             return now, (lu, pivot), steps
-        if not size < np.inf:
+        if is_singular or not size < np.inf:
             break
     raise ConvergenceError(f"Newton's method fails under the mean pressure {load:.6g} p_0*", float(size))
 
@@ -454,7 +445,7 @@ def _refine(
     """The solution on the nodes of a guess and the corrections to it; ConvergenceError if these do not shrink."""
     previous = np.inf
     for steps in range(1, MAX_STEPS + 1):
-        now, size = _correct(now, grids, assemble(now, series, load)[1], series.period)
+        now, size = _move(now, _correction(grids, assemble(now, series, load)[1]), series.period)
         ratio, previous = size / previous, size
         is_stuck = ratio > MAX_RATIO
         if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
