@@ -10,7 +10,7 @@ from weier.data.netcdf import check_whole
 from weier.figures import checks, kinds
 from weier.figures.captions import caption
 from weier.digests import KERNELS, PACKAGE
-from weier.kernels.jit import LISTENERS, cache_folder, disabled
+from weier.kernels.jit import DISABLED, LISTENERS, cache_folder
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import NUMBERS, Solutions, read_batch
 from weier.pipeline.forecast import forecast_scene
@@ -118,7 +118,7 @@ def kernels(*names):
     except OSError:
         return []
     numerical = [method.name for method in used if method.numerical]
-    return [] if disabled() else ancient(list(map(compiled, numerical)))
+    return [] if DISABLED else ancient(list(map(compiled, numerical)))
 
 
 def compiled(method):

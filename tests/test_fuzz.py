@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from tests.marks import examples, few
 from weier import cli, scene
 from weier.figures import checks
-from weier.kernels.jit import compiling_seconds
+from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.registry import names
 
 FEW, MANY = 120, 3400  # of three tests at least: 10^4
@@ -128,7 +128,7 @@ def plan_arguments(draw):
 
 def check_arguments(folder, given):
     # Of the processor: a plan of an infinite series takes 8 s, and twice as long where others work.
-    start, out, err = time.thread_time() - compiling_seconds(), StringIO(), StringIO()
+    start, out, err = time.thread_time() - COMPILING_SECONDS.get(), StringIO(), StringIO()
     before = sys.argv
     sys.argv = ["weier", *given]
     try:
@@ -141,7 +141,7 @@ def check_arguments(folder, given):
     if stopped.value.code == 1:
         assert err.getvalue().splitlines()[-1].startswith("weier: ")
     assert list(folder.iterdir()) == []
-    assert time.thread_time() - compiling_seconds() - start < LONGEST
+    assert time.thread_time() - COMPILING_SECONDS.get() - start < LONGEST
 
 
 FUZZED = [(scenes(), check_scene), (TEXT, check_text), (arguments(), check_arguments)]

@@ -1,8 +1,11 @@
 """The cache of compiled kernels: named by what it was made from."""
 
+import ctypes
 import importlib.util
 import os
 import re
+import shutil
+import signal
 import subprocess
 import sys
 from threading import Thread
@@ -130,9 +133,9 @@ def test_seconds_of_compiling_are_those_of_the_thread_that_compiles(cache, load)
     module, seconds = load(), []
 
     def measured():
-        before, start = jit.compiling_seconds(), perf_counter()
+        before, start = jit.COMPILING_SECONDS.get(), perf_counter()
         call(module)
-        seconds.append((jit.compiling_seconds() - before, perf_counter() - start))
+        seconds.append((jit.COMPILING_SECONDS.get() - before, perf_counter() - start))
 
     elsewhere = Thread(target=measured)
     elsewhere.start()
@@ -221,6 +224,21 @@ def test_an_error_of_a_kernel_is_no_damage_of_the_cache(cache, load, recwarn):
     with pytest.raises(Exception, match="neither"):
         call(load(), "wrong")
     assert not recwarn.list
+
+
+@compiled
+@pytest.mark.usefixtures("ctrl_c")
+def test_ctrl_c_that_a_callback_loses_is_raised(cache, load, monkeypatch):
+    """As where LLVM calls Python: an exception cannot pass through C, and Python reports it and goes on."""
+    reported, callback = [], ctypes.CFUNCTYPE(None)
+    monkeypatch.setattr(sys, "unraisablehook", lambda failure: reported.append(failure.exc_type))
+    jit.LISTENERS[:] = [lambda _: callback(lambda: 1 / 0)()]
+    assert call(load()) == 4.0
+    assert reported == [ZeroDivisionError]
+    shutil.rmtree(cache)
+    jit.LISTENERS[:] = [lambda _: callback(lambda: signal.raise_signal(signal.SIGINT))()]
+    with pytest.raises(KeyboardInterrupt):
+        call(load())
 
 
 @compiled

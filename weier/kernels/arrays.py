@@ -1,7 +1,5 @@
 """The kinds of arrays that annotations name, and arrays of records, which kernels take and make as well."""
 
-from __future__ import annotations
-
 from typing import Any, cast
 
 import numpy as np

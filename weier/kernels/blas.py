@@ -4,8 +4,6 @@ A second thread makes them no faster. It spins while it waits, and on a busy mac
 it, so that a load takes ten times as long. Each case has one core; the other cores are for other cases.
 """
 
-from __future__ import annotations
-
 from contextlib import ContextDecorator
 from threading import Lock
 from typing import Any

@@ -10,11 +10,12 @@ import functools
 import os
 import shutil
 import sys
-import threading
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
+from contextvars import ContextVar
 from pathlib import Path
+from threading import RLock
 from time import perf_counter
 from typing import Any, TypeVar, cast
 
@@ -22,8 +23,11 @@ from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+DISABLED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")  # kernels run as plain Python
 KEPT = 3  # caches, those that were used last
-LOCK = threading.RLock()
+LOCK = RLock()
+# What a thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve.
+COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 # Called with the module of each kernel that the cache does not hold, before it is compiled: for many seconds, nothing
 # else would be seen.
 LISTENERS: list[Callable[[str], None]] = []
@@ -45,19 +49,6 @@ def cache_folder() -> Path:
     return Path(os.environ.get("NUMBA_CACHE_DIR") or Path(caches, "weier"), f"weier-{digest(made_of)[:16]}")
 
 
-def disabled() -> bool:
-    """Whether the kernels run as plain Python, NUMBA_DISABLE_JIT=1."""
-    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-
-
-_SPENT = threading.local()
-
-
-def compiling_seconds() -> float:
-    """What this thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve."""
-    return getattr(_SPENT, "seconds", 0.0)
-
-
 class Kernel:
     """A function that numba compiles when Python first calls it, with all kernels that it calls."""
 
@@ -72,13 +63,13 @@ class Kernel:
         """Run the compiled function."""
         if self.compiled is None:
             start = perf_counter()
-            with LOCK, raising_lost_interrupts():
+            with LOCK:
                 self.compiled = self.compiled or self._compile(arguments)
-            _SPENT.seconds = compiling_seconds() + perf_counter() - start
+            COMPILING_SECONDS.set(COMPILING_SECONDS.get() + perf_counter() - start)
         try:
             return self.compiled(*arguments)
         except SystemError as error:  # numba runs Python for each array that it returns, where Ctrl-C may come
-            cause: BaseException = error
+            cause: Any = error
             while cause.__cause__:
                 cause = cause.__cause__
             raise cause from None
@@ -87,16 +78,20 @@ class Kernel:
         """The kernel from its own folder in the cache, or compiled for it, by one process at a time.
 
         Where the cache cannot be used, it is compiled for this process alone, and a torn folder is removed.
+        Ctrl-C may come while LLVM calls Python. No exception passes through C, so that Python only reports it, and it
+        is raised here.
         """
         import numba
 
         _introduce_kernels()
         config: Any = numba.config
-        types, base, folder = tuple(map(numba.typeof, arguments)), config.CACHE_DIR, cache_folder() / self.name
+        types, folder = tuple(map(numba.typeof, arguments)), cache_folder() / self.name
         make = functools.partial(numba.njit, nogil=True, error_model="numpy")
+        base, hook, lost = config.CACHE_DIR, sys.unraisablehook, list[Any]()
         try:
+            sys.unraisablehook = lost.append
             folder.mkdir(parents=True, exist_ok=True)
-            with (folder / "lock").open("w") as file, raising_lost_interrupts():
+            with (folder / "lock").open("w") as file:
                 fcntl.flock(file, fcntl.LOCK_EX)
                 os.utime(cache_folder())
                 if not any(folder.rglob("*.nbi")):
@@ -107,29 +102,19 @@ class Kernel:
                 compiled = make(cache=True)(self.function)
                 compiled.compile(types)
         except Exception as error:  # a folder or disk that takes no files, or what pickle makes of torn ones
+            if lost:
+                raise
             shutil.rmtree(folder, ignore_errors=True)
             compiled = make()(self.function)
             compiled.compile(types)  # which raises what is wrong with the kernel, if that was it
-            why = f"kernels are compiled for this run alone ({type(error).__name__}: {error})"
-            warnings.warn(why, RuntimeWarning, stacklevel=3)
+            warnings.warn(f"kernels are compiled for this run alone: {error!r}", RuntimeWarning, stacklevel=3)
         finally:
-            config.CACHE_DIR = base
+            config.CACHE_DIR, sys.unraisablehook = base, hook
+            for failure in lost:
+                if failure.exc_type is KeyboardInterrupt:
+                    raise KeyboardInterrupt
+                hook(failure)
         return compiled
-
-
-@contextmanager
-def raising_lost_interrupts() -> Iterator[None]:
-    """Raise Ctrl-C that came while LLVM called Python: no exception passes through C, so Python only reports it."""
-    lost: list[Any] = []
-    hook, sys.unraisablehook = sys.unraisablehook, lost.append
-    try:
-        yield
-    finally:
-        sys.unraisablehook = hook
-        if any(failure.exc_type is KeyboardInterrupt for failure in lost):
-            raise KeyboardInterrupt
-        for failure in lost:
-            hook(failure)
 
 
 def _introduce_kernels() -> None:
@@ -152,4 +137,4 @@ def _remove_earlier_caches() -> None:
 
 def kernel(function: Function) -> Function:
     """Compile `function` with numba on first call: arrays in, arrays out, IEEE division, no GIL."""
-    return function if disabled() else cast(Function, Kernel(function))
+    return function if DISABLED else cast(Function, Kernel(function))

@@ -25,7 +25,7 @@ INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # whose first terms say all bu
 
 def compile_kernels(methods: Collection[str] = ()) -> None:
     """Compile the kernels of some methods, or whatever has kernels, by running them so that numba keeps them."""
-    if jit.disabled():
+    if jit.DISABLED:
         return
     for method in [find_method(name) for name in methods] or registry.METHODS:
         method.run_kernels()

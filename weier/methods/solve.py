@@ -11,7 +11,7 @@ import xarray as xr
 
 from weier.data import dataset
 from weier.kernels.arrays import Array
-from weier.kernels.jit import compiling_seconds
+from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.method import Method
 from weier.methods.settings import all_settings, checked_settings
 from weier.theory.waves import Waves
@@ -34,6 +34,6 @@ def solve_checked(profile: Waves, loads: Array, method: Method, settings: Mappin
     Loads and names of settings are checked already.
     """
     method.check_applies(profile)
-    start, compiling = perf_counter(), compiling_seconds()
+    start, compiling = perf_counter(), COMPILING_SECONDS.get()
     solution = method.solve(profile, loads, **settings)
-    return solution, perf_counter() - start - (compiling_seconds() - compiling)
+    return solution, perf_counter() - start - (COMPILING_SECONDS.get() - compiling)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.kernels.jit import compiling_seconds
+from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
@@ -129,11 +129,11 @@ def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], withou
 def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
     """Run a segment; TimeoutError, between two of its loads, if it takes far longer than planned."""
     allowed = max(MAX_OVERRUN * segment.seconds, MIN_OVERRUN_SECONDS)
-    start, done, count = thread_time() - compiling_seconds(), 0, segment.mean_pressure.size
+    start, done, count = thread_time() - COMPILING_SECONDS.get(), 0, segment.mean_pressure.size
 
     def look_at_clock() -> None:
         nonlocal done
-        done, seconds = done + 1, thread_time() - compiling_seconds() - start
+        done, seconds = done + 1, thread_time() - COMPILING_SECONDS.get() - start
         if seconds > allowed and done < count:
             raise TimeoutError(
                 f"{_label(segment)} was expected to take {segment.seconds:.2g} s, and was stopped after "
