@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from weier.kernels.blas import one_thread
-from weier.methods.patches.given_edges import (
-    Bounds,
-    displacement,
-    make_punches,
-    solve_forces_on_contacts,
-)
+from weier.methods.patches.given_edges import Bounds, displacement, make_punches, solve_forces_on_contacts
 
 
 def random_punches(count, nodes, dual=False):

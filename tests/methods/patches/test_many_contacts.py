@@ -11,11 +11,7 @@ from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.patches import fields, inequalities, many_contacts
 from weier.methods.patches.given_edges import make_punches
-from weier.methods.patches.inequalities import (
-    NEGATIVE,
-    check_violation,
-    contact_residual,
-)
+from weier.methods.patches.inequalities import NEGATIVE, check_violation, contact_residual
 from weier.methods.patches.many_contacts import solve_many_contacts
 from weier.methods.patches.solver import Starts, contacts_guess
 from weier.methods.patches.surface import surface_of

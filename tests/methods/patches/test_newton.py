@@ -9,10 +9,7 @@ from weier.methods import patches
 from weier.methods.patches import newton
 from weier.methods.patches.fields import ContactState, complementary_residuals
 from weier.methods.patches.inequalities import lowest_outside
-from weier.methods.patches.newton import (
-    on_few_nodes,
-    solve_on_segments,
-)
+from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.solver import contacts_guess
 from weier.methods.patches.surface import Surface, nearest_crests, surface_of
 

@@ -19,15 +19,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices, Record, Records, Spectrum, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
-from weier.methods.bem.grids import (
-    Grid,
-    Hierarchy,
-    add_harmonic,
-    copy_values,
-    grid_of,
-    nested_grids,
-    refine,
-)
+from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, copy_values, grid_of, nested_grids, refine
 from weier.methods.bem.local_fit import EDGE
 from weier.theory.waves import Waves
 
