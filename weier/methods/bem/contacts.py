@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Record, Records, record_type
+from weier.kernels.arrays import Array, Flags, Indices, Record, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import dot
-from weier.methods.bem.edges import correct_edge
+from weier.methods.bem.edges import CURVATURE, correct_edge
 from weier.methods.bem.grid_solution import Continuum, GridSolution, next_node
 from weier.methods.bem.grids import copy_values
 from weier.methods.bem.interaction import add_grid_moments
@@ -28,6 +28,7 @@ from weier.methods.bem.narrow_contacts import contact_edges, highest
 from weier.methods.bem.narrow_gaps import Gaps
 
 WIDE, NARROW, CREST = 0, 1, 2
+MAX_OTHERS = 100  # contacts on either side, whose effects are summed: they fall as distances do, or faster
 
 # A contact on the grid, or a crest between its contacts:
 #
@@ -37,6 +38,7 @@ WIDE, NARROW, CREST = 0, 1, 2
 # self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
 # edge_compliance, edge_resistance : what its lone edges add to compliance and resistance
 # edge_drop, edge_yield : by how much one step of these lowers the resistance, and more force does, per force
+# left_compliance, right_compliance : what each lone edge adds to the compliance; edge_error : what both add at most
 # left, right : its edges by themselves, or those of narrow gaps beside it, in lambda_0
 # closed_after : whether the gap after it is closed in the continuum
 # origin, scale : of the variable s of the polynomials, in lambda_0
@@ -50,7 +52,8 @@ CONTACT = record_type(
     ("kind", np.int64, ()),
     ("closed_after", np.bool_, ()),
     ("position force share self_compliance left right origin scale limit centre half_width", np.float64, ()),
-    ("edge_compliance edge_resistance edge_drop edge_yield grid_mixed grid_cross", np.float64, ()),
+    ("edge_compliance edge_resistance edge_drop edge_yield edge_error grid_mixed grid_cross", np.float64, ()),
+    ("left_compliance right_compliance", np.float64, ()),
     ("height rate", np.float64, (TERMS,)),
     ("height_rest rate_rest", np.float64, (2, TERMS + 2)),
     ("force_moments share_moments", np.float64, (3,)),
@@ -172,6 +175,11 @@ def place_edge(
         contact.edge_compliance += compliance
         contact.edge_resistance += resistance
         contact.edge_drop += step.drop
+        contact.edge_error += step.drop * step.load * (1.0 if step.uneven else 2 * CURVATURE)
+        if begins:
+            contact.left_compliance = compliance
+        else:
+            contact.right_compliance = compliance
         if step.load > 0:
             contact.edge_yield += step.drop / (step.load * contact.share)
         beyond = step.position + EDGE
@@ -185,6 +193,34 @@ def place_edge(
     else:
         contact.right = position
         contact.closed_after = gaps[run].left == gaps[run].right
+
+
+@kernel
+def nearest_others(at: int, count: int) -> Indices:
+    """Up to `MAX_OTHERS` of so many contacts on either side of one."""
+    others = min(count - 1, 2 * MAX_OTHERS)
+    index = np.arange(at - others // 2, at - others // 2 + others + 1) % count
+    return index[index != at]
+
+
+@kernel
+def displacement_by_edges(contact: Record, position: float, period: float) -> tuple[float, float]:
+    """How far lone edges displace a place beside their contact, more than on the grid; and how far at most.
+
+    An edge that is not where the grid has it raises the plane by some H. It also changes the pressure, by what
+    displaces nothing on the contact, and is singular at this edge alone. Beside it that displaces a place at the
+    distance d from the middle of the contact by 2 H/(e^t - 1), and beyond the other edge by -2 H/(e^t + 1), where
+    cosh t = sin(pi d/L)/sin(pi a/L) with the half-width a (docs/subgrid.md).
+    """
+    if not contact.share > 0:
+        return 0.0, 0.0
+    angle, width = np.pi / period * (position - contact.position), np.exp(-contact.self_compliance / 2)
+    apart = max(abs(np.sin(angle)), width)
+    grown = apart + np.sqrt(apart**2 - width**2)
+    near, far = 2 * width / (grown - width), 2 * width / (grown + width)
+    to_left, to_right = (-near, far) if np.sin(2 * angle) < 0 else (far, -near)
+    displacement = contact.left_compliance * to_left + contact.right_compliance * to_right
+    return displacement * period / contact.share, contact.edge_error * near * period / contact.share
 
 
 @kernel

@@ -15,7 +15,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Record, Records
 from weier.kernels.jit import kernel
 from weier.methods.bem import factors
-from weier.methods.bem.contacts import CREST, WIDE
+from weier.methods.bem.contacts import CREST, WIDE, displacement_by_edges, nearest_others
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.local_fit import DEGREE, derivative, shift, size, slopes, value
 from weier.methods.bem.narrow_contacts import means, move_edges
@@ -25,7 +25,6 @@ from weier.theory.halfplane import displacement_of_punch
 
 MAX_BEYOND = 2.5  # nodes from a crest to another one that is not seen as one of its own
 SAMPLES = 10  # to each side, to look for it
-MAX_OTHERS = 100  # on either side, whose effects are summed: they fall as the squares of distances, or faster
 MAX_BEND = DEGREE**2 * (DEGREE**2 - 1) / 3  # second derivative of T_8 at most: of heights, what rounding adds to it
 
 
@@ -66,7 +65,7 @@ def estimate_errors(
         if contact.kind == WIDE:
             continue
         rest = factors.REST * size(contact.height_rest, each.centre)
-        displaced, relief = _effects_of_others(contacts, forces.contacts, at, solution.contact.size, period)
+        displaced, relief = _effects_of_others(contacts, forces.contacts, at, period)
         height = factors.HEIGHT_SHARE * compliance + rest + displaced
         judged &= each.penetration + _other_crest(contact, each, period / solution.contact.size) < -height
         if each.touching:  # the more of the load it takes, the less another can take from it
@@ -160,9 +159,7 @@ def _widening(contact: Record, each: Record, mean: float, mean_t: float) -> floa
 
 
 @kernel
-def _effects_of_others(
-    contacts: Records, corrected: Records, at: int, points: int, period: float
-) -> tuple[float, float]:
+def _effects_of_others(contacts: Records, corrected: Records, at: int, period: float) -> tuple[float, float]:
     """How far others may displace a crest by moments that are not corrected, and how much they relieve its force.
 
     These moments are the second of wide contacts, by K''/2 of each, and those after the third of contacts with
@@ -171,15 +168,13 @@ def _effects_of_others(
     either contact, which leaves K''/4 (a_i^2 + a_j^2). A force f that another contact loses displaces both by
     f (C_i + C_j - 2 K_ij); the relief is what that leaves out of C_i at most.
     """
-    displacement, relief, others = 0.0, 0.0, min(contacts.size - 1, 2 * MAX_OTHERS)
-    for i in np.arange(at - others // 2, at - others // 2 + others + 1) % contacts.size:
-        if i == at:
-            continue
+    displacement, relief = 0.0, 0.0
+    for i in nearest_others(at, contacts.size):
         contact, other = contacts[i], corrected[i]
         apart = abs(np.sin(np.pi / period * (contacts[at].position - contact.position)))
         near, yielding = np.pi / period / apart, contact.self_compliance
         if contact.kind == WIDE:
-            displacement += factors.WIDE_MOMENT * contact.force * (near * period / points) ** 2
+            displacement += factors.LONE_EDGES * displacement_by_edges(contact, contacts[at].position, period)[1]
         elif other.touching:
             change, first, second = abs(other.moments[0]), abs(other.moments[1]), abs(other.moments[2])
             half_width = other.half_width * contact.scale

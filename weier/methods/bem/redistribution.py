@@ -9,7 +9,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Record, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import dot
-from weier.methods.bem.contacts import CREST, NARROW, WIDE
+from weier.methods.bem.contacts import CREST, NARROW, WIDE, displacement_by_edges, nearest_others
 from weier.methods.bem.factors import ROUNDING
 from weier.methods.bem.grid_solution import Continuum, GridSolution
 from weier.methods.bem.interaction import HATS, MOMENTS, Interaction, displace, make_interaction, press
@@ -91,9 +91,10 @@ def redistribute(contacts: Records, solution: GridSolution, continuum: Continuum
     period, interaction = continuum.period, make_interaction(contacts["position"].copy(), continuum)
     n, centre, half_width = contacts.size, contacts["centre"].copy(), contacts["half_width"].copy()
     state = State(contacts["kind"] != CREST, np.zeros(n), centre, half_width, np.zeros(n), np.ones(n))
-    total = solution.pressure.mean() * period
+    total, by_edges = solution.pressure.mean() * period, _displacements_by_edges(contacts, period)
     for _ in range(MAX_ROUNDS):
         lift = displace(_moments(False, contacts, state), interaction)
+        lift[:, 0] += by_edges
         found = _equalise_heights(contacts, solution.plane, total, period, lift, interaction, state)
         if not (found and _touch_and_let_go(contacts, total, period, lift, interaction, state)):
             break
@@ -102,7 +103,22 @@ def redistribute(contacts: Records, solution: GridSolution, continuum: Continuum
             found &= contacts[i].force + state.change[i] > 0
             reach = abs(state.centre[i]) + state.half_width[i]
             found &= contacts[i].kind == WIDE or reach <= contacts[i].limit
-    return _correct_by_reciprocity(found, contacts, solution.plane, solution.rate, period, interaction, state)
+    return _correct_by_reciprocity(found, contacts, by_edges, solution, period, interaction, state)
+
+
+@kernel
+def _displacements_by_edges(contacts: Records, period: float) -> Array:
+    """How far the lone edges of wide contacts displace crests, more than on the grid.
+
+    What they do to contacts of the grid is in what they add to compliance and resistance.
+    """
+    displacement = np.zeros(contacts.size)
+    for i in range(contacts.size):
+        if contacts[i].kind == CREST:
+            for j in nearest_others(i, contacts.size):
+                if contacts[j].kind == WIDE:
+                    displacement[i] += displacement_by_edges(contacts[j], contacts[i].position, period)[0]
+    return displacement
 
 
 @kernel
@@ -273,8 +289,9 @@ def _moments(of_rate: bool, contacts: Records, state: State) -> Array:
 
 @kernel
 def _correct_by_reciprocity(
-    found: bool, contacts: Records, plane: float, rate: float, period: float, interaction: Interaction, state: State
-) -> Redistribution:
+    found: bool, contacts: Records, by_edges: Array, solution: GridSolution, period: float, interaction: Interaction,
+    state: State,
+) -> Redistribution:  # fmt: skip
     """Compliance and resistance by reciprocity with the grid, and what is to be told of each contact.
 
     The height of the plane is the mean of the heights that contacts ask for, weighted by their shares of the grid.
@@ -283,6 +300,7 @@ def _correct_by_reciprocity(
     nothing, they drop out, and `excess` is what is left of a contact. Only where shares displace the surface
     otherwise in the continuum than on the grid, by `WEIGHTS` and moments, do changes of force do work.
     """
+    plane, rate = solution.plane, solution.rate
     weights, compliance = _weigh(contacts, rate, period, state)
     of_force, of_share = _moments(False, contacts, state), _moments(True, contacts, state)
     by_shares = displace(of_share, interaction)
@@ -340,7 +358,7 @@ def _correct_by_reciprocity(
             each.closing = weights[i].closing if contact.kind == CREST else contact.share * compliance_here
         else:
             top = contact.centre if contact.kind == CREST else each.centre
-            each.penetration = value(contact.height, top) - moved[i, 0] - (plane - compliance)
+            each.penetration = value(contact.height, top) - moved[i, 0] - by_edges[i] - (plane - compliance)
             each.closing = rate + resistance - value(contact.rate, top) - moved_shares[i, 0]
     found &= solved and released <= MAX_RELEASED * period
     return Redistribution(found, compliance, resistance, corrected, interaction.displacement)
