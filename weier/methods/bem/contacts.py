@@ -167,7 +167,7 @@ def place_edge(
     contact: Record,
 ) -> None:  # fmt: skip
     """Place the edge at which a run begins: at that of a narrow gap, or by itself if no narrow run has it."""
-    points, node = solution.pressure.size, solution.edge[run + 1]
+    points, node, compliance = solution.pressure.size, solution.edge[run + 1], 0.0
     begins = solution.contact[node % points]  # a contact begins here
     position = gaps[run - 1].right if begins else gaps[run].left
     if alone:
@@ -176,10 +176,6 @@ def place_edge(
         contact.edge_resistance += resistance
         contact.edge_drop += step.drop
         contact.edge_error += step.drop * step.load * (1.0 if step.uneven else 2 * CURVATURE)
-        if begins:
-            contact.left_compliance = compliance
-        else:
-            contact.right_compliance = compliance
         if step.load > 0:
             contact.edge_yield += step.drop / (step.load * contact.share)
         beyond = step.position + EDGE
@@ -189,9 +185,9 @@ def place_edge(
     if run == 0 and not begins:  # the contact before it ends there
         position += continuum.period
     if begins:
-        contact.left = position
+        contact.left, contact.left_compliance = position, compliance
     else:
-        contact.right = position
+        contact.right, contact.right_compliance = position, compliance
         contact.closed_after = gaps[run].left == gaps[run].right
 
 

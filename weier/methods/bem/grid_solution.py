@@ -70,15 +70,10 @@ def make_continuum(profile: Waves, grid: Grid) -> Continuum:
     points = grid.height.size
     narrow = min(points // (2 * profile.waves_per_period[-1]) + 1, MAX_NARROW)
     period, nodes = float(profile.period), narrow + 2 * MAX_MARGIN
-    return Continuum(
-        grid,
-        _line_influence(nodes) - 2 * np.log(2 * np.pi / points),
-        _line_stiffness(nodes) * points / period,
-        make_windows(nodes),
-        narrow,
-        2 * np.pi * profile.waves_per_period[-1] / points,
-        period,
-    )
+    influence = _line_influence(nodes) - 2 * np.log(2 * np.pi / points)
+    stiffness = _line_stiffness(nodes) * points / period
+    angle = 2 * np.pi * profile.waves_per_period[-1] / points
+    return Continuum(grid, influence, stiffness, make_windows(nodes), narrow, angle, period)
 
 
 def _line_influence(nodes: int) -> Array:

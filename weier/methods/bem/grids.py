@@ -135,13 +135,9 @@ def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
         wave += hierarchy.points[coarser] // 2 + 1
     points = hierarchy.points[level]
     spectrum = slice(wave, wave + points // 2 + 1)
-    return Grid(
-        hierarchy.height[node : node + points],
-        hierarchy.influence[spectrum],
-        hierarchy.inverse[spectrum],
-        hierarchy.max_residual[level],
-        hierarchy.self_influence[level],
-    )
+    height, eigenvalue = hierarchy.height[node : node + points], hierarchy.influence[spectrum]
+    max_residual, self_influence = hierarchy.max_residual[level], hierarchy.self_influence[level]
+    return Grid(height, eigenvalue, hierarchy.inverse[spectrum], max_residual, self_influence)
 
 
 @kernel

@@ -225,11 +225,7 @@ def added_by_triangles(polynomial: Array, nodes: int, scale: float) -> Array:
 @kernel
 def side_margin(node: int, contact: Flags) -> int:
     """Nodes to each side of this one that are in contact if it is, and not if it is not; at most CREST_MARGIN."""
-    margin = 1
-    while (
-        margin < CREST_MARGIN
-        and contact[node - margin - 1] == contact[node]
-        and contact[(node + margin + 1) % contact.size] == contact[node]
-    ):
+    margin, here, n = 1, contact[node], contact.size
+    while margin < CREST_MARGIN and contact[node - margin - 1] == here == contact[(node + margin + 1) % n]:
         margin += 1
     return margin

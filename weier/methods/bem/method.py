@@ -25,15 +25,9 @@ POINTS_AT_RESIDUALS = 32
 
 
 def _solve(
-    profile: Waves,
-    loads: Array,
-    points_per_wave: int | None = None,
-    points: int | None = None,
-    edges: str | None = None,
-    solver: str = "fft",
-    resistance: bool = True,
-    residual_tolerance: float = 1e-10,
-) -> Curve:
+    profile: Waves, loads: Array, points_per_wave: int | None = None, points: int | None = None,
+    edges: str | None = None, solver: str = "fft", resistance: bool = True, residual_tolerance: float = 1e-10,
+) -> Curve:  # fmt: skip
     return curve(profile, loads, solver, points, residual_tolerance, resistance, edges, points_per_wave)
 
 
@@ -51,14 +45,9 @@ def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
 
 
 def _check(
-    profile: Waves,
-    solver: str = "fft",
-    points: int | None = None,
-    edges: str | None = None,
-    points_per_wave: int | None = None,
-    residual_tolerance: float = 1e-10,
-    **others: Any,
-) -> None:
+    profile: Waves, solver: str = "fft", points: int | None = None, edges: str | None = None,
+    points_per_wave: int | None = None, residual_tolerance: float = 1e-10, **others: Any,
+) -> None:  # fmt: skip
     """Refuse settings that do not go together, or a grid that the finest wave cannot be seen on."""
     edges = checked_edges(edges, solver)
     check_tolerance(residual_tolerance, edges)
