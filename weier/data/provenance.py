@@ -110,7 +110,7 @@ def of_results(title: str = "") -> dict[str, str]:
 @cache
 def versions() -> dict[str, str]:
     """The versions of what computes: of Python, NumPy, numba and weier, and its commit in a checkout."""
-    from importlib.metadata import version  # with its mail parser, as long as all else that a job of a server imports
+    from importlib.metadata import version  # with its mail parser, as long as all else that this module imports
 
     made = commit()
     return {

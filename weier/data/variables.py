@@ -20,10 +20,10 @@ EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = (
-    "What boundary elements and plans state is an estimate: the documentation says how many numbers are within it. "
-    "Contact patches state a bound, by the contact conditions that their solution violates. "
+    "What a method states is an estimate{}: the documentation says how many numbers are within it. "
     "In the files of the trade and the extremes it is the distance from a reference."
 )
+BOUND = ", or by contact patches a bound, from the contact conditions that their solution violates"
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
 TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
@@ -150,12 +150,12 @@ VARIABLES = {
     "resistance_lower": _bound("lower", "resistance", "g_0/p_0*", least=0),
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
     "compliance_error": Variable(
-        CURVE, "error of the compliance, estimated or measured", "g_0", least=0, files=MEASURED, comment=ERROR,
-        largest="estimated error of h, g_0",
+        CURVE, "error of the compliance, stated or measured", "g_0", least=0, files=MEASURED,
+        comment=ERROR.format(BOUND), largest="stated error of h, g_0",
     ),
     "resistance_error": Variable(
-        CURVE, "error of the resistance, estimated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),
-        comment=ERROR, largest="estimated error of R, g_0/p_0*",
+        CURVE, "error of the resistance, stated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),
+        comment=ERROR.format(""), largest="stated error of R, g_0/p_0*",
     ),
     "indentation": Variable(CURVE, "compliance, counted from first contact", "g_0", least=-ROUNDING),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),

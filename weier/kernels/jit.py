@@ -89,7 +89,7 @@ class Kernel:
         make = functools.partial(numba.njit, nogil=True, error_model="numpy")
         base, hook, lost = config.CACHE_DIR, sys.unraisablehook, list[Any]()
         try:
-            sys.unraisablehook = lost.append
+            sys.unraisablehook = lambda it: lost.append(it) if it.exc_type is KeyboardInterrupt else hook(it)
             folder.mkdir(parents=True, exist_ok=True)
             with (folder / "lock").open("w") as file:
                 fcntl.flock(file, fcntl.LOCK_EX)
@@ -110,10 +110,8 @@ class Kernel:
             warnings.warn(f"kernels are compiled for this run alone: {error!r}", RuntimeWarning, stacklevel=3)
         finally:
             config.CACHE_DIR, sys.unraisablehook = base, hook
-            for failure in lost:
-                if failure.exc_type is KeyboardInterrupt:
-                    raise KeyboardInterrupt
-                hook(failure)
+            if lost:
+                raise KeyboardInterrupt
         return compiled
 
 

@@ -8,12 +8,15 @@ eigenvalues: no sum over image loads is cut off (Section 5.1 of the paper; Johns
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 import scipy  # its parts load when they are used
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
+
+Number = TypeVar("Number", float, Array)
 
 
 @lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again
@@ -58,6 +61,6 @@ def displacement_at_distance(x: float, period: float) -> float:
 
 
 @kernel
-def displacement_of_punch(half_width: float, period: float) -> float:
+def displacement_of_punch(half_width: Number, period: float) -> Number:
     """Displacement under a flat punch of unit force, far narrower than the period: -2 ln(pi r/L)."""
     return -2 * np.log(np.pi / period * half_width)

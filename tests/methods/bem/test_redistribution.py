@@ -5,6 +5,7 @@ import pytest
 
 from weier import Profile, random_phases, solve
 from weier.methods.bem import curve
+from weier.methods.bem.contacts import CONTACT, displacement_by_edges
 from weier.methods.bem.grid_solution import make_continuum
 from weier.methods.bem.grids import grid_of, nested_grids
 from weier.methods.bem.interaction import displace, make_interaction, press
@@ -32,6 +33,28 @@ def three_contacts():
     grid = grid_of(nested_grids(profile, POINTS, 1e-10), 4)
     assert grid.height.size == POINTS
     return make_interaction(PLACES, make_continuum(profile, grid))
+
+
+def by_punch(x, left, right):
+    """Displacement at x by a flat punch of unit force: on it, and beside it."""
+    sine = np.sin(np.pi * (right - left) / (2 * PERIOD))
+    beside = np.abs(np.sin(np.pi * (x - (left + right) / 2) / PERIOD)) / sine
+    return -2 * np.log(sine), -2 * (np.arccosh(beside) + np.log(sine))
+
+
+@pytest.mark.parametrize("x", [0.31, 0.4, 0.5, 0.62, 0.69, 0.8, 0.89])
+@pytest.mark.parametrize("which", ["left", "right"])
+def test_an_edge_that_moves_displaces_what_is_beside_its_contact(which, x):
+    """As the edge of a flat punch does: its change has no force, displaces the contact evenly, and is as singular."""
+    middle, half_width, step = 0.1, 0.2, 1e-5
+    contact = np.zeros(1, CONTACT)[0]
+    contact["position"], contact["share"] = middle, 0.7
+    contact["self_compliance"] = -2 * np.log(np.sin(np.pi * half_width / PERIOD))
+    contact[f"{which}_compliance"] = -contact["share"] / PERIOD  # which raises the plane by 1
+    edges = {"left": middle - half_width, "right": middle + half_width}
+    (on, beside), (on_after, beside_after) = (by_punch(x, **edges | {which: edges[which] + s}) for s in (-step, step))
+    expected = -(beside_after - beside) / (on_after - on)  # the higher the plane, the less the contact is displaced
+    assert displacement_by_edges(contact, x, PERIOD)[0] == pytest.approx(expected, rel=1e-6, abs=1e-8)
 
 
 @pytest.mark.parametrize("compliance", [1e-6, -1.0])

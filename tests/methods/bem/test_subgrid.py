@@ -185,7 +185,7 @@ def test_points_may_be_given_for_each_of_the_finest_waves(settings):
 
 
 def test_every_curve_states_the_error_of_its_compliance():
-    """With edges on nodes a bound, which full contact keeps too: there the grid is in full contact too early."""
+    """With edges on nodes it holds in full contact, too: there the grid is in full contact too early."""
     profile, loads = Profile(1.25, 5, 2, 1.0), [0.01, 0.3, 10.0]
     between, on_nodes = (solve(profile, loads, "bem", edges=edges) for edges in ("subgrid", "nodes"))
     assert np.all(between.compliance_error[:2] > 0)

@@ -162,7 +162,7 @@ def _traces(data: xr.Dataset) -> list[Section]:
 
 
 def _errors(data: xr.Dataset) -> Table:
-    """How many cases each variant of a method solved or did not, and the largest residual and estimated errors."""
+    """How many cases each variant of a method solved or did not, and the largest residual and stated errors."""
     columns = {name: heading for name, heading in ERRORS.items() if name in data and data[name].notnull().any()}
     states = [each for each in Status if each != Status.not_requested]
     rows = []

@@ -28,7 +28,7 @@ from weier.methods.bem.narrow_contacts import contact_edges, highest
 from weier.methods.bem.narrow_gaps import Gaps
 
 WIDE, NARROW, CREST = 0, 1, 2
-MAX_OTHERS = 100  # contacts on either side, whose effects are summed: they fall as distances do, or faster
+MAX_OTHERS = 100  # on either side, whose effects are summed: they fall inversely with the distance, or faster
 
 # A contact on the grid, or a crest between its contacts:
 #
@@ -37,8 +37,9 @@ MAX_OTHERS = 100  # contacts on either side, whose effects are summed: they fall
 # force, share : on the grid, per period, and its rate per mean pressure
 # self_compliance : displacement per force of its own on the grid, in g_0/p_0* per lambda_0
 # edge_compliance, edge_resistance : what its lone edges add to compliance and resistance
+# left_compliance, right_compliance : what the left and the right edge add to the compliance, if they are lone ones
 # edge_drop, edge_yield : by how much one step of these lowers the resistance, and more force does, per force
-# left_compliance, right_compliance : what each lone edge adds to the compliance; edge_error : what both add at most
+# edge_error : what they add to the compliance at most, or, where their steps are uneven, what these take
 # left, right : its edges by themselves, or those of narrow gaps beside it, in lambda_0
 # closed_after : whether the gap after it is closed in the continuum
 # origin, scale : of the variable s of the polynomials, in lambda_0
@@ -203,20 +204,19 @@ def nearest_others(at: int, count: int) -> Indices:
 def displacement_by_edges(contact: Record, position: float, period: float) -> tuple[float, float]:
     """How far lone edges displace a place beside their contact, more than on the grid; and how far at most.
 
-    An edge that is not where the grid has it raises the plane by some H. It also changes the pressure, by what
-    displaces nothing on the contact, and is singular at this edge alone. Beside it that displaces a place at the
-    distance d from the middle of the contact by 2 H/(e^t - 1), and beyond the other edge by -2 H/(e^t + 1), where
-    cosh t = sin(pi d/L)/sin(pi a/L) with the half-width a (docs/subgrid.md).
+    An edge that is not where the grid has it raises the plane by some H. The change of pressure is most singular
+    at this edge, and displaces the contact evenly. At the distance d from the middle of the contact the right edge
+    displaces the surface by H (r/cos(alpha) - 1), the left one by H (1/(r cos(alpha)) - 1), with the half-width a,
+    r^2 = sin(theta + alpha)/sin(theta - alpha), theta = pi d/L and alpha = pi a/L (docs/subgrid.md).
     """
     if not contact.share > 0:
         return 0.0, 0.0
-    angle, width = np.pi / period * (position - contact.position), np.exp(-contact.self_compliance / 2)
-    apart = max(abs(np.sin(angle)), width)
-    grown = apart + np.sqrt(apart**2 - width**2)
-    near, far = 2 * width / (grown - width), 2 * width / (grown + width)
-    to_left, to_right = (-near, far) if np.sin(2 * angle) < 0 else (far, -near)
-    displacement = contact.left_compliance * to_left + contact.right_compliance * to_right
-    return displacement * period / contact.share, contact.edge_error * near * period / contact.share
+    alpha, theta = np.arcsin(np.exp(-contact.self_compliance / 2)), np.pi / period * (position - contact.position)
+    root = np.sqrt(max(np.sin(theta + alpha) / np.sin(theta - alpha), 0.0))
+    of_right, of_left = root / np.cos(alpha) - 1, 1 / (root * np.cos(alpha)) - 1
+    displacement = contact.left_compliance * of_left + contact.right_compliance * of_right
+    at_most = contact.edge_error * max(abs(of_left), abs(of_right))
+    return -displacement * period / contact.share, at_most * period / contact.share
 
 
 @kernel

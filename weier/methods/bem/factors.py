@@ -22,11 +22,9 @@ NEAR_GAP = np.array([0.0025, 0.1])  # times (narrower run/both)^2, for the same
 MOMENTS_LEFT = 1.7  # times what second moments of contacts change
 # Births, by how far off the height of a crest may be.
 HEIGHT_SHARE = 5.0  # errors of the compliance, beside those of its polynomial and of what displaces it
-# Times the error of its height: a crest may be so much lower, since the resistance drops most steeply as it touches.
-LOWER = 2.0
-# Of how far lone edges displace a crest at most: what is left of it when it is corrected. At crests of random series
-# it was 0.28 at most, and 0.08 in the median.
-LONE_EDGES = 0.3
+# Times the error of its height: a crest may be so much higher or lower, since the resistance drops most steeply as it
+# touches.
+HIGHER = 2.0
 # Rounding.
 ROUNDING = 1e-14  # of the heights: 45 units in the last place; no step below it says anything
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures

@@ -72,7 +72,8 @@ class _Event(NamedTuple):
     right: float
 
 
-_Located = tuple[_Event, ContactState]  # with the state in which it happens
+# An event, and the state in which it happens.
+_Located = tuple[_Event, ContactState]
 
 
 @one_thread

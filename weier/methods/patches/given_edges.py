@@ -43,6 +43,7 @@ from weier.methods.patches.segments import (
     make_blocks,
 )
 from weier.methods.punches import Inverse, invert_punches, solve_forces
+from weier.theory.halfplane import displacement_of_punch
 
 MAX_STEPS = 300  # of conjugate gradients
 MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
@@ -165,7 +166,7 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
     dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)
     scale = 2 * np.repeat(punches.half_width, punches.node_count) if dual else np.ones(start.size)
     if not dual:
-        compliance = -2 * np.log(np.pi / punches.period * punches.half_width)  # of flat punches
+        compliance = displacement_of_punch(punches.half_width, punches.period)
         inverse = invert_punches(np.arange(compliance.size), punches.centre, compliance, punches.period)
         even = _precondition(punches, inverse, np.ones(start.size))  # the forces that raise all contacts alike
         force = start + even * ((total - start.sum()) / even.sum())

@@ -225,8 +225,7 @@ def _resistance(problem: Problem, punches: Punches) -> tuple[float, Array]:
 
     And the share of each contact in the load.
     """
-    none = np.zeros(punches.position.size)
-    bounds = Bounds(RATE_REDUCTION, 0.0, np.inf)
+    none, bounds = np.zeros(punches.position.size), Bounds(RATE_REDUCTION, 0.0, np.inf)
     rate = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
     share = np.add.reduceat(rate.force, punches.first_node[:-1]) / punches.period
     return (rate.plane if problem.dual else -rate.plane), share

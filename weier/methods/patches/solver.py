@@ -213,7 +213,7 @@ def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_am
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
     error, force = state.error + EPS * total_amplitude * is_lower, half_width**2 * curvature / 4
     rounding = EPS * np.sum(np.abs(series.amplitude) * series.wavenumber**2) / curvature
-    c = np.maximum(-2 * np.log(np.pi / period * half_width), 1.0)
+    c = np.maximum(displacement_of_punch(half_width, period), 1.0)
     share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
     return float(np.sum(period * share**2 * ((2 / c + 0.5) * error / force + rounding)))
 
