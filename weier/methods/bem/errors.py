@@ -73,7 +73,7 @@ def estimate_errors(
         else:
             judged &= each.penetration <= height
         drop = _drop(contact, each, factors.HIGHER * height, relief, period)
-        drop -= _drop(contact, each, -factors.HIGHER * height, relief, period)
+        drop -= _drop(contact, each, -factors.LOWER * height, relief, period)
         birth_resistance += drop
         if each.closing > 0:  # the load between where it is born and where it seems to be, times the drop
             birth_compliance += drop * height / each.closing

@@ -24,7 +24,7 @@ MOMENTS_LEFT = 1.7  # times what second moments of contacts change
 HEIGHT_SHARE = 5.0  # errors of the compliance, beside those of its polynomial and of what displaces it
 # Times the error of its height: a crest may be so much higher or lower, since the resistance drops most steeply as it
 # touches.
-HIGHER = 2.0
+HIGHER, LOWER = 1.5, 2.0
 # Rounding.
 ROUNDING = 1e-14  # of the heights: 45 units in the last place; no step below it says anything
 RATE_ROUNDING = 5e-13  # of the resistance, over (2 pi/points a wave)^2: what rounding of heights does to curvatures
