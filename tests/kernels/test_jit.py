@@ -71,7 +71,7 @@ def test_nothing_private_of_numba_is_used():
     for path in [
         *PACKAGE.rglob("*.py"),
         *root.glob("benchmarks/**/*.py"),
-        *root.glob("rules/*"),
+        *root.glob("rules/*.smk"),
         *root.glob("Snakefile"),
     ]:
         text = path.read_text(encoding="utf-8")
