@@ -26,6 +26,7 @@ SHARE_TOLERANCE = 1e-14  # and for the shares, which nothing mends
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
 MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
+MIN_LEFT = 0.1  # of the shares, where a crest that touches has the others
 
 # A contact in the continuum, or a crest that may be one:
 #
@@ -36,7 +37,7 @@ MAX_LOSS = 0.9  # of its force that a contact may lose in one step
 # tilt : slope of the displacement by these of all contacts
 # second, rate_second : sizes of what second moments change of compliance and resistance
 # penetration, closing : by how much one that is narrow, or a crest, stands above the plane that it does not touch, or
-#     would without its force, in g_0, and the rate of that per mean pressure
+#     would without its force, in g_0, and the rate of that per mean pressure if it does not touch
 CORRECTED = record_type(
     ("touching", np.bool_, ()),
     ("force share centre half_width tilt second rate_second penetration closing", np.float64, ()),
@@ -355,7 +356,9 @@ def _correct_by_reciprocity(
         if each.touching:
             compliance_here = displacement_of_punch(each.half_width * contact.scale, period)
             each.penetration = each.force * compliance_here
-            each.closing = weights[i].closing if contact.kind == CREST else contact.share * compliance_here
+            each.closing = contact.share * compliance_here
+            if contact.kind == CREST:  # without which the others would have its share, and what they add to the rate
+                each.closing = (weights[i].closing + resistance) / max(1 - each.share / period, MIN_LEFT)
         else:
             top = contact.centre if contact.kind == CREST else each.centre
             each.penetration = value(contact.height, top) - moved[i, 0] - by_edges[i] - (plane - compliance)
