@@ -118,7 +118,7 @@ def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
     ]
 
 
-def test_the_largest_residual_and_estimated_errors_stand_beside_the_states():
+def test_the_largest_residual_and_stated_errors_stand_beside_the_states():
     data = dataset.blank(2, METHODS, LOADS, 3)
     data["status"].values[:] = Status.solved
     data["residual"].values[:, 1] = [[1e-11], [3e-11]]
@@ -129,12 +129,12 @@ def test_the_largest_residual_and_estimated_errors_stand_beside_the_states():
         ["demelio", 2, 0, 0, "", "", ""],
         ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"],
     ]
-    assert sum("estimated" in heading for heading in table.header) == 2
+    assert sum("stated" in heading for heading in table.header) == 2
     without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
-    assert not any("estimated" in heading for heading in without.header)
+    assert not any("stated" in heading for heading in without.header)
     data["compliance_error"].values[:] = data["resistance_error"].values[:] = np.nan  # of a scene without a tolerance
     table = page._errors(data)
-    assert not any("estimated" in heading for heading in table.header)
+    assert not any("stated" in heading for heading in table.header)
     assert any("residual" in heading for heading in table.header)
 
 

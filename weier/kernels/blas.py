@@ -6,7 +6,6 @@ it, so that a load takes ten times as long. Each case has one core; the other co
 
 from contextlib import ContextDecorator
 from threading import Lock
-from typing import Any
 
 from threadpoolctl import OpenBLASController, get_cached_controller
 
@@ -15,7 +14,6 @@ class _OneThread(ContextDecorator):
     """A context or decorator for the whole process: BLAS has one setting, which the last thread to leave restores."""
 
     _lock, _inside = Lock(), 0
-    _limits: Any = None
 
     def __enter__(self) -> None:
         import scipy.linalg  # noqa: F401 - which has a library beside that of numpy, and must be loaded for it

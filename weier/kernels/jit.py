@@ -24,7 +24,6 @@ from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 DISABLED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")  # kernels run as plain Python
-KEPT = 3  # caches, those that were used last
 LOCK = RLock()
 # What a thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve.
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
@@ -84,10 +83,9 @@ class Kernel:
         import numba
 
         _introduce_kernels()
-        config: Any = numba.config
         types, folder = tuple(map(numba.typeof, arguments)), cache_folder() / self.name
         make = functools.partial(numba.njit, nogil=True, error_model="numpy")
-        base, hook, lost = config.CACHE_DIR, sys.unraisablehook, list[Any]()
+        base, hook, lost = numba.config.CACHE_DIR, sys.unraisablehook, list[Any]()
         try:
             sys.unraisablehook = lambda it: lost.append(it) if it.exc_type is KeyboardInterrupt else hook(it)
             folder.mkdir(parents=True, exist_ok=True)
@@ -95,10 +93,12 @@ class Kernel:
                 fcntl.flock(file, fcntl.LOCK_EX)
                 os.utime(cache_folder())
                 if not any(folder.rglob("*.nbi")):
-                    _remove_earlier_caches()
+                    with suppress(OSError):  # another process may be at it; the three that were used last stay
+                        for earlier in sorted(folder.parent.parent.glob("weier-*"), key=os.path.getmtime)[:-3]:
+                            shutil.rmtree(earlier, ignore_errors=True)
                     for say in LISTENERS:
                         say(self.function.__module__)
-                config.CACHE_DIR = str(folder)
+                numba.config.CACHE_DIR = str(folder)
                 compiled = make(cache=True)(self.function)
                 compiled.compile(types)
         except Exception as error:  # a folder or disk that takes no files, or what pickle makes of torn ones
@@ -109,7 +109,7 @@ class Kernel:
             compiled.compile(types)  # which raises what is wrong with the kernel, if that was it
             warnings.warn(f"kernels are compiled for this run alone: {error!r}", RuntimeWarning, stacklevel=3)
         finally:
-            config.CACHE_DIR, sys.unraisablehook = base, hook
+            numba.config.CACHE_DIR, sys.unraisablehook = base, hook
             if lost:
                 raise KeyboardInterrupt
         return compiled
@@ -125,12 +125,6 @@ def _introduce_kernels() -> None:
         kernel = UNKNOWN[-1]
         overload(kernel, options, strict=False)(lambda *_, function=kernel.function: function)
         UNKNOWN.remove(kernel)  # at the end, since Ctrl-C may come before
-
-
-def _remove_earlier_caches() -> None:
-    with suppress(OSError):  # another process may be at it
-        for folder in sorted(cache_folder().parent.glob("weier-*"), key=os.path.getmtime)[:-KEPT]:
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 def kernel(function: Function) -> Function:
