@@ -26,7 +26,7 @@ SHARE_TOLERANCE = 1e-14  # and for the shares, which nothing mends
 CLOSE = 1e-12  # of the load: the last step, and the force of a contact that lets go
 MAX_RELEASED = 0.02  # of the shares, by contacts that let go: reciprocity with a grid that has them tells too little
 MAX_LOSS = 0.9  # of its force that a contact may lose in one step
-MIN_LEFT = 0.1  # of the shares, where a crest that touches has the others
+MIN_LEFT = 0.1  # of all shares, that others are taken to have where a crest touches
 
 # A contact in the continuum, or a crest that may be one:
 #
