@@ -1,7 +1,5 @@
 """Many contacts without a dense matrix: hundreds of them, bad starts, and what is refused."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -10,9 +8,9 @@ from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.patches import fields, inequalities, many_contacts
-from weier.methods.patches.given_edges import make_punches
 from weier.methods.patches.inequalities import NEGATIVE, check_violation, contact_residual
 from weier.methods.patches.many_contacts import solve_many_contacts
+from weier.methods.patches.segments import ContactState, make_segments
 from weier.methods.patches.solver import Starts, contacts_guess
 from weier.methods.patches.surface import surface_of
 
@@ -22,13 +20,12 @@ FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
 def solve_from_grid(profile, load):
     surface = surface_of(profile)
     guess = list(Starts(profile, 1e-10).guesses(load))[1]
-    return solve_many_contacts(surface, guess, load, 1e-10)
+    return solve_many_contacts(surface, guess, 1e-10)
 
 
 def edges_of(state):
     segments = state.segments
-    centre = segments.origin + segments.centre
-    return centre - segments.half_width, centre + segments.half_width
+    return segments.middle - segments.half_width, segments.middle + segments.half_width
 
 
 # Gaps, and contacts, as many as boundary elements on 16 nodes a wave have; and contacts narrower than the overlap
@@ -49,13 +46,14 @@ def test_hundreds_of_contacts_or_gaps(phases, load, count):
 
 def test_cuts_that_overlap_are_one():
     """The new gap in the wider interval of tension reaches beyond the narrower one, on its right."""
-    punches = make_punches(np.array([0.5]), np.array([0.1]), np.array([8]), 1.0)
-    step = SimpleNamespace(punches=punches)
+    one, none = np.ones(1), np.zeros(1)
+    segments = make_segments(none.astype(int), none, 0.5 * one, 0.1 * one, np.array([8]))
+    state = ContactState(False, 1.0, 0.0, segments, np.zeros(8))
     negative = np.zeros(2, NEGATIVE)
     negative["start"], negative["end"] = (-0.5, 0.35), (0.3, 0.36)
     widening = 0.5 * (np.sqrt(2) - 1) * 0.8
     expected = [(0.4, 0.5 + 0.1 * (-0.5 - widening)), (0.5 + 0.1 * (0.3 + widening), 0.6)]
-    np.testing.assert_allclose(many_contacts._cut_segments(step, negative), expected)
+    np.testing.assert_allclose(many_contacts._cut_segments(state, negative), expected)
 
 
 @one_thread
@@ -78,8 +76,8 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
         gap = np.append(left[1:], left[0] + 1) - right
         left, right = left + 0.3 * gap, right + 0.3 * gap
     force = np.full(left.size, load / left.size)
-    guess = contacts_guess(surface, 0.5 * (left + right), 0.5 * (right - left), force, 1e-10)
-    again, _ = solve_many_contacts(surface, guess, load, 1e-10)
+    guess = contacts_guess(surface, load, 0.5 * (left + right), 0.5 * (right - left), force, 1e-10)
+    again, _ = solve_many_contacts(surface, guess, 1e-10)
     assert again.approach == pytest.approx(state.approach, abs=1e-12)
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
 
@@ -92,8 +90,8 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     surface = surface_of(profile)
     coarse = patches.solve_load(fewer, min(load, 5.0))
     force = np.full(coarse.centre.size, load / coarse.centre.size)
-    guess = contacts_guess(surface, coarse.centre, coarse.half_width, force, 1e-10)
-    state, steps = solve_many_contacts(surface, guess, load, 1e-10)
+    guess = contacts_guess(surface, load, coarse.centre, coarse.half_width, force, 1e-10)
+    state, steps = solve_many_contacts(surface, guess, 1e-10)
     expected = patches.solve_load(profile, load).state
     assert steps < 30
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size

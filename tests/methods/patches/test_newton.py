@@ -7,9 +7,10 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import newton
-from weier.methods.patches.fields import ContactState, complementary_residuals
+from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
+from weier.methods.patches.segments import ContactState
 from weier.methods.patches.solver import contacts_guess
 from weier.methods.patches.surface import Surface, nearest_crests, surface_of
 
@@ -69,7 +70,8 @@ def test_a_shallow_missing_contact_is_seen(above):
     assert not before.dual
     series, limit = surface.heights, 1e-10 * before.approach
     assert lowest_outside(before, series) >= -limit
-    beyond, _ = solve_on_segments(surface, on_few_nodes(before, surface.heights), born * (1 + above), 1e-10)
+    start = on_few_nodes(before, surface.heights)._replace(load=born * (1 + above))
+    beyond, _ = solve_on_segments(surface, start, 1e-10)
     x = np.linspace(-1, 1, 2001) * 10 * above**0.5 / THREE_WAVES.waves_per_period[-1]
     x = events.x[events.birth][0] + x[np.abs(x) < 0.2 / THREE_WAVES.waves_per_period[-1]]
     lowest = complementary_residuals(beyond, series, *nearest_crests(series, x)).min()
@@ -83,6 +85,6 @@ def test_a_guess_with_the_wrong_contacts_is_refused():
     assert not state.dual
     assert contacts.centre.size > 2
     force = np.full(contacts.centre.size - 1, 0.5 / (contacts.centre.size - 1))
-    guess = contacts_guess(surface, contacts.centre[1:], contacts.half_width[1:], force, 1e-10)
+    guess = contacts_guess(surface, 0.5, contacts.centre[1:], contacts.half_width[1:], force, 1e-10)
     with pytest.raises(ConvergenceError, match=r"another set of contacts|Newton's method fails"):
-        newton.solve_few_contacts(surface, guess, 0.5, 1e-10)
+        newton.solve_few_contacts(surface, guess, 1e-10)

@@ -13,6 +13,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import gauss_rule
 
 DEGREE = 8  # over half a wave, a cosine differs from its best polynomial of this degree by 1e-6
 TERMS = DEGREE + 1
@@ -25,10 +26,9 @@ MAX_FITTED = 25  # nodes that a polynomial is fitted on: more add nothing
 MIN_POLYNOMIAL = 3  # nodes of a window: a parabola
 
 
-_ANGLES = np.pi * (np.arange(TERMS + 1) + 0.5) / (TERMS + 1)
-NODES = np.cos(_ANGLES)  # of Chebyshev: mean values over them are exact for all products of two such polynomials
+# The nodes of Chebyshev: mean values over them are exact for all products of two such polynomials.
+NODES, _, _, _EXPANSION = gauss_rule(TERMS + 1, of_second_kind=False)
 MEANS = np.array([0.0 if k % 2 else math.comb(k, k // 2) / 2**k for k in range(TERMS + 4)])  # of t^k over these nodes
-_EXPANSION = np.cos(np.arange(TERMS)[:, None] * _ANGLES) * np.where(np.arange(TERMS) > 0, 2, 1)[:, None] / NODES.size
 
 
 _CHEBYSHEV = np.eye(TERMS + 2)  # T_0, T_1, ... in powers of s
@@ -89,15 +89,6 @@ def expansion(polynomial: Array, centre: float, half_width: float) -> Array:
         for k in range(TERMS):
             coefficients[k] += _EXPANSION[k, i] * here
     return coefficients
-
-
-@kernel
-def second_kind(coefficients: Array) -> Array:
-    """Coefficients of U_0, U_1, ... from those of T_0, T_1, ...: 2 T_k = U_k - U_(k-2)."""
-    converted = coefficients / 2
-    converted[0] = coefficients[0]
-    converted[:-2] -= coefficients[2:] / 2
-    return converted
 
 
 class Windows(NamedTuple):

@@ -9,7 +9,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.bem.local_fit import MEANS, derivative, expansion, second_kind, shift, slopes
+from weier.methods.bem.local_fit import MEANS, derivative, expansion, shift, slopes
+from weier.methods.chebyshev import second_kind
 from weier.theory.halfplane import displacement_of_punch
 
 MAX_STEPS = 40  # of Newton's; 4 to 6 are usual

@@ -34,8 +34,17 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.segments import MAX_NODES, degrees, end_sums, estimate_node_count, in_order
-from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
+from weier.methods.patches.segments import (
+    MAX_NODES,
+    Segments,
+    degrees,
+    end_sums,
+    estimate_node_count,
+    from_crests,
+    in_order,
+    make_segments,
+)
+from weier.methods.patches.surface import CosineSeries, evaluate_at
 
 Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)
 
@@ -66,11 +75,12 @@ class EdgeMoves(NamedTuple):
 
 def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     """The moves from the coefficients of psi in T_k and of its regular part in U_k."""
-    r, outward_sign = punches.half_width, np.array([1.0, -1.0 if punches.dual else 1.0])
-    psi = outward_sign * end_sums(punches.first_node, b)
-    gap, degree = punches.gap, degrees(punches.first_node)
-    phi = outward_sign * end_sums(punches.first_node, a * (degree + 1))
-    inward_fall = -outward_sign * end_sums(punches.first_node, b * degree**2)
+    r, first_node = punches.segments.half_width, punches.segments.first_node
+    outward_sign = np.array([1.0, -1.0 if punches.dual else 1.0])
+    psi = outward_sign * end_sums(first_node, b)
+    gap, degree = punches.gap, degrees(first_node)
+    phi = outward_sign * end_sums(first_node, a * (degree + 1))
+    inward_fall = -outward_sign * end_sums(first_node, b * degree**2)
     by_contact = _moves_by_contact(r, psi, phi)
     by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
@@ -129,10 +139,9 @@ class Problem(NamedTuple):
     load: float
     dual: bool
 
-    def forcing(self, origin: Array, offset: Array | float = 0.0) -> Array:
-        """The height less the largest or, dual, the tension of full contact, with all digits of the offset."""
-        crest, y = nearest_crests(self.series, origin)
-        value = evaluate_at(self.series, crest, y + offset, 0)
+    def forcing(self, crest: Indices, y: Array) -> Array:
+        """The height less the largest or, dual, the tension of full contact, at distances from crests."""
+        value = evaluate_at(self.series, crest, y, 0)
         return np.asarray(value + (self.series.maximum - self.load) if self.dual else value)
 
 
@@ -157,7 +166,7 @@ class Stage(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Contacts, with centres in [0, L), and forces to start a step from.
+    """Contacts, with middles in [0, L), and forces to start a step from.
 
     force : at the nodes
     tight : whether the gap on the right of each contact has nearly closed in the last step
@@ -201,17 +210,17 @@ class Step(NamedTuple):
         return self.unsettled == 0
 
 
-def make_guess(problem: Problem, middle: Array, half_width: Array, stage: Stage) -> Guess:
-    """A guess from contacts in any order, without forces, of which conjugate gradients would save hardly a step."""
-    middle, half_width, _ = in_order(middle, half_width, problem.series.period)
-    count = _estimate_nodes(problem, middle, half_width, stage)
-    punches = make_punches(middle, half_width, count, problem.series.period, problem.dual)
-    return Guess(punches, np.zeros(count.sum()), np.zeros(middle.size, bool))
+def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
+    """A guess on segments, without forces, of which conjugate gradients would save hardly a step."""
+    count = _estimate_nodes(problem, segments.extent, stage)
+    segments = make_segments(segments.crest, *segments.extent, count)
+    punches = make_punches(segments, problem.series.period, problem.dual)
+    return Guess(punches, np.zeros(count.sum()), np.zeros(count.size, bool))
 
 
-def _estimate_nodes(problem: Problem, middle: Array, half_width: Array, stage: Stage) -> Indices:
+def _estimate_nodes(problem: Problem, extent: tuple[Array, Array, Array], stage: Stage) -> Indices:
     """Nodes of contacts in order."""
-    count = estimate_node_count(middle, np.zeros(middle.size), half_width, problem.series, stage.tolerance)
+    count = estimate_node_count(*extent, problem.series, stage.tolerance)
     return round_up_nodes(np.asarray(count + stage.more_nodes, float))
 
 
@@ -223,50 +232,52 @@ def round_up_nodes(count: NDArray[np.float64]) -> Indices:
 
 def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     """Solve for the pressure on the contacts of a guess, and see how their edges must move."""
-    punches = guess.punches
-    forcing = problem.forcing(punches.matrix.tree.origin, punches.matrix.tree.offset)
+    punches, segments = guess.punches, guess.punches.segments
+    y = punches.at_nodes(segments.centre) + punches.matrix.tree.offset
+    forcing = problem.forcing(np.repeat(segments.crest, segments.node_count), y)
     forces = solve_forces_on_contacts(punches, forcing, problem.load * punches.period, guess.force, stage.bounds)
     b = expansion(punches, forces.force)
-    a = regular_part(punches.first_node, b)
+    a = regular_part(segments.first_node, b)
     moves = edge_moves(punches, b, a)
-    r, gap = punches.half_width, punches.gap
-    carried = np.add.reduceat(forces.force, punches.first_node[:-1])
+    r, gap = segments.half_width, punches.gap
+    carried = np.add.reduceat(forces.force, segments.first_node[:-1])
     vanishing = (carried <= 0) | (moves.outward.mean(axis=1) < MIN_GROWTH * r)
     vanishing[np.argmax(carried)] = False
     next_outward = np.roll(moves.outward[:, 0], -1)
     tight = gap - moves.outward[:, 1] - next_outward < MIN_GAP_LEFT * gap
     merging = (moves.closing | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)
-    singular = 2 * np.pi * r * np.abs(end_sums(punches.first_node, b)).max(axis=1)
+    singular = 2 * np.pi * r * np.abs(end_sums(segments.first_node, b)).max(axis=1)
     return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
 
 
 def next_guess(problem: Problem, step: Step, stage: Stage, more_nodes: Array | None = None) -> Guess:
     """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
-    left, right = _moved_edges(step)
-    moved = moved_expansion(step.punches, step.b, 0.5 * (left + right), 0.5 * (right - left))
+    moved = _move_edges(step)
+    b = moved_expansion(step.punches.segments, step.b, moved.centre, moved.half_width)
     remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
-    merged = np.array(_merged_intervals(problem, left, right, step)).reshape(-1, 2)
-    return rearrange(problem, step, moved, (left, right), remaining, merged, stage, more_nodes)
+    merged = np.array(_merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
+    return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, more_nodes)
 
 
-def _moved_edges(step: Step) -> tuple[Array, Array]:
-    """The edges after their moves, but no gap loses more than a share of itself."""
-    r, centre, outward = step.punches.half_width, step.punches.centre, step.moves.outward.copy()
-    gap = step.punches.gap
+def _move_edges(step: Step) -> Segments:
+    """The segments after their moves, but no gap loses more than a share of itself."""
+    segments, gap, outward = step.punches.segments, step.punches.gap, step.moves.outward.copy()
     j = np.flatnonzero(step.tight)
-    after = (j + 1) % r.size
+    after = (j + 1) % gap.size
     loss = np.maximum(outward[j, 1], 0) + np.maximum(outward[after, 0], 0)
     share = np.minimum(MAX_GAP_LOSS * gap[j] / loss, 1)
     outward[j, 1] = np.where(outward[j, 1] > 0, share * outward[j, 1], outward[j, 1])
     outward[after, 0] = np.where(outward[after, 0] > 0, share * outward[after, 0], outward[after, 0])
-    return centre - r - outward[:, 0], centre + r + outward[:, 1]
+    centre = segments.centre + 0.5 * (outward[:, 1] - outward[:, 0])
+    return segments._replace(centre=centre, half_width=segments.half_width + 0.5 * outward.sum(axis=1))
 
 
-def _merged_intervals(problem: Problem, left: Array, right: Array, step: Step) -> list[tuple[float, float]]:
+def _merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
     """From the first to the last of each run of contacts that merge."""
-    merging, n, period = step.merging, left.size, step.punches.period
+    n, period = merging.size, problem.series.period
     if np.all(merging):
         raise ConvergenceError(f"all gaps or all contacts have closed under {problem.load:.6g} p_0*")
+    left, right = segments.middle - segments.half_width, segments.middle + segments.half_width
     intervals = []
     for start in np.flatnonzero(merging & ~np.roll(merging, 1)):
         end = start
@@ -277,19 +288,24 @@ def _merged_intervals(problem: Problem, left: Array, right: Array, step: Step) -
 
 
 def rearrange(
-    problem: Problem, step: Step, b: Array, edges: tuple[Array, Array], remaining: Flags, added: NDArray[np.float64],
-    stage: Stage, more_nodes: Array | None = None,
+    problem: Problem, step: Step, segments: Segments, remaining: Flags, added: NDArray[np.float64], stage: Stage,
+    more_nodes: Array | None = None,
 ) -> Guess:  # fmt: skip
-    """A guess of the remaining contacts, with the expansions b, and of added intervals, shape (added, 2)."""
-    left = np.concatenate([edges[0][remaining], added[:, 0]])
-    right = np.concatenate([edges[1][remaining], added[:, 1]])
-    if left.size == 0:
+    """A guess of the remaining segments, with the step's expansions, and of added intervals, shape (added, 2)."""
+    series = problem.series
+    crest, origin, centre = (
+        np.concatenate([old[remaining], new])
+        for old, new in zip(segments[:3], from_crests(series, added.mean(axis=1)), strict=True)
+    )
+    half_width = np.append(segments.half_width[remaining], 0.5 * (added[:, 1] - added[:, 0]))
+    if crest.size == 0:
         raise ConvergenceError("no contact is left")
-    middle, half_width, order = in_order(0.5 * (left + right), 0.5 * (right - left), step.punches.period)
-    origin = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
+    order, turns = in_order(origin + centre, series.period)
+    extent = (origin - turns)[order], centre[order], half_width[order]
+    origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
     tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
-    count = _estimate_nodes(problem, middle, half_width, stage)
+    count = _estimate_nodes(problem, extent, stage)
     if more_nodes is not None:
-        count = np.where(origin >= 0, round_up_nodes(more_nodes[origin]), count)
-    punches = make_punches(middle, half_width, count, step.punches.period, problem.dual)
-    return Guess(punches, transfer_forces(step.punches, b, origin, punches), tight)
+        count = np.where(origin_of >= 0, round_up_nodes(more_nodes[origin_of]), count)
+    punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
+    return Guess(punches, transfer_forces(step.punches.segments, step.b, origin_of, punches), tight)

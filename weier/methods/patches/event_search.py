@@ -18,16 +18,10 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
-from weier.methods.patches.fields import (
-    CAUCHY,
-    ContactState,
-    density_integrals,
-    residuals_one_by_one,
-    values_on_segments,
-)
+from weier.methods.patches.fields import CAUCHY, density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
-from weier.methods.patches.segments import contacts_of
+from weier.methods.patches.segments import ContactState, contacts_of
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, Starts, check_loads, solve_state
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.theory.waves import Waves
@@ -252,10 +246,11 @@ class _Search(NamedTuple):
         """The contacts of `start` under another load, as if none were born or merged in between."""
         if load == start.load:
             return start
+        start = start._replace(load=load)
         if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            return many_contacts.follow_contacts(self.starts.surface, start, load, self.starts.tolerance)
+            return many_contacts.follow_contacts(self.starts.surface, start, self.starts.tolerance)
         few = on_few_nodes(start, self.starts.surface.series(start.dual))
-        return solve_on_segments(self.starts.surface, few, load, self.starts.tolerance)[0]
+        return solve_on_segments(self.starts.surface, few, self.starts.tolerance)[0]
 
 
 def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:

@@ -6,15 +6,15 @@ digits.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches.pair_sums import apply_kernel, make_tree, potential, take_logarithms
-from weier.methods.patches.segments import Segments, cauchy_integral, evaluate_expansion, gap_expansion, log_integral
+from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
+from weier.methods.patches.pair_sums import make_tree, potential
+from weier.methods.patches.segments import ContactState
 from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
+from weier.theory.halfplane import replace_by_influence, take_logarithms
 
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
 # from 250 on among 71 gaps: the time of their tree and that of one point both grow as the nodes do.
@@ -36,36 +36,6 @@ _ZETA_LESS_1 = np.array(
     [np.pi**2 / 6 - 1, np.pi**4 / 90 - 1, *(np.sum(np.arange(2.0, 1e3) ** (-2.0 * k)) for k in _ORDER[2:])]
 )
 POLE_FREE_SERIES = np.array([[-z / _ORDER, -2 / np.pi * z] for z in (_ZETA_LESS_1 + 1, _ZETA_LESS_1)])
-
-
-class ContactState(NamedTuple):
-    """The state under one mean pressure: contacts with their pressure, or gaps with their slope (dual).
-
-    dual : whether the segments are the gaps
-    load : mean pressure, in p_0*
-    approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
-    segments : the contacts or, dual, the gaps
-    phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
-        g_0/lambda_0
-    coefficient : of phi in U_k, segment by segment, shape (nodes,)
-    resistance : dh/dp, in g_0/p_0*
-    share : of a new load that each contact takes, shape (segments,); gaps take none
-    residual : largest violation of a contact condition, in g_0
-    error : a bound on that of the approach by these violations, in g_0
-
-    Of the last four, those are NaN or empty that nothing has asked for yet.
-    """
-
-    dual: bool
-    load: float
-    approach: float
-    segments: Segments
-    phi: Array
-    coefficient: Array
-    resistance: float = np.nan
-    share: Array = np.empty(0)
-    residual: float = np.nan
-    error: float = np.nan
 
 
 @kernel
@@ -293,7 +263,7 @@ def _correct_near_segments(
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
                 of_nodes = r * (t - node)
-                apply_kernel(of_nodes, period, state.dual)
+                replace_by_influence(of_nodes, period, state.dual)
                 near = _near_field(a, node, density, r, far, t, period, which)
                 total[i] += factor * near - (force[here] * of_nodes).sum()
     return total

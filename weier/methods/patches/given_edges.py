@@ -31,15 +31,15 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import Table, gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
 from weier.methods.patches.segments import (
     Blocks,
-    Table,
+    Segments,
     apply_blocks,
     degrees,
     distances_between,
-    gauss_rule,
     make_blocks,
 )
 from weier.methods.punches import Inverse, invert_punches, solve_forces
@@ -50,34 +50,27 @@ MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried 
 
 
 class Punches(NamedTuple):
-    """Contacts or, dual, gaps in order round the period, with the nodes of all of them in a row.
+    """Contacts or, dual, gaps with given edges, and what forces at their nodes do to each other.
 
-    centre, half_width : in lambda_0, shape (contacts,)
-    node_count, first_node : nodes of each contact; index of its first and, last, the number of all
-    own, own_inverse : what nodes do to others on the same contact, and the forces that undo it
-    position : of the nodes, ascending, in lambda_0
-    gap : from the right edge of each contact to the next one, in lambda_0, shape (contacts,)
-    period : L, in lambda_0
+    segments : in order round the period
+    gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
+    own, own_inverse : what nodes do to others on the same segment, and the forces that undo it
     matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes
+    period : L, in lambda_0
     dual : whether these are gaps
     """
 
-    centre: Array
-    half_width: Array
-    node_count: Indices
-    first_node: Indices
+    segments: Segments
+    gap: Array
     own: Blocks
     own_inverse: Blocks
-    position: Array
-    gap: Array
-    period: float
     matrix: PairMatrix
+    period: float
     dual: bool
 
-    @property
-    def right(self) -> Array:
-        """Right edges, shape (contacts,)."""
-        return self.centre + self.half_width
+    def at_nodes(self, of_segments: Array) -> Array:
+        """A value of each segment at its nodes, shape (nodes,)."""
+        return np.repeat(of_segments, self.segments.node_count)
 
 
 class Forces(NamedTuple):
@@ -123,38 +116,40 @@ def _own_inverse(count: int, dual: bool) -> Table:
     return np.asarray((polynomial.T * np.arange(count)) @ polynomial / count**2)
 
 
-def make_punches(centre: Array, half_width: Array, node_count: Indices, period: float, dual: bool = False) -> Punches:
-    """Segments in order, which must not overlap, with so many nodes each."""
-    counts, first = node_count.tolist(), np.append(0, np.cumsum(node_count))
-    origin = np.repeat(centre, node_count)
-    offset = np.repeat(half_width, node_count) * np.concatenate([gauss_rule(count, dual).node for count in counts])
-    position, gap = origin + offset, distances_between(centre, np.zeros(centre.size), half_width, period)
-    if not (np.all(np.diff(position) > 0) and np.all(gap > 0)):
+def make_punches(segments: Segments, period: float, dual: bool = False) -> Punches:
+    """ConvergenceError if segments overlap."""
+    counts = segments.node_count.tolist()
+    origin = np.repeat(segments.middle, counts)
+    offset = np.repeat(segments.half_width, counts) * np.concatenate(
+        [gauss_rule(count, dual).node for count in counts]
+    )
+    gap = distances_between(*segments.extent, period)
+    if not (np.all(np.diff(origin + offset) > 0) and np.all(gap > 0)):
         raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
     own = make_blocks(_own_influence(count, dual) for count in counts)
     own_inverse = make_blocks(_own_inverse(count, dual) for count in counts)
-    matrix = make_pair_matrix(origin, offset, period, dual)
-    return Punches(centre, half_width, node_count, first, own, own_inverse, position, gap, period, matrix, dual)
+    return Punches(segments, gap, own, own_inverse, make_pair_matrix(origin, offset, period, dual), period, dual)
 
 
 def displacement(punches: Punches, force: Array) -> Array:
     """A f, in g_0, or C f, in p_0*, at the nodes."""
-    angle = np.pi / punches.period * punches.half_width
+    angle = np.pi / punches.period * punches.segments.half_width
     if punches.dual:  # 1/sin^2(y) = 1/y^2 + 1/3 + ..., and the rest is 0 at y = 0
         scale, at_node, factor = angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
     else:
         scale, at_node, factor = np.ones(angle.size), np.log(2 * angle), -2.0
-    own = apply_blocks(punches.own, np.repeat(scale, punches.node_count) * force)
-    return factor * (pair_sums(punches.matrix, force) + own + np.repeat(at_node, punches.node_count) * force)
+    own = apply_blocks(punches.own, punches.at_nodes(scale) * force)
+    return factor * (pair_sums(punches.matrix, force) + own + punches.at_nodes(at_node) * force)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """The forces that make up for a residual if contacts see each other as punches only, and gaps not at all."""
-    scale = 1.0 if inverse is not None else np.repeat(4 * punches.half_width**2, punches.node_count)
+    segments = punches.segments
+    scale = 1.0 if inverse is not None else punches.at_nodes(4 * segments.half_width**2)
     force = np.asarray(apply_blocks(punches.own_inverse, scale * residual))
     if inverse is not None:
-        mean = np.add.reduceat(residual, punches.first_node[:-1]) / punches.node_count
-        force += np.repeat(solve_forces(inverse, mean) / punches.node_count, punches.node_count)
+        mean = np.add.reduceat(residual, segments.first_node[:-1]) / segments.node_count
+        force += punches.at_nodes(solve_forces(inverse, mean) / segments.node_count)
     return force
 
 
@@ -164,10 +159,11 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
     The forcing, at the nodes, is the height z, in g_0, or, dual, the tension of full contact, in p_0*.
     """
     dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)
-    scale = 2 * np.repeat(punches.half_width, punches.node_count) if dual else np.ones(start.size)
+    half_width = punches.segments.half_width
+    scale = punches.at_nodes(2 * half_width) if dual else np.ones(start.size)
     if not dual:
-        compliance = displacement_of_punch(punches.half_width, punches.period)
-        inverse = invert_punches(np.arange(compliance.size), punches.centre, compliance, punches.period)
+        compliance = displacement_of_punch(half_width, punches.period)
+        inverse = invert_punches(np.arange(compliance.size), punches.segments.middle, compliance, punches.period)
         even = _precondition(punches, inverse, np.ones(start.size))  # the forces that raise all contacts alike
         force = start + even * ((total - start.sum()) / even.sum())
     residual = forcing - displacement(punches, force)
@@ -215,10 +211,9 @@ def _forces_of_psi(old: int, count: int, dual: bool) -> Table:
 
 def expansion(punches: Punches, force: Array) -> Array:
     """Coefficients of psi in T_k, segment by segment, shape (nodes,)."""
-    blocks = make_blocks(_psi_of_forces(count, punches.dual) for count in punches.node_count.tolist())
-    return np.asarray(
-        apply_blocks(blocks, force) / np.repeat(punches.half_width, punches.node_count) ** (1 + punches.dual)
-    )
+    blocks = make_blocks(_psi_of_forces(count, punches.dual) for count in punches.segments.node_count.tolist())
+    scale = punches.at_nodes(punches.segments.half_width) ** (1 + punches.dual)
+    return np.asarray(apply_blocks(blocks, force) / scale)
 
 
 @kernel
@@ -241,27 +236,27 @@ def _values_and_motion(count: int) -> tuple[Table, Table]:
     return polynomial, np.roll(-np.arange(count) * polynomial, -1, axis=1)  # -(k+1) T_(k+1) for U_k
 
 
-def moved_expansion(punches: Punches, b: Array, centre: Array, half_width: Array) -> Array:
+def moved_expansion(segments: Segments, b: Array, centre: Array, half_width: Array) -> Array:
     """Coefficients of psi when the segments have moved: to second order the solution, if Newton's step moved them.
 
     With w = (dc + t dr)/r, psi + w [(1-t^2) phi' - t phi].
     """
-    r, counts = punches.half_width, punches.node_count.tolist()
+    r, counts = segments.half_width, segments.node_count.tolist()
     rules = [gauss_rule(count, False) for count in counts]
-    shift, growth = (np.repeat(each / r, counts) for each in (centre - punches.centre, half_width - r))
+    shift, growth = (np.repeat(each / r, counts) for each in (centre - segments.centre, half_width - r))
     moved = shift + growth * np.concatenate([rule.node for rule in rules])
     values, motion = map(make_blocks, zip(*map(_values_and_motion, counts), strict=True))
     psi = apply_blocks(values, b)
     psi += np.clip(moved, -MAX_PREDICTED_MOVE, MAX_PREDICTED_MOVE) * apply_blocks(
-        motion, regular_part(punches.first_node, b)
+        motion, regular_part(segments.first_node, b)
     )
     return np.asarray(apply_blocks(make_blocks(rule.expansion for rule in rules), psi))
 
 
-def transfer_forces(punches: Punches, b: Array, origin: Indices, new: Punches) -> Array:
+def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """The forces on other segments, each of which is the old one `origin`, or new where that is -1: then 0."""
-    old = np.where(origin >= 0, punches.node_count[origin], 0)
-    node = np.repeat(punches.first_node[origin], old) + degrees(np.append(0, np.cumsum(old)))
-    counts = zip(old.tolist(), new.node_count.tolist(), strict=True)
-    force = apply_blocks(make_blocks(_forces_of_psi(*each, punches.dual) for each in counts), b[node])
-    return np.asarray(force * np.repeat(new.half_width, new.node_count) ** (1 + punches.dual))
+    old = np.where(origin >= 0, segments.node_count[origin], 0)
+    node = np.repeat(segments.first_node[origin], old) + degrees(np.append(0, np.cumsum(old)))
+    counts = zip(old.tolist(), new.segments.node_count.tolist(), strict=True)
+    force = apply_blocks(make_blocks(_forces_of_psi(*each, new.dual) for each in counts), b[node])
+    return np.asarray(force * new.at_nodes(new.segments.half_width) ** (1 + new.dual))

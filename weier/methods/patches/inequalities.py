@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import Problem, Step
 from weier.methods.patches.fields import (
     MIN_SUM_SEGMENTS,
-    ContactState,
     at_point,
     complementary_residuals,
     residuals_by_sums,
@@ -27,7 +27,7 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import Segments, derivative_expansion, distances_between, evaluate_expansion
+from weier.methods.patches.segments import ContactState, Segments, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
@@ -260,8 +260,8 @@ def lowest_outside(state: ContactState, series: CosineSeries) -> float:
         return complementary_residuals(state, series, *nearest_crests(series, x))
 
     segments = state.segments
-    length = distances_between(segments.origin, segments.centre, segments.half_width, series.period)
-    x, interval = _probe_points(segments.origin + (segments.centre + segments.half_width), length, series)
+    length = distances_between(*segments.extent, series.period)
+    x, interval = _probe_points(segments.right, length, series)
     return float(_negative_minima(x, interval, residual(x), residual, 0.0)["value"].min(initial=0.0))
 
 
@@ -325,9 +325,9 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
         points = make_tree(np.zeros(x.size), x)
         total = potential(punches.matrix.tree, step.forces.force, points, punches.period, dual)
         factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
-        return np.asarray(plane + factor * total - problem.forcing(x))
+        return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x)))
 
-    x, interval = _probe_points(punches.right, punches.gap, problem.series)
+    x, interval = _probe_points(punches.segments.right, punches.gap, problem.series)
     minima = _negative_minima(x, interval, residual(x), residual, tolerance)
     deepest, minima = float(minima["value"].min(initial=0.0)), minima[minima["value"] < -tolerance]
     depth, room = -minima["value"], _room(step, minima)
@@ -338,7 +338,7 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
 
 def _room(step: Step, minima: Records) -> Array:
     """From each new contact to the ends of its gap, or halfway to another new one."""
-    to_left = minima["position"] - step.punches.right[minima["interval"]]
+    to_left = minima["position"] - step.punches.segments.right[minima["interval"]]
     to_right = step.punches.gap[minima["interval"]] - to_left
     halfway = 0.5 * np.diff(minima["position"])
     none = np.full(min(to_left.size, 1), np.inf)

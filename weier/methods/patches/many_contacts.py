@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Records
+from weier.methods.chebyshev import gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
@@ -23,7 +24,6 @@ from weier.methods.patches.edge_iteration import (
     rearrange,
     take_step,
 )
-from weier.methods.patches.fields import ContactState
 from weier.methods.patches.given_edges import Bounds, Punches, solve_forces_on_contacts
 from weier.methods.patches.inequalities import (
     NEW_CONTACT_WIDTH,
@@ -35,15 +35,13 @@ from weier.methods.patches.inequalities import (
 )
 from weier.methods.patches.segments import (
     MAX_NODES,
-    Iterate,
+    ContactState,
     apply_blocks,
     coefficient_tails,
-    gauss_rule,
     make_blocks,
-    make_segments,
     more_nodes,
 )
-from weier.methods.patches.surface import Surface, nearest_crests
+from weier.methods.patches.surface import Surface
 
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
@@ -64,8 +62,6 @@ MIN_OPENING = 100.0  # over what the forces on contacts are solved to, of a gap 
 MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
 MIN_PIECE = 1e-3  # of a contact's width: shorter pieces do not survive a cut
 
-Edges = tuple[Array, Array]  # left and right ones, each of shape (contacts,)
-
 
 def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage]:
     """A rough one, before the set of contacts is right, and a fine one."""
@@ -81,13 +77,13 @@ def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage
     )
 
 
-def solve_many_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
-    """The state under one load, in partial contact, from a guess, and the steps of Newton's method.
+def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
+    """The state in partial contact from a guess under its load, and the steps of Newton's method.
 
     ConvergenceError is raised if a contact needs more nodes than a matrix of its own should hold, if corrections do
     not end, or if the state fails a check.
     """
-    problem, failure = Problem(surface.series(guess.dual), load, guess.dual), ConvergenceError("")
+    problem, failure = Problem(surface.series(guess.dual), guess.load, guess.dual), ConvergenceError("")
     scale = _scale(problem)
     # Rounding may keep edges of thin gaps from settling to a target that is relative to a light load. What meets a
     # looser one is certified relative to the load all the same.
@@ -100,7 +96,7 @@ def solve_many_contacts(surface: Surface, guess: Iterate, load: float, tolerance
 
 
 def _solve_to(
-    problem: Problem, guess: Iterate | ContactState, tolerance: float, scale: float, follows: bool = False
+    problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
 ) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
     load = problem.load
@@ -110,8 +106,7 @@ def _solve_to(
     rough, fine = _stages(problem, target, scale)
     stage, last_move = fine if follows else rough, np.inf
     moved = False  # whether edges have moved since the set was corrected
-    segments = guess.segments
-    now = make_guess(problem, segments.origin + segments.centre, segments.half_width, stage)
+    now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
         is_enough = step.settled or (moved and step.unsettled < MAX_UNSETTLED)
@@ -130,36 +125,34 @@ def _solve_to(
         added, remaining, lowest = _corrections(problem, step, state, stage)
         if not np.all(remaining) or len(added) > 0:
             moved = False
-            counts = step.punches.node_count.astype(float) if stage.fine else None
-            now = rearrange(problem, step, step.b, _edges(step), remaining, added, stage, counts)
+            segments = step.punches.segments
+            counts = segments.node_count.astype(float) if stage.fine else None
+            now = rearrange(problem, step, segments, remaining, added, stage, counts)
         elif not stage.fine:
             stage = fine
             now = next_guess(problem, step, stage)
         else:
             residual = contact_residual(state, problem.series)
             height = 2 * state.segments.half_width * residual if problem.dual else residual
-            if not np.any(short := (height > allowed) & (step.punches.node_count < MAX_NODES)):
+            count = state.segments.node_count
+            if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, share = _resistance(problem, step.punches)
                 state = state._replace(resistance=resistance, share=share)
                 return certify(state, residual, *lowest, problem.series.period, tolerance), steps
-            counts = np.where(short, more_nodes(step.punches.node_count), step.punches.node_count)
+            counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
-def follow_contacts(surface: Surface, start: ContactState, load: float, tolerance: float) -> ContactState:
-    """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
-    problem = Problem(surface.series(start.dual), load, start.dual)
+def follow_contacts(surface: Surface, start: ContactState, tolerance: float) -> ContactState:
+    """The contacts of a state as they would be under its load, if none were born or merged; without resistance."""
+    problem = Problem(surface.series(start.dual), start.load, start.dual)
     return _solve_to(problem, start, tolerance, _scale(problem), follows=True)[0]
 
 
 def _scale(problem: Problem) -> float:
     """A height, in g_0, of the order of the displacement that the load needs; and no more than the first wave's."""
     return min(problem.load * problem.series.period, 1.0)
-
-
-def _edges(step: Step) -> Edges:
-    return step.punches.centre - step.punches.half_width, step.punches.centre + step.punches.half_width
 
 
 def _converged(step: Step, target: float, last_move: float) -> bool:
@@ -171,9 +164,10 @@ def _converged(step: Step, target: float, last_move: float) -> bool:
 
 def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
     """Nodes of each segment: those that it has, and more where the last coefficients have not decayed."""
-    last, count = step.punches.first_node[1:], step.punches.node_count
+    segments = step.punches.segments
+    last, count = segments.first_node[1:], segments.node_count
     tail = np.maximum(np.abs(step.b[last - 1]), np.abs(step.b[last - 2]))
-    height = 2 * np.pi * step.punches.half_width * tail / count
+    height = 2 * np.pi * segments.half_width * tail / count
     short = step.settled & (height > MAX_TAIL * target)
     return np.where(short, more_nodes(count), count)
 
@@ -189,18 +183,18 @@ def _corrections(
     if not stage.fine:
         negative = negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
     negative = negative[negative["height"] > stage.opening]
-    remaining = np.ones(step.punches.centre.size, bool)
+    remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     missing, outside = find_missing(problem, step, stage.outside)
-    return np.concatenate([_cut_segments(step, negative), missing]), remaining, (outside, inside)
+    return np.concatenate([_cut_segments(state, negative), missing]), remaining, (outside, inside)
 
 
-def _cut_segments(step: Step, negative: Records) -> NDArray[np.float64]:
+def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
     """What is left of each contact without its intervals of tension or, dual, of each gap without its overlaps."""
-    width = NEW_CONTACT_WIDTH if step.punches.dual else NEW_GAP_WIDTH
-    pieces = []
+    width = NEW_CONTACT_WIDTH if state.dual else NEW_GAP_WIDTH
+    pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
-        centre, r, here = step.punches.centre[j], step.punches.half_width[j], negative["segment"] == j
+        centre, r, here = middle[j], state.segments.half_width[j], negative["segment"] == j
         left = -1.0
         for a, b in [*zip(negative["start"][here], negative["end"][here], strict=True), (1.0, 1.0)]:
             widening = 0.5 * (width - 1) * (b - a) if a > -1 and b < 1 else 0.0
@@ -212,10 +206,8 @@ def _cut_segments(step: Step, negative: Records) -> NDArray[np.float64]:
 
 def contact_state(problem: Problem, step: Step) -> ContactState:
     """A step as a state of contact, whose pressure vanishes at all edges; without resistance and residual."""
-    punches, series = step.punches, problem.series
-    crest, y = nearest_crests(series, punches.centre)
-    segments = make_segments(crest, punches.centre - y, y, punches.half_width, punches.node_count, series.period)
-    values = make_blocks(gauss_rule(count, True).polynomial.T for count in punches.node_count.tolist())
+    segments = step.punches.segments
+    values = make_blocks(gauss_rule(count, True).polynomial.T for count in segments.node_count.tolist())
     phi = apply_blocks(values, step.a)
     return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, step.a)
 
@@ -225,7 +217,7 @@ def _resistance(problem: Problem, punches: Punches) -> tuple[float, Array]:
 
     And the share of each contact in the load.
     """
-    none, bounds = np.zeros(punches.position.size), Bounds(RATE_REDUCTION, 0.0, np.inf)
+    none, bounds = np.zeros(punches.segments.node.size), Bounds(RATE_REDUCTION, 0.0, np.inf)
     rate = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
-    share = np.add.reduceat(rate.force, punches.first_node[:-1]) / punches.period
+    share = np.add.reduceat(rate.force, punches.segments.first_node[:-1]) / punches.period
     return (rate.plane if problem.dual else -rate.plane), share

@@ -52,7 +52,7 @@ def _run_kernels() -> None:
         assert guess is not None
         series = surface.series(guess.dual)
         curve(ONE_WAVE, load)
-        state, _ = many_contacts.solve_many_contacts(surface, guess, load, TOLERANCE)
+        state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
         crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
 

@@ -27,6 +27,7 @@ overlap. A solution is checked, too. Where its set of segments turns out to be w
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -35,14 +36,13 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.fields import ContactState
 from weier.methods.patches.inequalities import certify, contact_residual, find_negative_intervals, lowest_outside
-from weier.methods.patches.pair_sums import take_logarithms
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     Blocks,
-    Iterate,
+    ContactState,
     Segments,
     apply_blocks,
     are_resolved,
@@ -50,10 +50,11 @@ from weier.methods.patches.segments import (
     distances_between,
     estimate_node_count,
     increase_node_count,
+    make_blocks,
     make_segments,
-    mode_blocks,
 )
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_series
+from weier.theory.halfplane import take_logarithms
 
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
@@ -111,8 +112,32 @@ class TwoGrids(NamedTuple):
     factors: Factors
 
 
+@lru_cache(maxsize=256)
+def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
+    """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
+
+    The residual at the points, a sum of T_m, is cut off where the fewer points end. The fast modes of phi take off
+    what is left. Each also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
+    """
+    few, many = gauss_rule(less, True), gauss_rule(count, True)
+    to_T, kept = gauss_rule(count + 1, False).expansion, min(less, count)
+    restriction = gauss_rule(less + 1, False).polynomial[: kept + 1].T @ to_T[: kept + 1]
+    interpolation = many.polynomial[:kept].T @ few.expansion[:kept]
+    to_U = to_T[less + 1 :] / period
+    lift = 2 * (not dual) * log_moments(count)[None, less:] @ to_U
+    return restriction, interpolation, many.polynomial[less:].T @ to_U, lift
+
+
+@lru_cache(maxsize=64)
+def mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
+    """What `TwoGrids` is made of, from so many nodes of each segment to so many, which loads often have."""
+    modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
+    expansions = (gauss_rule(count, True).expansion for count in many)
+    return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
+
+
 @kernel
-def assemble(now: Iterate, series: CosineSeries, load: float) -> tuple[Matrix, Array, Array]:
+def assemble(now: ContactState, series: CosineSeries) -> tuple[Matrix, Array, Array]:
     """What the equations are off, and their derivatives, as in `System`.
 
     The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
@@ -122,14 +147,14 @@ def assemble(now: Iterate, series: CosineSeries, load: float) -> tuple[Matrix, A
     sines = _sines(segments, segments.node, 0, series.period) + _sines(segments, segments.point, 1, series.period)
     system = System(np.zeros((size, size)), np.zeros(size), np.zeros(size), *sines)
     for j in range(n):
-        _add_forcing(system, now, series, load, j)
+        _add_forcing(system, now, series, j)
         _add_cauchy_integral(system, segments, now.phi, series.period, j)
     if now.dual:
         _fill_closure_rows(system, now, series.period)
     else:
         for i in range(n):
             _fill_height_row(system, now, series, i)
-        _fill_load_row(system, now, load, series.period)
+        _fill_load_row(system, now, series.period)
     return system.matrix, system.residual, system.by_load
 
 
@@ -144,7 +169,7 @@ def _sines(segments: Segments, t: Array, more: int, period: float) -> tuple[Arra
 
 
 @kernel
-def _add_forcing(system: System, now: Iterate, series: CosineSeries, load: float, i: int) -> None:
+def _add_forcing(system: System, now: ContactState, series: CosineSeries, i: int) -> None:
     """The forcing -f at the points x = c + r t of segment i, and r times its derivatives in c and r."""
     segments, centre = now.segments, now.phi.size + i
     r, width = segments.half_width[i], centre + segments.centre.size
@@ -153,7 +178,7 @@ def _add_forcing(system: System, now: Iterate, series: CosineSeries, load: float
             series, segments.crest[i], segments.centre[i] + r * segments.point[a]
         )
         if now.dual:
-            system.residual[a] += 2 * np.pi * series.period * (load - series.maximum - value)
+            system.residual[a] += 2 * np.pi * series.period * (now.load - series.maximum - value)
             system.by_load[a] = 2 * np.pi * series.period
             dforcing_dx = -2 * np.pi * series.period * slope
         else:
@@ -213,7 +238,7 @@ def _add_cauchy_integral(system: System, segments: Segments, phi: Array, period:
 
 
 @kernel
-def _fill_height_row(system: System, now: Iterate, series: CosineSeries, i: int) -> None:
+def _fill_height_row(system: System, now: ContactState, series: CosineSeries, i: int) -> None:
     """The gap is 0 at the centre x = c_i of contact i. The row is divided by r_i, so that all rows are of one size.
 
     Contact j contributes V_j = 2 int rho ln|2 sin(pi (x-s)/L)| ds, with dV_j/dc_j = -dV_j/dx and r_j dV_j/dr_j. The
@@ -274,7 +299,7 @@ def _log_potentials(system: System, segments: Segments, i: int, period: float) -
 
 
 @kernel
-def _fill_load_row(system: System, now: Iterate, load: float, period: float) -> None:
+def _fill_load_row(system: System, now: ContactState, period: float) -> None:
     """The contacts carry the load, int rho dx = p L; the row is divided by the largest half-width."""
     segments, row = now.segments, system.matrix[:, -1]
     scale, widths, carried = 1 / segments.half_width.max(), now.phi.size + segments.centre.size, 0.0
@@ -283,11 +308,11 @@ def _fill_load_row(system: System, now: Iterate, load: float, period: float) -> 
             row[q] = scale * segments.half_width[j] * segments.weight[q]
             row[widths + j] += row[q] * now.phi[q]
         carried += row[widths + j]
-    system.residual[-1], system.by_load[-1] = carried - scale * (load * period), -scale * period
+    system.residual[-1], system.by_load[-1] = carried - scale * (now.load * period), -scale * period
 
 
 @kernel
-def _fill_closure_rows(system: System, now: Iterate, period: float) -> None:
+def _fill_closure_rows(system: System, now: ContactState, period: float) -> None:
     """int rho dx = 0: each gap, which opens at one end of its segment, has closed at the other.
 
     And the approach is minus the mean gap: approach = (1/L) int (x - c) rho dx.
@@ -330,38 +355,37 @@ def _correction(grids: TwoGrids, residual: Array) -> Array:
     return -np.concatenate((phi, slow[grids.interpolation.first_column[-1] :]))
 
 
-def change_nodes(now: Iterate | ContactState, node_count: Indices, interpolation: Blocks, period: float) -> Iterate:
+def change_nodes(now: ContactState, node_count: Indices, interpolation: Blocks) -> ContactState:
     """The density on so many nodes of each segment."""
-    old = now.segments
-    new = make_segments(old.crest, old.origin, old.centre, old.half_width, node_count, period)
-    return Iterate(now.dual, new, apply_blocks(interpolation, now.phi), now.approach)
+    segments = make_segments(now.segments.crest, *now.segments.extent, node_count)
+    return ContactState(now.dual, now.load, now.approach, segments, apply_blocks(interpolation, now.phi))
 
 
-def on_few_nodes(now: Iterate | ContactState, series: CosineSeries) -> Iterate:
+def on_few_nodes(now: ContactState, series: CosineSeries) -> ContactState:
     """The density on as few nodes as a guess has."""
-    old = now.segments
-    count = estimate_node_count(old.origin, old.centre, old.half_width, series, COARSE_TOLERANCE)
-    counts = tuple(old.node_count.tolist()), tuple(count.tolist())
-    return change_nodes(now, count, mode_blocks(*counts, series.period, now.dual)[1], series.period)
+    count = estimate_node_count(*now.segments.extent, series, COARSE_TOLERANCE)
+    counts = tuple(now.segments.node_count.tolist()), tuple(count.tolist())
+    return change_nodes(now, count, mode_blocks(*counts, series.period, now.dual)[1])
 
 
-def own_density(guess: Iterate, series: CosineSeries, load: float) -> Iterate:
+def own_density(guess: ContactState, series: CosineSeries) -> ContactState:
     """The slope that each gap takes under the pressure of full contact, if it does not feel the others."""
     counts = tuple(guess.segments.node_count.tolist())
     fast = mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
-    return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series, load)[1]))
+    return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series)[1]))
 
 
-def _move(now: Iterate, step: Array, period: float) -> tuple[Iterate, float]:
+def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, float]:
     """The unknowns after a step, and its size: they are of no use if it is inf or NaN."""
     segments, N, r = now.segments, now.phi.size, now.segments.half_width
     centre, half_width = segments.centre + step[N : N + r.size] * r, r * (1 + step[N + r.size : -1])
-    moved = segments._replace(centre=centre, half_width=half_width)
-    return Iterate(now.dual, moved, now.phi + step[:N], now.approach + step[-1]), _step_size(now, step, period)
+    segments = segments._replace(centre=centre, half_width=half_width)
+    moved = now._replace(segments=segments, phi=now.phi + step[:N], approach=now.approach + step[-1])
+    return moved, _step_size(now, step, period)
 
 
 @kernel
-def _step_size(now: Iterate, step: Array, period: float) -> float:
+def _step_size(now: ContactState, step: Array, period: float) -> float:
     """The largest relative change of any segment's density, centre or width, or of a distance between segments.
 
     NaN if the step is not finite, and inf if a width or a distance is lost.
@@ -382,21 +406,21 @@ def _step_size(now: Iterate, step: Array, period: float) -> float:
     return largest
 
 
-def _newton_iteration(now: Iterate, series: CosineSeries, load: float) -> tuple[Iterate, Factors, int]:
+def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactState, Factors, int]:
     """The solution on the nodes of a guess, the factors of the last matrix, and the steps.
 
     ConvergenceError is raised if the steps do not shrink.
     """
-    _check_size(now.segments.node.size, now.segments.centre.size, load)
+    _check_size(now.segments.node.size, now.segments.centre.size, now.load)
     for steps in range(1, MAX_STEPS + 1):
-        matrix, residual, _ = assemble(now, series, load)
+        matrix, residual, _ = assemble(now, series)
         lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(matrix.T, residual, overwrite_a=True)
         now, size = _move(now, -change, series.period)
         if size < COARSE_TOLERANCE and not is_singular:
             return now, (lu, pivot), steps
         if is_singular or not size < np.inf:
             break
-    raise ConvergenceError(f"Newton's method fails under the mean pressure {load:.6g} p_0*", float(size))
+    raise ConvergenceError(f"Newton's method fails under the mean pressure {now.load:.6g} p_0*", float(size))
 
 
 def _check_size(nodes: int, segments: int, load: float) -> None:
@@ -407,56 +431,56 @@ def _check_size(nodes: int, segments: int, load: float) -> None:
         )
 
 
-def solve_on_segments(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state that solves the equations on the segments of a guess, whether the inequalities hold or not.
 
     And the steps of Newton's method and the corrections that it took. ConvergenceError is raised unless the
     corrections fall below the tolerance, or to rounding.
     """
-    series = surface.series(guess.dual)
-    coarse, factors, steps = _newton_iteration(guess, series, load)
+    series, load = surface.series(guess.dual), guess.load
+    coarse, factors, steps = _newton_iteration(guess, series)
     few = coarse.segments
-    count = estimate_node_count(few.origin, few.centre, few.half_width, series, tolerance)
+    count = estimate_node_count(*few.extent, series, tolerance)
     count = np.maximum(count, few.node_count)
     for _ in range(MAX_NODE_ROUNDS):
         _check_size(int(count.sum()), count.size, load)
         counts = tuple(few.node_count.tolist()), tuple(count.tolist())
         grids = TwoGrids._make((*mode_blocks(*counts, series.period, guess.dual), factors))
-        finer = change_nodes(coarse, count, grids.interpolation, series.period)
-        now, more = _refine(finer, grids, series, load, tolerance)
+        finer = change_nodes(coarse, count, grids.interpolation)
+        now, more = _refine(finer, grids, series, tolerance)
         steps += more
         coefficient = apply_blocks(grids.expansion, now.phi)
         resolved = are_resolved(now.segments, coefficient, tolerance)
         if np.all(resolved):
-            matrix, _, by_load = assemble(now, series, load)
+            matrix, _, by_load = assemble(now, series)
             resistance, share, more, error = _sensitivity(now, grids, matrix, by_load)
             if error <= MAX_RESISTANCE_ERROR:
-                known = now.approach, now.segments, now.phi, coefficient, resistance, share / series.period
-                return ContactState(now.dual, load, *known), steps + more
+                share /= series.period
+                return now._replace(coefficient=coefficient, resistance=resistance, share=share), steps + more
             why = f"the resistance does not converge under the mean pressure {load:.6g} p_0*"
             raise ConvergenceError(why, error)
         count = increase_node_count(count, resolved, load)
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
 
-def _refine(
-    now: Iterate, grids: TwoGrids, series: CosineSeries, load: float, tolerance: float
-) -> tuple[Iterate, int]:
+def _refine(now: ContactState, grids: TwoGrids, series: CosineSeries, tolerance: float) -> tuple[ContactState, int]:
     """The solution on the nodes of a guess and the corrections to it; ConvergenceError if these do not shrink."""
     previous = np.inf
     for steps in range(1, MAX_STEPS + 1):
-        now, size = _move(now, _correction(grids, assemble(now, series, load)[1]), series.period)
+        now, size = _move(now, _correction(grids, assemble(now, series)[1]), series.period)
         ratio, previous = size / previous, size
         is_stuck = ratio > MAX_RATIO
         if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
             return now, steps
         if is_stuck or not size < 1:
             break
-    raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", size)
+    raise ConvergenceError(f"the density does not converge under the mean pressure {now.load:.6g} p_0*", size)
 
 
 @kernel
-def _sensitivity(now: Iterate, grids: TwoGrids, matrix: Matrix, by_load: Array) -> tuple[float, Array, int, float]:
+def _sensitivity(
+    now: ContactState, grids: TwoGrids, matrix: Matrix, by_load: Array
+) -> tuple[float, Array, int, float]:
     """The resistance, and the share of a new load that each contact takes: d/dp of its force, r sum w phi.
 
     And the corrections to these, and the relative error of the resistance.
@@ -480,14 +504,14 @@ def _sensitivity(now: Iterate, grids: TwoGrids, matrix: Matrix, by_load: Array) 
     return rate[-1], share, step, error
 
 
-def solve_few_contacts(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state under one load, from a guess on few nodes, and the Newton steps and corrections that it took.
 
     ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
     """
     series = surface.series(guess.dual)
-    start = own_density(guess, series, load) if guess.dual else guess  # Hertz's pressure is near enough
-    state, steps = solve_on_segments(surface, start, load, tolerance)
+    start = own_density(guess, series) if guess.dual else guess  # Hertz's pressure is near enough
+    state, steps = solve_on_segments(surface, start, tolerance)
     residual = contact_residual(state, series)
     outside, inside = _lowest_values(state, series, residual.max(), tolerance)
     return certify(state, residual, outside, inside, series.period, tolerance), steps

@@ -7,10 +7,6 @@ Between two nodes whose distance is at least the wider one's width, the kernel i
 rounding, so that it is taken at the Chebyshev points of both intervals (Fong and Darve, J. Comput. Phys. 228, 2009,
 8712). All other pairs of points are summed as they are. Both parts are kept as small matrices, because the method of
 conjugate gradients multiplies by the same ones many times.
-
-The sine and the logarithm are their series, in loops without a call or a branch, which the compiler turns into
-operations on four or eight numbers at once: that is three times as fast as the functions of the library, in which
-most of the time would be spent.
 """
 
 from __future__ import annotations
@@ -22,6 +18,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.theory.halfplane import replace_by_influence
 
 Pairs = NDArray[np.int64]  # shape (pairs, 2)
 Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
@@ -33,14 +30,6 @@ POINT = np.cos((np.arange(ORDER) + 0.5) * (np.pi / ORDER))  # the zeros of T_ORD
 BASIS = 2 / ORDER * np.cos(np.arange(ORDER)[:, None] * np.arccos(POINT))  # T_k there, one k a row
 LEAF_POINTS = 40  # at most: more cost memory in near pairs, fewer in far ones
 MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
-
-# 2 sin(pi u)/u in powers of u^2: for |u| <= 1/2, the next term is below 1e-16 of the whole.
-SINE = tuple(
-    float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11)
-)  # fmt: skip
-MANTISSA_BITS = 52  # of a double, behind those of its exponent
-ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # its bits as an integer
-LN_2 = float(np.log(2.0))
 
 
 class Tree(NamedTuple):
@@ -78,45 +67,6 @@ class PairMatrix(NamedTuple):
     far_block: Blocks
     near_block: Array
     near_start: Indices
-
-
-@kernel
-def apply_kernel(d: Array, period: float, dual: bool) -> None:
-    """Replace distances d by ln|2 sin(pi d/L)| or, dual, 1/sin^2(pi d/L); by 0 where d = 0."""
-    for i in range(d.size):
-        u = d[i] / period
-        u -= np.floor(u + 0.5)
-        q, series = u * u, SINE[10]
-        series = SINE[8] + q * (SINE[9] + q * series)
-        series = SINE[5] + q * (SINE[6] + q * (SINE[7] + q * series))
-        series = SINE[2] + q * (SINE[3] + q * (SINE[4] + q * series))
-        d[i] = abs(u * (SINE[0] + q * (SINE[1] + q * series)))
-    if dual:
-        for i in range(d.size):
-            d[i] = 4 / (d[i] * d[i]) if d[i] > 0 else 0.0
-    else:
-        take_logarithms(d)
-
-
-@kernel
-def take_logarithms(x: Array) -> None:
-    """Replace x >= 0 by ln x, and 0 by 0.
-
-    With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172. The bits
-    of x as an integer tell k: they are those of m and, before the bits of its mantissa, k more.
-    """
-    power, m = np.empty(x.size), np.empty(x.size)
-    bits_of_x, bits_of_m = x.view(np.int64), m.view(np.int64)
-    for i in range(x.size):
-        k = (bits_of_x[i] - ROOT_OF_HALF) >> MANTISSA_BITS
-        power[i], bits_of_m[i] = k, bits_of_x[i] - (k << MANTISSA_BITS)
-    for i in range(x.size):
-        s = (m[i] - 1) / (m[i] + 1)
-        q = s * s
-        series = 1 / 15 + q * (1 / 17 + q * (1 / 19 + q * (1 / 21 + q / 23)))
-        series = 1 / 7 + q * (1 / 9 + q * (1 / 11 + q * (1 / 13 + q * series)))
-        series = 1 + q * (1 / 3 + q * (1 / 5 + q * series))
-        x[i] = power[i] * LN_2 + 2 * s * series if x[i] > 0 else 0.0
 
 
 @kernel
@@ -221,7 +171,7 @@ def _fill_far_block(
     for i in range(ORDER):
         for j in range(ORDER):
             block[i, j] = (middle - other_middle) + (half * POINT[i] - other_half * POINT[j])
-    apply_kernel(block.reshape(block.size), period, dual)
+    replace_by_influence(block.reshape(block.size), period, dual)
 
 
 @kernel
@@ -236,7 +186,7 @@ def _fill_near_block(
         origin, offset, row = one.origin[i], one.offset[i], (i - start) * width
         for j in range(other_start, other_end):
             block[row + j - other_start] = (origin - other.origin[j]) + (offset - other.offset[j])
-    apply_kernel(block[: (end - start) * width], period, dual)
+    replace_by_influence(block[: (end - start) * width], period, dual)
     return start, end, other_start, other_end
 
 

@@ -1,12 +1,7 @@
-"""Segments of the period, which are contacts or gaps: their Chebyshev nodes, and the densities on them.
+"""Segments of the period, which are contacts or gaps, with their nodes and the densities on them.
 
-A density is sqrt(1-t^2) phi(t) in the coordinate t of its segment, -1..1. With phi = sum a_k U_k(t), and with rho^-n
-in place of T_n(t) outside the segment, where rho = t + sign(t) sqrt(t^2-1), its integrals have closed forms:
-
-    int sqrt(1-s^2) U_k(s)/(t-s) ds      = pi T_(k+1)(t)
-    int sqrt(1-s^2) U_k(s) ln|t-s| ds    = (L_k - L_(k+2))/2,  L_0 = pi (ln|rho| - ln 2),  L_n = -(pi/n) T_n(t)
-
-Both hold at the edges and beyond them, where quadrature would lose all digits.
+Newton's method, whether with a dense matrix or on given edges, begins and ends with a `ContactState`: the segments of
+one load, and sqrt(1-t^2) phi(t) on each, in its coordinate t from -1 to 1 (`weier.methods.chebyshev`).
 """
 
 from __future__ import annotations
@@ -20,8 +15,9 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.surface import CosineSeries
+from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 MAX_NODES = 2000
 # Nodes of a segment, by the digits asked for: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments; and
@@ -37,51 +33,6 @@ MORE_NODES, AT_LEAST_MORE = 1.3, 2  # over those so far, where the coefficients 
 # Rounding of a tail, for the widest segment: a density falls with the width squared, and its rounding does not.
 TAIL_ROUNDING, MAX_TAIL_ROUNDING = 1e-14, 1e-3
 COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
-
-Table = NDArray[np.float64]  # shape (degrees, nodes)
-
-
-class Rule(NamedTuple):
-    """Gauss's quadrature at the zeros of T_K, for int phi/sqrt(1-t^2) dt, or of U_K, for int sqrt(1-t^2) phi dt.
-
-    node : t, ascending, shape (K,)
-    weight : of the values at the nodes, shape (K,)
-    polynomial : T_k or U_k at the nodes, one k a row, shape (K, K)
-    expansion : what makes coefficients in T_k or U_k of values at the nodes, shape (K, K)
-    """
-
-    node: Array
-    weight: Array
-    polynomial: Table
-    expansion: Table
-
-
-@lru_cache(maxsize=256)
-def gauss_rule(count: int, of_second_kind: bool) -> Rule:
-    """The rule of so many nodes. Angles are reduced in integers, so that the highest degrees lose no digit."""
-    if of_second_kind:
-        degree, angle = np.arange(1, count + 1), np.arange(count, 0, -1)
-        sine = np.sin(np.pi / (count + 1) * angle)
-        weight, scale = np.pi / (count + 1) * sine**2, np.pi / (count + 1)
-        polynomial = np.sin(scale * (degree[:, None] * angle % (2 * count + 2))) / sine
-    else:
-        degree, angle = np.arange(count), np.arange(2 * count - 1, 0, -2)
-        weight, scale = np.full(count, np.pi / count), np.pi / (2 * count)
-        polynomial = np.cos(scale * (degree[:, None] * angle % (4 * count)))
-    expansion = 2 / np.pi * polynomial * weight
-    if not of_second_kind:
-        expansion[0] *= 0.5
-    return Rule(np.cos(scale * angle), weight, polynomial, expansion)
-
-
-@lru_cache(maxsize=256)
-def log_moments(count: int) -> Array:
-    """int sqrt(1-s^2) U_k ln|s| ds, k = 0..count - 1, from L_k - L_(k+2) at t = 0."""
-    moment, k = np.zeros(count), np.arange(0, count, 2)
-    T = np.where(k % 4 == 0, 1.0, -1.0)  # T_k(0); that of k + 2 has the other sign
-    own = np.append(np.log(2.0), T[1:] / k[1:])
-    moment[::2] = -0.5 * np.pi * (own + T / (k + 2))
-    return moment
 
 
 class Blocks(NamedTuple):
@@ -124,93 +75,6 @@ def apply_blocks(blocks: Blocks, f: Array) -> Array:
     return result
 
 
-@lru_cache(maxsize=256)
-def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
-    """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
-
-    The residual at the points, a sum of T_m, is cut off where the fewer points end. The fast modes of phi take off
-    what is left. Each also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
-    """
-    few, many = gauss_rule(less, True), gauss_rule(count, True)
-    to_T, kept = gauss_rule(count + 1, False).expansion, min(less, count)
-    restriction = gauss_rule(less + 1, False).polynomial[: kept + 1].T @ to_T[: kept + 1]
-    interpolation = many.polynomial[:kept].T @ few.expansion[:kept]
-    to_U = to_T[less + 1 :] / period
-    lift = 2 * (not dual) * log_moments(count)[None, less:] @ to_U
-    return restriction, interpolation, many.polynomial[less:].T @ to_U, lift
-
-
-@lru_cache(maxsize=64)
-def mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
-    """What `newton.TwoGrids` is made of, from so many nodes of each segment to so many, which loads often have."""
-    modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
-    expansions = (gauss_rule(count, True).expansion for count in many)
-    return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
-
-
-@kernel
-def evaluate_expansion(a: Array, t: float) -> float:
-    """phi(t) = sum a_k U_k(t), -1 <= t <= 1, by Clenshaw's recurrence."""
-    b_after, b = 0.0, 0.0
-    for k in range(a.size - 1, -1, -1):
-        b, b_after = a[k] + 2 * t * b - b_after, b
-    return b
-
-
-@kernel
-def _outer_radius(t: float) -> float:
-    """rho, of a point outside [-1, 1]."""
-    return t + np.copysign(np.sqrt((t - 1) * (t + 1)), t)
-
-
-@kernel
-def cauchy_integral(a: Array, t: float) -> float:
-    """int sqrt(1-s^2) phi(s)/(t-s) ds = pi sum a_k T_(k+1)(t) at any real t."""
-    if abs(t) > 1:
-        total, w = 0.0, 1 / _outer_radius(t)
-        for k in range(a.size - 1, -1, -1):
-            total = (total + a[k]) * w
-        return np.pi * total
-    b_after, b = 0.0, 0.0
-    for k in range(a.size - 1, -1, -1):
-        b, b_after = a[k] + 2 * t * b - b_after, b
-    return np.pi * (t * b - b_after)
-
-
-@kernel
-def log_integral(a: Array, t: float) -> float:
-    """int sqrt(1-s^2) phi(s) ln|t-s| ds at any real t: a sum of T_n/n with the factors (a_(n-2) - a_n)/2."""
-    outside = abs(t) > 1
-    w = 1 / _outer_radius(t) if outside else 0.0
-    double, back = (w, 0.0) if outside else (2 * t, 1.0)
-    b_after, b = 0.0, 0.0
-    for n in range(a.size + 1, 0, -1):
-        factor = (a[n - 2] if n > 1 else 0.0) - (a[n] if n < a.size else 0.0)
-        b, b_after = factor / (2 * n) + double * b - back * b_after, b
-    total = w * b if outside else t * b - b_after
-    return np.pi * (total - 0.5 * a[0] * (np.log(2.0) + (np.log(abs(w)) if outside else 0.0)))
-
-
-@kernel
-def gap_expansion(a: Array) -> Array:
-    """Coefficients in U_k of int_-1^t sqrt(1-s^2) phi(s) ds/(1-t^2)^(3/2), for a gap: as it closes at 1, a_0 = 0.
-
-    The integral of sqrt(1-s^2) U_k is -(1-t^2)^(3/2) U_k'/(k (k+2)).
-    """
-    k = np.maximum(np.arange(a.size), 1)
-    return -derivative_expansion(a / (k * (k + 2)))
-
-
-@kernel
-def derivative_expansion(a: Array) -> Array:
-    """Coefficients in U_k of phi', from U_k' = 2 (k U_(k-1) + (k-2) U_(k-3) + ...)."""
-    b, total, total_of_next = np.zeros(a.size), 0.0, 0.0
-    for k in range(a.size - 1, 0, -1):
-        total, total_of_next = total_of_next + a[k], total
-        b[k - 1] = 2 * k * total
-    return b
-
-
 def degrees(first_node: Indices) -> Indices:
     """The degree of the polynomial whose coefficient is kept at each node's place, from 0 on each segment."""
     return np.arange(first_node[-1]) - np.repeat(first_node[:-1], np.diff(first_node))
@@ -250,21 +114,50 @@ class Segments(NamedTuple):
         """Of each segment, shape (segments,)."""
         return self.first_node[1:] - self.first_node[:-1]
 
+    @property
+    def extent(self) -> tuple[Array, Array, Array]:
+        """Origin, centre from there and half-width of each, in lambda_0."""
+        return self.origin, self.centre, self.half_width
 
-class Iterate(NamedTuple):
-    """Contacts with their pressure, or gaps with their slope (dual), as an initial guess or on the way to a solution.
+    @property
+    def middle(self) -> Array:
+        """Of each segment, in lambda_0, shape (segments,)."""
+        return self.origin + self.centre
+
+    @property
+    def right(self) -> Array:
+        """Right ends, in lambda_0, shape (segments,)."""
+        return self.origin + (self.centre + self.half_width)
+
+
+class ContactState(NamedTuple):
+    """The state under one load, or a guess at it: contacts with their pressure, or gaps with their slope (dual).
 
     dual : whether the segments are the gaps
+    load : mean pressure, in p_0*
+    approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
     segments : the contacts or, dual, the gaps
     phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
         g_0/lambda_0
-    approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
+    coefficient : of phi in U_k, segment by segment, shape (nodes,)
+    resistance : dh/dp, in g_0/p_0*
+    share : of a new load that each contact takes, shape (segments,); gaps take none
+    residual : largest violation of a contact condition, in g_0
+    error : a bound on that of the approach by these violations, in g_0
+
+    Of the last five, those are NaN or empty that nothing has asked for yet.
     """
 
     dual: bool
+    load: float
+    approach: float
     segments: Segments
     phi: Array
-    approach: float
+    coefficient: Array = np.empty(0)
+    resistance: float = np.nan
+    share: Array = np.empty(0)
+    residual: float = np.nan
+    error: float = np.nan
 
 
 @lru_cache(maxsize=256)
@@ -274,14 +167,19 @@ def _quadrature(count: int) -> tuple[Array, Array, Array, Array]:
     return rule.node, gauss_rule(count + 1, False).node, rule.weight, log_moments(count) @ rule.expansion
 
 
-def make_segments(
-    crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices, period: float
-) -> Segments:
+def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Segments, already in order, with so many nodes each."""
     first_node = np.append(0, np.cumsum(node_count))
     of_nodes = zip(*map(_quadrature, node_count.tolist()), strict=True)
     node, point, weight, log_weight = map(np.concatenate, of_nodes)
     return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
+
+
+def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
+    """The crests nearest to positions, where they or their images stand, and how far the positions are from there."""
+    crest, y = nearest_crests(series, middle)
+    origin = series.crest_position[crest]
+    return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
 
 
 @kernel
@@ -294,11 +192,10 @@ def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, A
     return origin, centre + half_width + between, between
 
 
-def in_order(middle: Array, half_width: Array, period: float) -> tuple[Array, Array, Indices]:
-    """Segments with their middles in [0, L) and ascending, and the order that sorted them."""
-    middle = middle - period * np.floor(middle / period)
-    order = np.argsort(middle, kind="stable")
-    return middle[order], half_width[order], order
+def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
+    """The order of positions from left to right in [0, L), and what is to be taken off each to lie there."""
+    turns = period * np.floor(middle / period)
+    return np.argsort(middle - turns, kind="stable"), turns
 
 
 @kernel

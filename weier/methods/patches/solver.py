@@ -22,17 +22,16 @@ from weier.methods.bem.subgrid_solver import GridSolver
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import error_model, many_contacts, newton
-from weier.methods.patches.fields import ContactState, pressures_or_gaps
+from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.inequalities import NEW_GAP_WIDTH, check_violation, find_negative_intervals
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
-    Iterate,
-    Segments,
+    ContactState,
     contacts_of,
     degrees,
-    distances_between,
     end_sums,
     estimate_node_count,
+    from_crests,
     in_order,
     make_segments,
 )
@@ -240,13 +239,13 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     failure = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*")
     for guess in starts.guesses(load):
         try:
-            return _solve(starts.surface, guess, load, starts.tolerance)
+            return _solve(starts.surface, guess, starts.tolerance)
         except ConvergenceError as error:
             failure = error
     raise failure
 
 
-def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+def _solve(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state from one guess, and the steps to it.
 
     A dense matrix solves for a few segments whose set is right, and all other sets are corrected. Where tension is
@@ -254,37 +253,37 @@ def _solve(surface: Surface, guess: Iterate, load: float, tolerance: float) -> t
     """
     if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):
-            return newton.solve_few_contacts(surface, guess, load, tolerance)
-    state, steps = _correct_set(surface, guess, load, tolerance)
+            return newton.solve_few_contacts(surface, guess, tolerance)
+    state, steps = _correct_set(surface, guess, tolerance)
     if (gaps := _gaps_in_tension(surface, state)) is not None:
         with suppress(ConvergenceError):
-            other, more = _solve(surface, gaps, load, many_contacts.MIN_TOLERANCE)
+            other, more = _solve(surface, gaps, many_contacts.MIN_TOLERANCE)
             return (other if other.error < state.error else state), steps + more
     return state, steps
 
 
-def _correct_set(surface: Surface, guess: Iterate, load: float, tolerance: float) -> tuple[ContactState, int]:
+def _correct_set(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state on a set that is corrected, and tightly, whatever the tolerance, and the steps.
 
     Next to its birth a contact changes dh/dp far more than h. A residual that is small beside the load does not tell
     how wide it is, but the steps of a dense matrix do, which are relative to each segment: it ends what are few.
     """
     try:
-        state, steps = many_contacts.solve_many_contacts(surface, guess, load, many_contacts.MIN_TOLERANCE)
+        state, steps = many_contacts.solve_many_contacts(surface, guess, many_contacts.MIN_TOLERANCE)
     except ConvergenceError:
         unsettled = UNSETTLED * many_contacts.MIN_TOLERANCE
-        state, steps = many_contacts.solve_many_contacts(surface, guess, load, unsettled)
+        state, steps = many_contacts.solve_many_contacts(surface, guess, unsettled)
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging
             again = newton.on_few_nodes(state, surface.series(state.dual))
             tight = min(tolerance, many_contacts.MIN_TOLERANCE)
-            state, more = newton.solve_few_contacts(surface, again, load, tight)
+            state, more = newton.solve_few_contacts(surface, again, tight)
             return state, steps + more
     check_violation(state, surface.heights.period, tolerance)
     return state, steps
 
 
-def _gaps_in_tension(surface: Surface, state: ContactState) -> Iterate | None:
+def _gaps_in_tension(surface: Surface, state: ContactState) -> ContactState | None:
     """A guess on the gaps beside contacts, and on those so narrow that tension is left in their place; None without.
 
     Contacts take the more nodes the narrower the gap between them is, but a narrow gap takes few.
@@ -294,18 +293,16 @@ def _gaps_in_tension(surface: Surface, state: ContactState) -> Iterate | None:
     if state.dual or negative.size == 0:
         return None
     segments, at = state.segments, negative["segment"]
-    middle = segments.origin[at] + segments.centre[at]
-    middle += 0.5 * segments.half_width[at] * (negative["start"] + negative["end"])
+    middle = segments.middle[at] + 0.5 * segments.half_width[at] * (negative["start"] + negative["end"])
     half_width = 0.5 * NEW_GAP_WIDTH * segments.half_width[at] * (negative["end"] - negative["start"])
-    return _gaps_guess(surface, segments, middle, half_width)
+    return _gaps_guess(surface, state, middle, half_width)
 
 
-def _gaps_guess(surface: Surface, contacts: Segments, middle: Array, half_width: Array) -> Iterate:
+def _gaps_guess(surface: Surface, contacts: ContactState, middle: Array, half_width: Array) -> ContactState:
     """A guess on the gaps between contacts and on others within these."""
-    origin, centre, open_width = contacts_of(contacts, True, surface.heights.period)
+    origin, centre, open_width = contacts_of(contacts.segments, True, surface.heights.period)
     gaps = np.append(origin + centre, middle), np.append(open_width, half_width)
-    middle, half_width, _ = in_order(*gaps, surface.heights.period)
-    return _make_guess(surface.tensions, True, middle, half_width, 0.0)
+    return _make_guess(surface.tensions, contacts.load, True, *gaps, 0.0)
 
 
 class Starts:
@@ -326,7 +323,7 @@ class Starts:
         tolerance = min(GRID_TOLERANCE, WAVE_SHARE * abs(float(self.profile.amplitude[-1])))
         return GridSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance), RATE_TOLERANCE)
 
-    def guesses(self, load: float) -> Iterator[Iterate]:
+    def guesses(self, load: float) -> Iterator[ContactState]:
         """What to start from under this load, the most likely first."""
         for find, series in ((lone_contacts, self.surface.heights), (lone_gaps, self.surface.tensions)):
             if (lone := find(series, load)) is not None:
@@ -337,53 +334,53 @@ class Starts:
             found = found[found["right"] > found["left"]]
             if found.size:
                 middle, half_width = 0.5 * (found["left"] + found["right"]), 0.5 * (found["right"] - found["left"])
-                guess = contacts_guess(self.surface, middle, half_width, found["force"], self.tolerance)
+                guess = contacts_guess(self.surface, load, middle, half_width, found["force"], self.tolerance)
                 yield guess
         # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
         if guess is not None and not guess.dual:
-            yield _gaps_guess(self.surface, guess.segments, np.empty(0), np.empty(0))
+            yield _gaps_guess(self.surface, guess, np.empty(0), np.empty(0))
 
 
-def _make_guess(series: CosineSeries, dual: bool, middle: Array, half_width: Array, force: Array | float) -> Iterate:
-    """Segments in order of their middles in [0, L) on as few nodes as a guess has, with Hertz's largest pressure.
+def _make_guess(
+    series: CosineSeries, load: float, dual: bool, middle: Array, half_width: Array, force: Array | float
+) -> ContactState:
+    """Segments in any order, on as few nodes as a guess has, with Hertz's largest pressure.
 
     force : that each contact carries, in p_0* lambda_0; 0 for gaps, whose slope Newton's method finds
     """
-    crest, y = nearest_crests(series, middle)
-    origin = series.crest_position[crest]
-    origin = origin + series.period * np.rint((middle - y - origin) / series.period)
-    count = estimate_node_count(origin, y, half_width, series, COARSE_TOLERANCE)
-    segments = make_segments(crest, origin, y, half_width, count, series.period)
-    return Iterate(dual, segments, np.repeat(2 / np.pi * force / half_width, count), 0.0)
+    order, turns = in_order(middle, series.period)
+    middle, half_width, pressure = (middle - turns)[order], half_width[order], (2 / np.pi * force / half_width)[order]
+    crest, origin, centre = from_crests(series, middle)
+    count = estimate_node_count(origin, centre, half_width, series, COARSE_TOLERANCE)
+    segments = make_segments(crest, origin, centre, half_width, count)
+    return ContactState(dual, load, 0.0, segments, np.repeat(pressure, count))
 
 
-def contacts_guess(surface: Surface, middle: Array, half_width: Array, force: Array, tolerance: float) -> Iterate:
+def contacts_guess(
+    surface: Surface, load: float, middle: Array, half_width: Array, force: Array, tolerance: float
+) -> ContactState:
     """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes.
 
     middle, half_width : of the contacts, in lambda_0, shape (contacts,)
     force : that each carries, in p_0* lambda_0, shape (contacts,)
     """
-    period = surface.heights.period
-    middle, half_width, order = in_order(middle, half_width, period)
-    none = np.zeros(middle.size)
-    distance = distances_between(middle, none, half_width, period)
-    if np.all(distance > 0):
-        between, open_width, _ = in_order(middle + half_width + 0.5 * distance, 0.5 * distance, period)
-        needed = estimate_node_count(middle, none, half_width, surface.heights, tolerance).sum()
-        of_gaps = estimate_node_count(between, none, open_width, surface.tensions, tolerance).sum()
-        if of_gaps < MAX_NODE_RATIO * needed:
-            return _make_guess(surface.tensions, True, between, open_width, 0.0)
-    return _make_guess(surface.heights, False, middle, half_width, force[order])
+    guess = _make_guess(surface.heights, load, False, middle, half_width, force)
+    gaps = contacts_of(guess.segments, True, surface.heights.period)
+    if np.all(gaps[2] > 0):
+        needed = estimate_node_count(*guess.segments.extent, surface.heights, tolerance).sum()
+        if estimate_node_count(*gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
+            return _gaps_guess(surface, guess, np.empty(0), np.empty(0))
+    return guess
 
 
-def lone_contacts(series: CosineSeries, load: float) -> Iterate | None:
+def lone_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Hertz's contacts on crests, if they are so small that each feels the others as forces; None if they are not."""
     curvature, total = crest_curvatures(series), load * series.period
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return None
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
     crest = np.flatnonzero(force)
-    return _lone_guess(series, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
+    return _lone_guess(series, load, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
 
 
 @kernel
@@ -424,22 +421,22 @@ def crest_curvatures(series: CosineSeries) -> Array:
     return np.asarray(series.crest_cosine @ (series.amplitude * series.wavenumber**2))
 
 
-def lone_gaps(series: CosineSeries, load: float) -> Iterate | None:
+def lone_gaps(series: CosineSeries, load: float) -> ContactState | None:
     """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
     tension = series.maximum - load + series.crest_offset
     crest = np.flatnonzero(tension > 0)
-    return _lone_guess(series, True, crest, 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest]), 0.0)
+    return _lone_guess(series, load, True, crest, 2 * np.sqrt(tension[crest] / crest_curvatures(series)[crest]), 0.0)
 
 
 def _lone_guess(
-    series: CosineSeries, dual: bool, crest: Indices, half_width: Array, force: Array | float
-) -> Iterate | None:
+    series: CosineSeries, load: float, dual: bool, crest: Indices, half_width: Array, force: Array | float
+) -> ContactState | None:
     """A guess on crests in order; None if segments are not parabolic, or so wide that they feel each other."""
     position, widest = series.crest_position[crest], half_width.max(initial=0.0)
     distance = np.append(position[1:], position[:1] + series.period) - position
     if crest.size == 0 or not widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * distance.min()):
         return None
-    return _make_guess(series, dual, position, half_width, force)
+    return _make_guess(series, load, dual, position, half_width, force)
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:

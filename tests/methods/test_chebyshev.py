@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from weier.methods.patches import segments
+from weier.methods import chebyshev
 
 COEFFICIENTS = np.array([1.0, -0.4, 0.3, 0.2])
 
@@ -15,7 +15,7 @@ def phi(s):
 
 @pytest.mark.parametrize("t", [-1.7, -1.001, -0.6, 0.0, 0.3, 1.01, 4.0])
 def test_integrals_in_closed_form(t):
-    cauchy, potential = segments.cauchy_integral(COEFFICIENTS, t), segments.log_integral(COEFFICIENTS, t)
+    cauchy, potential = chebyshev.cauchy_integral(COEFFICIENTS, t), chebyshev.log_integral(COEFFICIENTS, t)
     ends = [-1, t, 1] if abs(t) < 1 else [-1, 1]
     log = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) * mp.log(abs(t - s)), ends)
     assert potential == pytest.approx(float(log), rel=1e-8)
@@ -24,7 +24,7 @@ def test_integrals_in_closed_form(t):
         rest = mp.quad(lambda s: (mp.sqrt(1 - s * s) * phi(s) - at_t) / (t - s), ends)
         direct = rest + at_t * mp.log((1 + t) / (1 - t))
         gap = mp.quad(lambda s: mp.sqrt(1 - s * s) * (phi(s) - COEFFICIENTS[0]), [-1, t])
-        value = segments.evaluate_expansion(segments.gap_expansion(COEFFICIENTS), t)
+        value = chebyshev.evaluate_expansion(chebyshev.gap_expansion(COEFFICIENTS), t)
         assert value * (1 - t * t) ** 1.5 == pytest.approx(float(gap), rel=1e-8)
     else:
         direct = mp.quad(lambda s: mp.sqrt(1 - s * s) * phi(s) / (t - s), ends)
