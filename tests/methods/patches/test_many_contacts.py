@@ -11,7 +11,7 @@ from weier.methods.patches import fields, inequalities, many_contacts
 from weier.methods.patches.inequalities import NEGATIVE, check_violation, contact_residual
 from weier.methods.patches.many_contacts import solve_many_contacts
 from weier.methods.patches.segments import ContactState, make_segments
-from weier.methods.patches.solver import Starts, contacts_guess
+from weier.methods.patches.start import Starts, contacts_guess
 from weier.methods.patches.surface import surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
@@ -139,7 +139,7 @@ def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
     random, everywhere = np.random.default_rng(0), np.cos(np.linspace(0, np.pi, 4000))
     state = patches.solve_load(THREE_WAVES, 0.5).state
     nodes, (first, _, y) = np.diff(state.segments.first_node), inequalities._sample_points(state.segments, apart)
-    for j, where in enumerate(np.split(y, first[1:])):
+    for j, where in enumerate(np.split(y, first[1:-1])):
         at = (where - state.segments.centre[j]) / state.segments.half_width[j]
         for _ in range(100):
             coefficients = random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3)

@@ -11,7 +11,7 @@ from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import ContactState
-from weier.methods.patches.solver import contacts_guess
+from weier.methods.patches.start import contacts_guess
 from weier.methods.patches.surface import Surface, nearest_crests, surface_of
 
 

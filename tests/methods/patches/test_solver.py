@@ -10,7 +10,7 @@ from weier import Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.patches.inequalities import error_bound
-from weier.methods.patches.solver import lone_contacts, lone_gaps
+from weier.methods.patches.start import lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)

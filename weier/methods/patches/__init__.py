@@ -4,7 +4,7 @@ The method meshes either the contacts, on which the pressure is unknown, or the 
 fewer nodes. Each load is solved by itself:
 
 1. Boundary elements on a coarse grid, or crests where contacts are tiny, tell the contacts that the load is likely to
-   have (`solver`).
+   have (`start`).
 2. Newton's method finds density and edges. For a few contacts it takes a dense matrix of all unknowns (`newton`). For
    many, the pressure on contacts with given edges follows from conjugate gradients with fast sums (`given_edges`,
    `pair_sums`), and its singularities at the edges tell how these must move (`edge_iteration`).
@@ -18,7 +18,7 @@ Modules, each of which uses only those before it:
 surface
     the profile as a cosine series, evaluated from its crests
 segments
-    contacts or gaps with their Chebyshev nodes, and the densities on them with their integrals in closed form
+    contacts or gaps with their Chebyshev nodes, and the densities on them: what each step begins and ends with
 pair_sums
     sums over all pairs of nodes, in a time that grows as their number does
 fields
@@ -33,8 +33,10 @@ many_contacts
     one load on any number of them, whose set is corrected
 error_model
     what the method costs and how accurate it is, before it is run
+start
+    what each load starts from
 solver, event_search
-    what users call: curves and solutions, with what each load starts from; and where contacts are born or merge
+    what users call: curves and solutions; and where contacts are born or merge
 method
     how the rest of the package chooses and calls it
 """

@@ -22,7 +22,8 @@ from weier.methods.patches.fields import CAUCHY, density_integrals, residuals_on
 from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import ContactState, contacts_of
-from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, Starts, check_loads, solve_state
+from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.theory.waves import Waves
 

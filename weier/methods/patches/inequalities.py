@@ -8,7 +8,6 @@ here, too, for both solvers.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +47,8 @@ DIRECT_SUMS = 40  # points at which the residuals of many segments are checked w
 
 
 Residual = Callable[[Array], Array]
+# Each with the position before it, itself, the one after, and the index of its interval, of shape (brackets,).
+Brackets = tuple[Array, Array, Array, Indices]
 
 
 def error_bound(state: ContactState, gap: float, pressure: float, period: float) -> float:
@@ -184,34 +185,47 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     The potentials come from closed forms, or from fast sums for many segments, at other points than the nodes, so
     that neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some.
     """
-    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
-    first, crest, y = _sample_points(segments, by_sums)
-    if not by_sums:
-        return np.asarray(np.maximum.reduceat(np.abs(residuals_one_by_one(state, series, crest, y)), first))
-    count = np.diff(np.append(first, y.size))
-    middle, offset = np.repeat(segments.origin + segments.centre, count), y - np.repeat(segments.centre, count)
+    segments = state.segments
+    if segments.centre.size < MIN_SUM_SEGMENTS:
+        return _residual_of_few(state, series)
+    first, crest, y = _sample_points(segments, True)
+    count = np.diff(first)
+    middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
     residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
     # The seed is fixed, so that each run checks the same points.
     some = np.random.default_rng(y.size).choice(y.size, DIRECT_SUMS, replace=False)
     residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
-    return np.asarray(np.maximum.reduceat(residual, first))
+    return np.asarray(np.maximum.reduceat(residual, first[:-1]))
 
 
+@kernel
+def _residual_of_few(state: ContactState, series: CosineSeries) -> Array:
+    """The same, by closed forms alone."""
+    first, crest, y = _sample_points(state.segments, False)
+    residual, largest = residuals_one_by_one(state, series, crest, y), np.zeros(first.size - 1)
+    for j in range(largest.size):
+        largest[j] = np.abs(residual[first[j] : first[j + 1]]).max()
+    return largest
+
+
+@kernel
 def _sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
     """Zeros of a Chebyshev polynomial on each segment, as crests and distances from them; and the first of each.
 
     Of twice as many as the nodes and their ends have intervals, each stands `apart`, as far from all nodes as it can.
     """
-    zeros = [_zeros(nodes, apart) for nodes in segments.node_count.tolist()]
-    count = np.array([each.size for each in zeros])
-    y = np.repeat(segments.centre, count) + np.repeat(segments.half_width, count) * np.concatenate(zeros)
-    return np.cumsum(count) - count, np.repeat(segments.crest, count), y
-
-
-@lru_cache(maxsize=256)
-def _zeros(nodes: int, apart: bool) -> Array:
-    count = 2 * (nodes + 1) if apart else int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
-    return np.asarray(-np.cos((np.arange(count) + 0.5) * (np.pi / count)))
+    first, n = np.zeros_like(segments.first_node), segments.centre.size
+    for j in range(n):
+        nodes = segments.first_node[j + 1] - segments.first_node[j]
+        count = 2 * (nodes + 1) if apart else int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
+        first[j + 1] = first[j] + count
+    crest, y = np.empty(first[n], np.int64), np.empty(first[n])
+    for j in range(n):
+        count = first[j + 1] - first[j]
+        for i in range(count):
+            crest[first[j] + i] = segments.crest[j]
+            y[first[j] + i] = segments.centre[j] - segments.half_width[j] * np.cos((i + 0.5) * (np.pi / count))
+    return first, crest, y
 
 
 def certify(
@@ -260,17 +274,49 @@ def lowest_outside(state: ContactState, series: CosineSeries) -> float:
         return complementary_residuals(state, series, *nearest_crests(series, x))
 
     segments = state.segments
-    length = distances_between(*segments.extent, series.period)
-    x, interval = _probe_points(segments.right, length, series)
-    return float(_negative_minima(x, interval, residual(x), residual, 0.0)["value"].min(initial=0.0))
+    if segments.centre.size < MIN_SUM_SEGMENTS:
+        brackets = _brackets_of_few(state, series)
+    else:
+        length = distances_between(*segments.extent, series.period)
+        x, interval = _probe_points(segments.right, length, series)
+        brackets = _brackets(x, interval, residual(x), 0.0)
+    return float(_negative_minima(brackets, residual)["value"].min(initial=0.0))
 
 
-def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residual, margin: float) -> Records:
-    """Negative minima of a function of ascending positions, from its values at some of them in some intervals."""
-    at = _low_samples(x, interval, value, margin)
-    if at.size == 0:
+@kernel
+def _brackets_of_few(state: ContactState, series: CosineSeries) -> Brackets:
+    """Where the gap or, dual, the pressure may be negative outside the segments, by closed forms alone."""
+    segments = state.segments
+    right = segments.origin + (segments.centre + segments.half_width)
+    length = distances_between(segments.origin, segments.centre, segments.half_width, series.period)
+    x, interval = _probe_points(right, length, series)
+    crest, y = nearest_crests(series, x)
+    return _brackets(x, interval, residuals_one_by_one(state, series, crest, y), 0.0)
+
+
+@kernel
+def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brackets:
+    """Ascending positions between whose neighbours, in the same interval, a minimum may lie below the margin.
+
+    No parabola through the values at the three stays above it for certain.
+    """
+    at, count = np.empty(x.size, np.int64), 0
+    for i in range(1, x.size - 1):
+        left, right = x[i] - x[i - 1], x[i + 1] - x[i]
+        before, after = value[i - 1] - value[i], value[i + 1] - value[i]
+        if before >= 0 and after >= 0 and before + after < np.inf and interval[i - 1] == interval[i + 1]:
+            bend = 2 * (after / right + before / left) / (left + right)
+            if value[i] < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + margin:
+                at[count], count = i, count + 1
+    at = at[:count]
+    return x[at - 1], x[at], x[at + 1], interval[at]
+
+
+def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
+    """Negative minima of a function between positions."""
+    low, middle, high, interval = brackets
+    if middle.size == 0:
         return np.empty(0, MINIMUM)
-    low, middle, high, interval = x[at - 1], x[at], x[at + 1], interval[at]
     # Newton's method on differences. The lowest point that was seen counts: where crests stand side by side,
     # differences tell of neither.
     stencil, lowest = FIRST_STENCIL * (high - low), np.full((3, middle.size), np.inf)
@@ -297,23 +343,6 @@ def _negative_minima(x: Array, interval: Indices, value: Array, residual: Residu
     return minima
 
 
-@kernel
-def _low_samples(x: Array, interval: Indices, value: Array, margin: float) -> Indices:
-    """Those samples between whose neighbours, in the same interval, a minimum may lie below the margin.
-
-    No parabola through the three stays above it for certain.
-    """
-    at, count = np.empty(x.size, np.int64), 0
-    for i in range(1, x.size - 1):
-        left, right = x[i] - x[i - 1], x[i + 1] - x[i]
-        before, after = value[i - 1] - value[i], value[i + 1] - value[i]
-        if before >= 0 and after >= 0 and before + after < np.inf and interval[i - 1] == interval[i + 1]:
-            bend = 2 * (after / right + before / left) / (left + right)
-            if value[i] < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + margin:
-                at[count], count = i, count + 1
-    return at[:count]
-
-
 def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArray[np.float64], float]:
     """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
@@ -328,7 +357,7 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
         return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x)))
 
     x, interval = _probe_points(punches.segments.right, punches.gap, problem.series)
-    minima = _negative_minima(x, interval, residual(x), residual, tolerance)
+    minima = _negative_minima(_brackets(x, interval, residual(x), tolerance), residual)
     deepest, minima = float(minima["value"].min(initial=0.0)), minima[minima["value"] < -tolerance]
     depth, room = -minima["value"], _room(step, minima)
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))

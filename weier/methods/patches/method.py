@@ -11,7 +11,8 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums
-from weier.methods.patches.solver import TOLERANCE, Curve, curve, lone_contacts, lone_gaps
+from weier.methods.patches.solver import TOLERANCE, Curve, curve
+from weier.methods.patches.start import lone_contacts, lone_gaps
 from weier.methods.patches.surface import nearest_crests, surface_of
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests

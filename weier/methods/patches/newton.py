@@ -375,35 +375,29 @@ def own_density(guess: ContactState, series: CosineSeries) -> ContactState:
     return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series)[1]))
 
 
-def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, float]:
-    """The unknowns after a step, and its size: they are of no use if it is inf or NaN."""
-    segments, N, r = now.segments, now.phi.size, now.segments.half_width
-    centre, half_width = segments.centre + step[N : N + r.size] * r, r * (1 + step[N + r.size : -1])
-    segments = segments._replace(centre=centre, half_width=half_width)
-    moved = now._replace(segments=segments, phi=now.phi + step[:N], approach=now.approach + step[-1])
-    return moved, _step_size(now, step, period)
-
-
 @kernel
-def _step_size(now: ContactState, step: Array, period: float) -> float:
-    """The largest relative change of any segment's density, centre or width, or of a distance between segments.
+def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, float]:
+    """The unknowns after a step, and its size: they are of no use if it is inf or NaN.
 
+    That is the largest relative change of any segment's density, centre or width, or of a distance between segments:
     NaN if the step is not finite, and inf if a width or a distance is lost.
     """
-    segments, r, phi, largest = now.segments, now.segments.half_width, now.phi, 0.0
-    n, N, distance = r.size, phi.size, distances_between(segments.origin, segments.centre, r, period)
-    if not np.isfinite(step.sum()):
-        return np.nan
+    old, r, phi, size = now.segments, now.segments.half_width, now.phi, 0.0
+    n, N, distance = r.size, phi.size, distances_between(old.origin, old.centre, r, period)
     for j in range(n):
         k, of_phi, of_step = (j + 1) % n, 0.0, 0.0
-        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+        for q in range(old.first_node[j], old.first_node[j + 1]):
             of_phi, of_step = max(of_phi, abs(phi[q])), max(of_step, abs(step[q]))
         shift, growth = step[N + j], step[N + n + j]
         loss = (r[j] * (growth + shift) + r[k] * (step[N + n + k] - step[N + k])) / distance[j]
-        if loss >= 1 or growth <= -1:
-            return np.inf
-        largest = max(largest, of_step / of_phi, abs(shift), abs(growth), abs(loss))
-    return largest
+        is_lost = loss >= 1 or growth <= -1
+        size = np.inf if is_lost else max(size, of_step / of_phi, abs(shift), abs(growth), abs(loss))
+    size = size if np.isfinite(step.sum()) else np.nan
+    centre, half_width = old.centre + step[N : N + n] * r, r * (1 + step[N + n : -1])
+    nodes = old.first_node, old.node, old.point, old.weight, old.log_weight
+    segments, none = Segments(old.crest, old.origin, centre, half_width, *nodes), np.empty(0)
+    known = now.approach + step[-1], segments, phi + step[:N]
+    return ContactState(now.dual, now.load, *known, none, np.nan, none, np.nan, np.nan), size
 
 
 def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactState, Factors, int]:
@@ -447,41 +441,50 @@ def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -
         counts = tuple(few.node_count.tolist()), tuple(count.tolist())
         grids = TwoGrids._make((*mode_blocks(*counts, series.period, guess.dual), factors))
         finer = change_nodes(coarse, count, grids.interpolation)
-        now, more = _refine(finer, grids, series, tolerance)
+        state, more, is_solved, error = _refine(finer, grids, series, tolerance)
         steps += more
-        coefficient = apply_blocks(grids.expansion, now.phi)
-        resolved = are_resolved(now.segments, coefficient, tolerance)
+        if not is_solved:
+            raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", error)
+        resolved = are_resolved(state.segments, state.coefficient, tolerance)
         if np.all(resolved):
-            matrix, _, by_load = assemble(now, series)
-            resistance, share, more, error = _sensitivity(now, grids, matrix, by_load)
             if error <= MAX_RESISTANCE_ERROR:
-                share /= series.period
-                return now._replace(coefficient=coefficient, resistance=resistance, share=share), steps + more
+                return state, steps
             why = f"the resistance does not converge under the mean pressure {load:.6g} p_0*"
             raise ConvergenceError(why, error)
         count = increase_node_count(count, resolved, load)
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
 
-def _refine(now: ContactState, grids: TwoGrids, series: CosineSeries, tolerance: float) -> tuple[ContactState, int]:
-    """The solution on the nodes of a guess and the corrections to it; ConvergenceError if these do not shrink."""
-    previous = np.inf
+@kernel
+def _refine(
+    now: ContactState, grids: TwoGrids, series: CosineSeries, tolerance: float
+) -> tuple[ContactState, int, bool, float]:
+    """The solution on the nodes of a guess, the corrections to it, and whether they became small.
+
+    And the relative error of the resistance or, where they did not, the size of the last.
+    """
+    previous, is_solved = np.inf, False
     for steps in range(1, MAX_STEPS + 1):
         now, size = _move(now, _correction(grids, assemble(now, series)[1]), series.period)
         ratio, previous = size / previous, size
         is_stuck = ratio > MAX_RATIO
-        if size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP):
-            return now, steps
-        if is_stuck or not size < 1:
+        is_solved = size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
+        if is_solved or is_stuck or not size < 1:
             break
-    raise ConvergenceError(f"the density does not converge under the mean pressure {now.load:.6g} p_0*", size)
+    if not is_solved:
+        return now, steps, False, previous
+    matrix, _, by_load = assemble(now, series)
+    resistance, share, more, error = _sensitivity(now, grids, matrix, by_load)
+    known = apply_blocks(grids.expansion, now.phi), resistance, share / series.period
+    state = ContactState(now.dual, now.load, now.approach, now.segments, now.phi, *known, np.nan, np.nan)
+    return state, steps + more, True, error
 
 
 @kernel
 def _sensitivity(
     now: ContactState, grids: TwoGrids, matrix: Matrix, by_load: Array
 ) -> tuple[float, Array, int, float]:
-    """The resistance, and the share of a new load that each contact takes: d/dp of its force, r sum w phi.
+    """The resistance, and what each contact takes of a new load times the period: d/dp of its force, r sum w phi.
 
     And the corrections to these, and the relative error of the resistance.
     """

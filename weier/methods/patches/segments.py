@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -51,14 +52,16 @@ class Blocks(NamedTuple):
 
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
     """The matrices of all segments in order; one that several segments share stands in the table once."""
-    matrices = list(matrices)
-    distinct = {id(each): each for each in matrices}
-    place = {name: number for number, name in enumerate(distinct)}
-    which = [place[id(each)] for each in matrices]
-    shapes = np.array([each.shape for each in distinct.values()])
-    table, end = np.concatenate([each.ravel("F") for each in distinct.values()]), np.cumsum(shapes.prod(axis=1))
-    start, (rows, columns) = (end - shapes.prod(axis=1))[which], shapes[which].T
-    return Blocks(table, start, np.append(0, np.cumsum(rows)), np.append(0, np.cumsum(columns)))
+    matrices = list(matrices)  # which keeps their identities
+    tables, place, end = [], dict[int, int](), 0
+    for each in matrices:
+        if id(each) not in place:
+            place[id(each)], end = end, end + each.size
+            tables.append(each.ravel("F"))
+    row = accumulate((each.shape[0] for each in matrices), initial=0)
+    column = accumulate((each.shape[1] for each in matrices), initial=0)
+    start = (place[id(each)] for each in matrices)
+    return Blocks(np.concatenate(tables), *(np.array([*each]) for each in (start, row, column)))
 
 
 @kernel

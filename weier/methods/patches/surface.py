@@ -34,6 +34,7 @@ class CosineSeries(NamedTuple):
     period : L, in lambda_0
     crest_position : in lambda_0, increasing, shape (crests,)
     crest_cosine, crest_sine : of the phases k_n x + phi_n at each crest, shape (crests, terms)
+    crest_curvature : -S'' at each crest, shape (crests,)
     crest_offset : S at each crest less the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
     """
@@ -44,6 +45,7 @@ class CosineSeries(NamedTuple):
     crest_position: Array
     crest_cosine: Array
     crest_sine: Array
+    crest_curvature: Array
     crest_offset: Array
     maximum: float
 
@@ -97,7 +99,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
         exact = crest_heights(amplitude, waves_per_period, phase, period, x[twins])
         offset[twins] = [float(each - max(exact)) for each in exact]
     offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
-    crests = x, np.cos(theta), np.sin(theta), offset, maximum
+    crests = x, np.cos(theta), np.sin(theta), np.cos(theta) @ (amplitude * wavenumber**2), offset, maximum
     return CosineSeries(amplitude, wavenumber, float(period), *crests)
 
 

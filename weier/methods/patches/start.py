@@ -1,0 +1,177 @@
+"""Where each load starts from: the contacts that it is likely to have, and the density on them.
+
+They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.kernels.jit import kernel
+from weier.methods.bem.subgrid_solver import GridSolver
+from weier.methods.patches.segments import (
+    COARSE_TOLERANCE,
+    ContactState,
+    contacts_of,
+    estimate_node_count,
+    from_crests,
+    in_order,
+    make_segments,
+)
+from weier.methods.patches.surface import CosineSeries, Surface, surface_of
+from weier.methods.punches import MAX_COARSEST, OFFSET, invert_punches, solve_forces
+from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
+from weier.theory.waves import Waves
+
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
+MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
+MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
+MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # of finding their forces; 3 or 4 are usual
+POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
+MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
+GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
+RATE_TOLERANCE = 1e-2  # of the rate there: what its corrections on so few points are off themselves
+MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
+
+
+class Starts:
+    """Initial guesses for the loads of one surface, each independent of the other loads."""
+
+    def __init__(self, profile: Waves, tolerance: float) -> None:
+        """ValueError for a tolerance below rounding, or so large that it would not be one."""
+        if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
+            raise ValueError(
+                f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}"
+            )
+        self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
+        self._grid = cache(self._make_grid)
+
+    def _make_grid(self, per_wave: int) -> GridSolver:
+        points = per_wave * self.profile.waves_per_period[-1]
+        # The residual, in g_0, that Newton's method can start from.
+        tolerance = min(GRID_TOLERANCE, WAVE_SHARE * abs(float(self.profile.amplitude[-1])))
+        return GridSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance), RATE_TOLERANCE)
+
+    def guesses(self, load: float) -> Iterator[ContactState]:
+        """What to start from under this load, the most likely first."""
+        for find, series in ((lone_contacts, self.surface.heights), (lone_gaps, self.surface.tensions)):
+            if (lone := find(series, load)) is not None:
+                yield lone
+        guess = None
+        for per_wave in POINTS_PER_WAVE:
+            found = self._grid(per_wave).solve_alone(load).contacts
+            found = found[found["right"] > found["left"]]
+            if found.size:
+                middle, half_width = 0.5 * (found["left"] + found["right"]), 0.5 * (found["right"] - found["left"])
+                guess = contacts_guess(self.surface, load, middle, half_width, found["force"], self.tolerance)
+                yield guess
+        # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
+        if guess is not None and not guess.dual:
+            yield gaps_guess(self.surface, guess, np.empty(0), np.empty(0))
+
+
+def _make_guess(
+    series: CosineSeries, load: float, dual: bool, middle: Array, half_width: Array, force: Array | float
+) -> ContactState:
+    """Segments in any order, on as few nodes as a guess has, with Hertz's largest pressure.
+
+    force : that each contact carries, in p_0* lambda_0; 0 for gaps, whose slope Newton's method finds
+    """
+    order, turns = in_order(middle, series.period)
+    middle, half_width, pressure = (middle - turns)[order], half_width[order], (2 / np.pi * force / half_width)[order]
+    crest, origin, centre = from_crests(series, middle)
+    count = estimate_node_count(origin, centre, half_width, series, COARSE_TOLERANCE)
+    segments = make_segments(crest, origin, centre, half_width, count)
+    return ContactState(dual, load, 0.0, segments, np.repeat(pressure, count))
+
+
+def contacts_guess(
+    surface: Surface, load: float, middle: Array, half_width: Array, force: Array, tolerance: float
+) -> ContactState:
+    """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes.
+
+    middle, half_width : of the contacts, in lambda_0, shape (contacts,)
+    force : that each carries, in p_0* lambda_0, shape (contacts,)
+    """
+    guess = _make_guess(surface.heights, load, False, middle, half_width, force)
+    gaps = contacts_of(guess.segments, True, surface.heights.period)
+    if np.all(gaps[2] > 0):
+        needed = estimate_node_count(*guess.segments.extent, surface.heights, tolerance).sum()
+        if estimate_node_count(*gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
+            return gaps_guess(surface, guess, np.empty(0), np.empty(0))
+    return guess
+
+
+def gaps_guess(surface: Surface, contacts: ContactState, middle: Array, half_width: Array) -> ContactState:
+    """A guess on the gaps between contacts and on others within these."""
+    origin, centre, open_width = contacts_of(contacts.segments, True, surface.heights.period)
+    gaps = np.append(origin + centre, middle), np.append(open_width, half_width)
+    return _make_guess(surface.tensions, contacts.load, True, *gaps, 0.0)
+
+
+def lone_contacts(series: CosineSeries, load: float) -> ContactState | None:
+    """Hertz's contacts on crests, if they are so small that each feels the others as forces; None if they are not."""
+    curvature, total = series.crest_curvature, load * series.period
+    if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+        return None
+    force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
+    crest = np.flatnonzero(force)
+    return _lone_guess(series, load, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
+
+
+@kernel
+def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: float, period: float) -> Array:
+    """The forces of Hertz's contacts on crests under a whole load, shape (crests,); all are 0 if they are not found.
+
+    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by what others lower it. The
+    logarithm hardly changes with the forces, which therefore follow from those that were found with the last one. A
+    crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
+    """
+    force, lowest = np.where(offset == 0, total, 0.0), total * displacement_at_distance(0.5 * period, period)
+    for _ in range(MAX_FORCE_STEPS):
+        crest = np.flatnonzero(force)
+        if crest.size > MAX_COARSEST or curvature[crest].min() <= 0:
+            break
+        sinking = np.empty(crest.size)
+        for i, k in enumerate(crest):
+            sinking[i] = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+        inverse = invert_punches(np.arange(crest.size), position[crest], sinking, period)
+        even, found = solve_forces(inverse, np.ones(crest.size)), solve_forces(inverse, offset[crest])
+        shift = (total - found.sum()) / even.sum()
+        found, approach = found + shift * even, shift - OFFSET * total
+        is_settled = bool(np.all(np.abs(found - force[crest]) < FORCE_TOLERANCE * force[crest]))
+        force[crest] = np.maximum(found, 0.0)
+        for j in np.flatnonzero((force == 0) & (offset + approach > lowest)):
+            gap = -approach - offset[j]
+            for i, k in enumerate(crest):
+                gap += found[i] * displacement_at_distance(position[k] - position[j], period)
+            if gap < 0:
+                force[j], is_settled = total / offset.size, False
+        if is_settled:
+            return force
+    return np.zeros(offset.size)
+
+
+def lone_gaps(series: CosineSeries, load: float) -> ContactState | None:
+    """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
+    most, curvature = series.maximum - load, series.crest_curvature
+    if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+        return None
+    crest = np.flatnonzero(most + series.crest_offset > 0)
+    half_width = 2 * np.sqrt((most + series.crest_offset[crest]) / curvature[crest])
+    return _lone_guess(series, load, True, crest, half_width, 0.0)
+
+
+def _lone_guess(
+    series: CosineSeries, load: float, dual: bool, crest: Indices, half_width: Array, force: Array | float
+) -> ContactState | None:
+    """A guess on crests in order; None if segments are not parabolic, or so wide that they feel each other."""
+    position, widest = series.crest_position[crest], half_width.max(initial=0.0)
+    distance = np.append(position[1:], position[:1] + series.period) - position
+    if crest.size == 0 or not widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * distance.min()):
+        return None
+    return _make_guess(series, load, dual, position, half_width, force)
