@@ -187,7 +187,8 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     """
     segments = state.segments
     if segments.centre.size < MIN_SUM_SEGMENTS:
-        return _residual_of_few(state, series)
+        first, _, residual = _residuals_of_few(state, series, False)
+        return np.asarray(np.maximum.reduceat(np.abs(residual), first[:-1]))
     first, crest, y = _sample_points(segments, True)
     count = np.diff(first)
     middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
@@ -199,13 +200,21 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
 
 
 @kernel
-def _residual_of_few(state: ContactState, series: CosineSeries) -> Array:
-    """The same, by closed forms alone."""
-    first, crest, y = _sample_points(state.segments, False)
-    residual, largest = residuals_one_by_one(state, series, crest, y), np.zeros(first.size - 1)
-    for j in range(largest.size):
-        largest[j] = np.abs(residual[first[j] : first[j + 1]]).max()
-    return largest
+def _residuals_of_few(state: ContactState, series: CosineSeries, outside: bool) -> tuple[Indices, Array, Array]:
+    """Intervals, positions in these and what must be positive there `outside` the segments, by closed forms alone.
+
+    Or the first point of each segment, points on the segments, and what must vanish there.
+    """
+    segments = state.segments
+    if outside:
+        right = segments.origin + (segments.centre + segments.half_width)
+        length = distances_between(segments.origin, segments.centre, segments.half_width, series.period)
+        x, where = _probe_points(right, length, series)
+        crest, y = nearest_crests(series, x)
+    else:
+        where, crest, y = _sample_points(segments, False)
+        x = y
+    return where, x, residuals_one_by_one(state, series, crest, y)
 
 
 @kernel
@@ -275,23 +284,12 @@ def lowest_outside(state: ContactState, series: CosineSeries) -> float:
 
     segments = state.segments
     if segments.centre.size < MIN_SUM_SEGMENTS:
-        brackets = _brackets_of_few(state, series)
+        interval, x, value = _residuals_of_few(state, series, True)
     else:
         length = distances_between(*segments.extent, series.period)
         x, interval = _probe_points(segments.right, length, series)
-        brackets = _brackets(x, interval, residual(x), 0.0)
-    return float(_negative_minima(brackets, residual)["value"].min(initial=0.0))
-
-
-@kernel
-def _brackets_of_few(state: ContactState, series: CosineSeries) -> Brackets:
-    """Where the gap or, dual, the pressure may be negative outside the segments, by closed forms alone."""
-    segments = state.segments
-    right = segments.origin + (segments.centre + segments.half_width)
-    length = distances_between(segments.origin, segments.centre, segments.half_width, series.period)
-    x, interval = _probe_points(right, length, series)
-    crest, y = nearest_crests(series, x)
-    return _brackets(x, interval, residuals_one_by_one(state, series, crest, y), 0.0)
+        value = residual(x)
+    return float(_negative_minima(_brackets(x, interval, value, 0.0), residual)["value"].min(initial=0.0))
 
 
 @kernel

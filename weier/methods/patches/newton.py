@@ -372,7 +372,8 @@ def own_density(guess: ContactState, series: CosineSeries) -> ContactState:
     """The slope that each gap takes under the pressure of full contact, if it does not feel the others."""
     counts = tuple(guess.segments.node_count.tolist())
     fast = mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
-    return guess._replace(phi=guess.phi - apply_blocks(fast, assemble(guess, series)[1]))
+    residual = _advance(guess, np.zeros(_unknowns(guess.segments.node_count, guess.load)), series)[3]
+    return guess._replace(phi=guess.phi - apply_blocks(fast, residual))
 
 
 @kernel
@@ -400,16 +401,24 @@ def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, 
     return ContactState(now.dual, now.load, *known, none, np.nan, none, np.nan, np.nan), size
 
 
+@kernel
+def _advance(now: ContactState, step: Array, series: CosineSeries) -> tuple[ContactState, float, Matrix, Array]:
+    """The unknowns after a step, and its size; and the matrix and the residual there."""
+    now, size = _move(now, step, series.period)
+    matrix, residual, _ = assemble(now, series)
+    return now, size, matrix, residual
+
+
 def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactState, Factors, int]:
     """The solution on the nodes of a guess, the factors of the last matrix, and the steps.
 
     ConvergenceError is raised if the steps do not shrink.
     """
-    _check_size(now.segments.node.size, now.segments.centre.size, now.load)
+    none = np.zeros(_unknowns(now.segments.node_count, now.load))
+    now, size, matrix, residual = _advance(now, none, series)
     for steps in range(1, MAX_STEPS + 1):
-        matrix, residual, _ = assemble(now, series)
         lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(matrix.T, residual, overwrite_a=True)
-        now, size = _move(now, -change, series.period)
+        now, size, matrix, residual = _advance(now, -change, series)
         if size < COARSE_TOLERANCE and not is_singular:
             return now, (lu, pivot), steps
         if is_singular or not size < np.inf:
@@ -417,12 +426,14 @@ def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactS
     raise ConvergenceError(f"Newton's method fails under the mean pressure {now.load:.6g} p_0*", float(size))
 
 
-def _check_size(nodes: int, segments: int, load: float) -> None:
-    unknowns = nodes + 2 * segments + 1
+def _unknowns(node_count: Indices, load: float) -> int:
+    """How many there are on so many nodes of each segment; ConvergenceError for more than a dense matrix holds."""
+    unknowns = int(node_count.sum()) + 2 * node_count.size + 1
     if unknowns > MAX_UNKNOWNS:
         raise ConvergenceError(
             f"{unknowns} unknowns under {load:.6g} p_0* are more than a dense matrix holds, {MAX_UNKNOWNS}"
         )
+    return unknowns
 
 
 def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
@@ -437,7 +448,7 @@ def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -
     count = estimate_node_count(*few.extent, series, tolerance)
     count = np.maximum(count, few.node_count)
     for _ in range(MAX_NODE_ROUNDS):
-        _check_size(int(count.sum()), count.size, load)
+        _unknowns(count, load)
         counts = tuple(few.node_count.tolist()), tuple(count.tolist())
         grids = TwoGrids._make((*mode_blocks(*counts, series.period, guess.dual), factors))
         finer = change_nodes(coarse, count, grids.interpolation)

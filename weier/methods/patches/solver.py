@@ -24,7 +24,14 @@ from weier.methods.patches.segments import (
     end_sums,
 )
 from weier.methods.patches.start import Starts, gaps_guess
-from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Surface, evaluate_at, nearest_crests
+from weier.methods.patches.surface import (
+    TWIN_HEIGHT,
+    CosineSeries,
+    Surface,
+    evaluate_at,
+    evaluate_series,
+    nearest_crests,
+)
 from weier.methods.progress import count_load
 from weier.methods.segment import RESISTANCE
 from weier.theory.halfplane import displacement_of_punch
@@ -149,7 +156,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     for load in map(float, loads):
         state, steps = solve_state(starts, load)
         points.append((*_curve_point(starts.surface, state, tolerance), steps))
-        left, half_width, _ = _sorted_contacts(state, profile.period) if state is not None else 3 * [none]
+        left, half_width, _ = _sorted_contacts(state, float(profile.period)) if state is not None else 3 * [none]
         edges.append(np.stack([left, left + 2 * half_width], axis=1).ravel())
         count_load()
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
@@ -184,16 +191,21 @@ def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_am
     known to a unit in the last place of the amplitudes, and curvatures to one in that of the waves' curvatures. That
     of a contact is its mean, as a crest may be flat.
     """
-    period, (origin, centre, half_width) = series.period, contacts_of(state.segments, state.dual, series.period)
+    period, rounding, total = series.period, 0.0, 0.0
+    for n in range(series.amplitude.size):
+        rounding += EPS * abs(series.amplitude[n]) * series.wavenumber[n] ** 2
+    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
     crest, y = nearest_crests(series, origin + centre)
-    fall = evaluate_at(series, crest, y - half_width, 1) - evaluate_at(series, crest, y + half_width, 1)
-    curvature = np.where(fall > 0, fall / (2 * half_width), np.inf)
-    is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
-    error, force = state.error + EPS * total_amplitude * is_lower, half_width**2 * curvature / 4
-    rounding = EPS * np.sum(np.abs(series.amplitude) * series.wavenumber**2) / curvature
-    c = np.maximum(displacement_of_punch(half_width, period), 1.0)
-    share = (state.resistance / period + 2 * np.log(2)) / c if state.dual else state.share
-    return float(np.sum(period * share**2 * ((2 / c + 0.5) * error / force + rounding)))
+    for j in range(crest.size):
+        r = half_width[j]
+        fall = evaluate_series(series, crest[j], y[j] - r)[1] - evaluate_series(series, crest[j], y[j] + r)[1]
+        curvature = fall / (2 * r) if fall > 0 else np.inf
+        is_lower = series.crest_offset[crest[j]] < -TWIN_HEIGHT * total_amplitude
+        error, force = state.error + (EPS * total_amplitude if is_lower else 0.0), r * r * curvature / 4
+        c = max(displacement_of_punch(r, period), 1.0)
+        share = (state.resistance / period + 2 * np.log(2.0)) / c if state.dual else state.share[j]
+        total += period * share * share * ((2 / c + 0.5) * error / force + rounding / curvature)
+    return total
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:

@@ -131,29 +131,37 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     logarithm hardly changes with the forces, which therefore follow from those that were found with the last one. A
     crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
     """
-    force, lowest = np.where(offset == 0, total, 0.0), total * displacement_at_distance(0.5 * period, period)
+    n, lowest = offset.size, total * displacement_at_distance(0.5 * period, period)
+    force, most = np.where(offset == 0, total, 0.0), MAX_COARSEST
+    crest, number, one = np.empty(most, np.int64), np.arange(most), np.ones(most)
+    x, height, sinking = np.empty(most), np.empty(most), np.empty(most)
     for _ in range(MAX_FORCE_STEPS):
-        crest = np.flatnonzero(force)
-        if crest.size > MAX_COARSEST or curvature[crest].min() <= 0:
-            break
-        sinking = np.empty(crest.size)
-        for i, k in enumerate(crest):
-            sinking[i] = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
-        inverse = invert_punches(np.arange(crest.size), position[crest], sinking, period)
-        even, found = solve_forces(inverse, np.ones(crest.size)), solve_forces(inverse, offset[crest])
+        count = 0
+        for k in range(n):
+            if force[k] > 0:
+                if count == most or curvature[k] <= 0:
+                    return np.zeros(n)
+                crest[count], x[count], height[count] = k, position[k], offset[k]
+                sinking[count] = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+                count += 1
+        inverse = invert_punches(number[:count], x[:count], sinking[:count], period)
+        even, found = solve_forces(inverse, one[:count]), solve_forces(inverse, height[:count])
         shift = (total - found.sum()) / even.sum()
-        found, approach = found + shift * even, shift - OFFSET * total
-        is_settled = bool(np.all(np.abs(found - force[crest]) < FORCE_TOLERANCE * force[crest]))
-        force[crest] = np.maximum(found, 0.0)
-        for j in np.flatnonzero((force == 0) & (offset + approach > lowest)):
-            gap = -approach - offset[j]
-            for i, k in enumerate(crest):
-                gap += found[i] * displacement_at_distance(position[k] - position[j], period)
-            if gap < 0:
-                force[j], is_settled = total / offset.size, False
+        approach, is_settled = shift - OFFSET * total, True
+        for i in range(count):
+            found[i] += shift * even[i]
+            before, force[crest[i]] = force[crest[i]], max(found[i], 0.0)
+            is_settled = is_settled and abs(found[i] - before) < FORCE_TOLERANCE * before
+        for j in range(n):
+            if force[j] == 0 and offset[j] + approach > lowest:
+                gap = -approach - offset[j]
+                for i in range(count):
+                    gap += found[i] * displacement_at_distance(x[i] - position[j], period)
+                if gap < 0:
+                    force[j], is_settled = total / n, False
         if is_settled:
             return force
-    return np.zeros(offset.size)
+    return np.zeros(n)
 
 
 def lone_gaps(series: CosineSeries, load: float) -> ContactState | None:
