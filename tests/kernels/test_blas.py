@@ -32,7 +32,10 @@ def two_threads():
 
 @pytest.mark.parametrize(
     ("place", "name", "method", "settings"),
-    [(newton, "_newton_iteration", "patches", {}), (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"})],
+    [
+        (newton, "_newton_iteration", "patches", {}),
+        (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"}),
+    ],
 )
 def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):
     seen, real = [], getattr(place, name)

@@ -1,4 +1,4 @@
-"""The elastic half-plane under periodic pressure: what N equal elements of linear pressure do to the surface.
+"""The elastic half-plane under periodic pressure: what elements of it, and forces on lines, do to the surface.
 
 A pressure wave p_k displaces the surface by u_k = p_k/|k|, with k in waves per lambda_0; the mean pressure is
 removed, u_0 = 0. On N equal elements with linear pressure the same is a circulant matrix, known exactly through its

@@ -138,7 +138,7 @@ def test_a_long_period(profile, load):
 def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
     random, everywhere = np.random.default_rng(0), np.cos(np.linspace(0, np.pi, 4000))
     state = patches.solve_load(THREE_WAVES, 0.5).state
-    nodes, (first, _, y) = np.diff(state.segments.first_node), inequalities._sample_points(state.segments, apart)
+    nodes, (first, _, y) = np.diff(state.segments.first_node), inequalities.sample_points(state.segments, apart)
     for j, where in enumerate(np.split(y, first[1:-1])):
         at = (where - state.segments.centre[j]) / state.segments.half_width[j]
         for _ in range(100):

@@ -9,6 +9,7 @@ from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
+from weier.methods.patches import start
 from weier.methods.patches.inequalities import error_bound
 from weier.methods.patches.start import lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
@@ -267,3 +268,20 @@ def test_newton_takes_few_steps():
 def test_a_far_load_of_a_symmetric_profile_takes_few_steps():
     """Contacts that are born in pairs must not overlap, for then they would take thousands of nodes."""
     assert patches.curve(Profile(1.5, 3, 4), np.geomspace(1e-3, 10, 8)).work.max() < 30
+
+
+def test_forces_on_crests_are_those_of_one_plane():
+    """Crests join, and leave where they would be pulled; the plane is known as well as the forces, to a hundredth."""
+    rng = np.random.default_rng(0)
+    for crests in rng.integers(3, 7, 200):
+        x, curvature = (np.arange(crests) + 0.5 * rng.random(crests)) / crests, rng.uniform(50, 500, crests)
+        offset, total = -rng.random(crests) * 10.0 ** rng.uniform(-6, -2), 10.0 ** rng.uniform(-7, -3)
+        offset -= offset.max()
+        force = start._forces_on_crests(x, offset, curvature, total, 1.0)
+        assert force.sum() == pytest.approx(total, rel=2e-2)
+        influence, loaded = -2 * np.log(np.abs(2 * np.sin(np.pi * (x[:, None] - x))) + np.eye(crests)), force > 0
+        half_width = 2 * np.sqrt(force[loaded] / curvature[loaded])
+        height = offset - influence @ force
+        height[loaded] -= force[loaded] * (1 - 2 * np.log(np.pi * half_width))
+        assert np.ptp(height[loaded]) < 2e-2 * total
+        assert np.all(height[~loaded] < height[loaded].min() + 2e-2 * total)

@@ -107,7 +107,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
     if low >= last:
         return _sort_events([], 0, surface)
     search = _Search(starts)
-    state = search.state(low)
+    state = search.state(float(low))
     patch_count = state.segments.centre.size
     located: list[tuple[float, _Event]] = []
     for load in np.geomspace(low, last, 2 + int(np.log10(last / low) / MAX_DECADES))[1:]:
@@ -247,10 +247,9 @@ class _Search(NamedTuple):
         """The contacts of `start` under another load, as if none were born or merged in between."""
         if load == start.load:
             return start
-        start = start._replace(load=load)
         if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            return many_contacts.follow_contacts(self.starts.surface, start, self.starts.tolerance)
-        few = on_few_nodes(start, self.starts.surface.series(start.dual))
+            return many_contacts.follow_contacts(self.starts.surface, start, load, self.starts.tolerance)
+        few = on_few_nodes(start, self.starts.surface.series(start.dual))._replace(load=load)
         return solve_on_segments(self.starts.surface, few, self.starts.tolerance)[0]
 
 
@@ -288,7 +287,7 @@ def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool,
     """Gaps, at points origin + y off the contacts, or pressures, at points on them; any may be negative."""
     at = np.full(y.size, origin)
     if of_gaps != state.dual:
-        return residuals_one_by_one(state, series, *_from_crests(series, at, y))
+        return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
     return values_on_segments(state, series.period, at, y, state.dual)[1]
 
 
@@ -296,12 +295,12 @@ def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Arr
     """The slope of the gap at points origin + y off the contacts."""
     if state.dual:
         return values_on_segments(state, series.period, origin, y, False)[1]
-    crest, y = _from_crests(series, origin, y)
+    crest, y = _crest_coordinates(series, origin, y)
     integral = density_integrals(state, series.period, series.crest_position[crest], y, CAUCHY)
     return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
 
 
-def _from_crests(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:
+def _crest_coordinates(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:
     """The crests nearest to origin + y, and the distances from them: all digits of y, if the origin is the crest."""
     crest, _ = nearest_crests(series, origin + y)
     apart = origin - series.crest_position[crest]

@@ -1,4 +1,4 @@
-"""The state of contact under one load, and from it pressure and gap anywhere, exact up to the edges.
+"""Pressure and gap anywhere, from the state of contact under one load, exact up to the edges.
 
 A point is given by an origin and the distance y from it, as in `surface`, so that points near a crest keep all their
 digits.
@@ -220,7 +220,7 @@ def residuals_by_sums(
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
     count, force = segments.node_count, _node_forces(state)
-    middle = np.repeat(segments.origin + segments.centre, count)
+    middle = np.repeat(segments.middle, count)
     tree = make_tree(middle, np.repeat(segments.half_width, count) * segments.node)
     total = potential(tree, force, make_tree(origin, offset), period, state.dual)
     value[order] = _correct_near_segments(state, force, origin, offset, period, total)

@@ -52,6 +52,9 @@ MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried 
 class Punches(NamedTuple):
     """Contacts or, dual, gaps with given edges, and what forces at their nodes do to each other.
 
+    Nodes are here those of the module, at the positions of `matrix.tree`; of those of the segments only their
+    number counts.
+
     segments : in order round the period
     gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
     own, own_inverse : what nodes do to others on the same segment, and the forces that undo it
@@ -117,7 +120,7 @@ def _own_inverse(count: int, dual: bool) -> Table:
 
 
 def make_punches(segments: Segments, period: float, dual: bool = False) -> Punches:
-    """ConvergenceError if segments overlap."""
+    """The punches on segments; ConvergenceError if these overlap."""
     counts = segments.node_count.tolist()
     origin = np.repeat(segments.middle, counts)
     offset = np.repeat(segments.half_width, counts) * np.concatenate(

@@ -189,7 +189,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     if segments.centre.size < MIN_SUM_SEGMENTS:
         first, _, residual = _residuals_of_few(state, series, False)
         return np.asarray(np.maximum.reduceat(np.abs(residual), first[:-1]))
-    first, crest, y = _sample_points(segments, True)
+    first, crest, y = sample_points(segments, True)
     count = np.diff(first)
     middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
     residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
@@ -203,7 +203,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
 def _residuals_of_few(state: ContactState, series: CosineSeries, outside: bool) -> tuple[Indices, Array, Array]:
     """Intervals, positions in these and what must be positive there `outside` the segments, by closed forms alone.
 
-    Or the first point of each segment, points on the segments, and what must vanish there.
+    Or the first point of each segment, distances of points on these from their crests, and what must vanish there.
     """
     segments = state.segments
     if outside:
@@ -212,13 +212,13 @@ def _residuals_of_few(state: ContactState, series: CosineSeries, outside: bool) 
         x, where = _probe_points(right, length, series)
         crest, y = nearest_crests(series, x)
     else:
-        where, crest, y = _sample_points(segments, False)
+        where, crest, y = sample_points(segments, False)
         x = y
     return where, x, residuals_one_by_one(state, series, crest, y)
 
 
 @kernel
-def _sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
+def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
     """Zeros of a Chebyshev polynomial on each segment, as crests and distances from them; and the first of each.
 
     Of twice as many as the nodes and their ends have intervals, each stands `apart`, as far from all nodes as it can.

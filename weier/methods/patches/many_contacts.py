@@ -144,9 +144,9 @@ def _solve_to(
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
-def follow_contacts(surface: Surface, start: ContactState, tolerance: float) -> ContactState:
-    """The contacts of a state as they would be under its load, if none were born or merged; without resistance."""
-    problem = Problem(surface.series(start.dual), start.load, start.dual)
+def follow_contacts(surface: Surface, start: ContactState, load: float, tolerance: float) -> ContactState:
+    """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
+    problem = Problem(surface.series(start.dual), load, start.dual)
     return _solve_to(problem, start, tolerance, _scale(problem), follows=True)[0]
 
 

@@ -10,10 +10,11 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
-from weier.methods.patches.fields import residuals_by_sums
+from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
+from weier.methods.patches.inequalities import sample_points
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
 from weier.methods.patches.start import lone_contacts, lone_gaps
-from weier.methods.patches.surface import nearest_crests, surface_of
+from weier.methods.patches.surface import surface_of
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
@@ -49,12 +50,13 @@ def _run_kernels() -> None:
         lone_contacts(surface.heights, LIGHT),
         lone_gaps(surface.tensions, surface.full_contact_load - LIGHT),
     )
-    for guess, load in ((contact, LIGHT), (gap, surface.full_contact_load - LIGHT)):
+    for guess in (contact, gap):
         assert guess is not None
         series = surface.series(guess.dual)
-        curve(ONE_WAVE, load)
+        curve(ONE_WAVE, guess.load)
         state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
-        crest, y = nearest_crests(series, np.linspace(0, 0.9, 10))
+        _, crest, y = sample_points(state.segments, True)
+        residuals_one_by_one(state, series, crest, y)
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
 
 

@@ -16,7 +16,7 @@ units of the half-width; and the approach, which is the indentation (primal) or 
 the mean pressure is the resistance in both problems.
 
 The matrix is factorised on few nodes only. On one segment, the density a_k U_k makes the right side L a_k T_(k+1)
-(`segments`): but for the slow modes, by which segments feel each other and their ends, the equations are solved mode
+(`chebyshev`): but for the slow modes, by which segments feel each other and their ends, the equations are solved mode
 by mode. So the few nodes correct the solution on many, and each correction leaves about as much of the error as the
 density has in the faster modes.
 
@@ -34,7 +34,7 @@ import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
@@ -58,6 +58,7 @@ from weier.theory.halfplane import take_logarithms
 
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
+Moved = tuple[Array, Array, Array, float]  # centres, half-widths, phi and approach
 
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of Newton's method, and of corrections
@@ -129,7 +130,7 @@ def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Tab
 
 
 @lru_cache(maxsize=64)
-def mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
+def _mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
     """What `TwoGrids` is made of, from so many nodes of each segment to so many, which loads often have."""
     modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
     expansions = (gauss_rule(count, True).expansion for count in many)
@@ -355,7 +356,7 @@ def _correction(grids: TwoGrids, residual: Array) -> Array:
     return -np.concatenate((phi, slow[grids.interpolation.first_column[-1] :]))
 
 
-def change_nodes(now: ContactState, node_count: Indices, interpolation: Blocks) -> ContactState:
+def _change_nodes(now: ContactState, node_count: Indices, interpolation: Blocks) -> ContactState:
     """The density on so many nodes of each segment."""
     segments = make_segments(now.segments.crest, *now.segments.extent, node_count)
     return ContactState(now.dual, now.load, now.approach, segments, apply_blocks(interpolation, now.phi))
@@ -365,13 +366,13 @@ def on_few_nodes(now: ContactState, series: CosineSeries) -> ContactState:
     """The density on as few nodes as a guess has."""
     count = estimate_node_count(*now.segments.extent, series, COARSE_TOLERANCE)
     counts = tuple(now.segments.node_count.tolist()), tuple(count.tolist())
-    return change_nodes(now, count, mode_blocks(*counts, series.period, now.dual)[1])
+    return _change_nodes(now, count, _mode_blocks(*counts, series.period, now.dual)[1])
 
 
-def own_density(guess: ContactState, series: CosineSeries) -> ContactState:
+def _own_density(guess: ContactState, series: CosineSeries) -> ContactState:
     """The slope that each gap takes under the pressure of full contact, if it does not feel the others."""
     counts = tuple(guess.segments.node_count.tolist())
-    fast = mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
+    fast = _mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
     residual = _advance(guess, np.zeros(_unknowns(guess.segments.node_count, guess.load)), series)[3]
     return guess._replace(phi=guess.phi - apply_blocks(fast, residual))
 
@@ -389,10 +390,11 @@ def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, 
         k, of_phi, of_step = (j + 1) % n, 0.0, 0.0
         for q in range(old.first_node[j], old.first_node[j + 1]):
             of_phi, of_step = max(of_phi, abs(phi[q])), max(of_step, abs(step[q]))
+        relative = of_step / of_phi if of_step > 0 else 0.0  # gaps begin without a density
         shift, growth = step[N + j], step[N + n + j]
         loss = (r[j] * (growth + shift) + r[k] * (step[N + n + k] - step[N + k])) / distance[j]
         is_lost = loss >= 1 or growth <= -1
-        size = np.inf if is_lost else max(size, of_step / of_phi, abs(shift), abs(growth), abs(loss))
+        size = np.inf if is_lost else max(size, relative, abs(shift), abs(growth), abs(loss))
     size = size if np.isfinite(step.sum()) else np.nan
     centre, half_width = old.centre + step[N : N + n] * r, r * (1 + step[N + n : -1])
     nodes = old.first_node, old.node, old.point, old.weight, old.log_weight
@@ -402,11 +404,26 @@ def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, 
 
 
 @kernel
-def _advance(now: ContactState, step: Array, series: CosineSeries) -> tuple[ContactState, float, Matrix, Array]:
-    """The unknowns after a step, and its size; and the matrix and the residual there."""
+def _assemble_after(now: ContactState, step: Array, series: CosineSeries) -> tuple[Moved, float, Matrix, Array]:
+    """The unknowns after a step, and its size; and the matrix and the residual there, empty if they are of no use."""
     now, size = _move(now, step, series.period)
+    moved, none = (now.segments.centre, now.segments.half_width, now.phi, now.approach), np.empty(0)
+    if not size < np.inf:
+        return moved, size, np.empty((0, 0)), none
     matrix, residual, _ = assemble(now, series)
-    return now, size, matrix, residual
+    return moved, size, matrix, residual
+
+
+def _advance(now: ContactState, step: Array, series: CosineSeries) -> tuple[ContactState, float, Matrix, Array]:
+    """The same, with the unknowns as a state, since kernels return no named tuples to Python."""
+    moved, size, matrix, residual = _assemble_after(now, step, series)
+    return _at(now, *moved), size, matrix, residual
+
+
+def _at(now: ContactState, centre: Array, half_width: Array, phi: Array, approach: float) -> ContactState:
+    """The state with these unknowns."""
+    segments = now.segments._replace(centre=centre, half_width=half_width)
+    return now._replace(segments=segments, phi=phi, approach=approach)
 
 
 def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactState, Factors, int]:
@@ -418,7 +435,7 @@ def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactS
     now, size, matrix, residual = _advance(now, none, series)
     for steps in range(1, MAX_STEPS + 1):
         lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(matrix.T, residual, overwrite_a=True)
-        now, size, matrix, residual = _advance(now, -change, series)
+        now, size, matrix, residual = _advance(now, -change, series)  # after the last, too: a hundredth of a load
         if size < COARSE_TOLERANCE and not is_singular:
             return now, (lu, pivot), steps
         if is_singular or not size < np.inf:
@@ -450,16 +467,18 @@ def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -
     for _ in range(MAX_NODE_ROUNDS):
         _unknowns(count, load)
         counts = tuple(few.node_count.tolist()), tuple(count.tolist())
-        grids = TwoGrids._make((*mode_blocks(*counts, series.period, guess.dual), factors))
-        finer = change_nodes(coarse, count, grids.interpolation)
-        state, more, is_solved, error = _refine(finer, grids, series, tolerance)
+        grids = TwoGrids._make((*_mode_blocks(*counts, series.period, guess.dual), factors))
+        finer = _change_nodes(coarse, count, grids.interpolation)
+        moved, coefficient, resolved, resistance, share, error, more, is_solved = _refine(
+            finer, grids, series, tolerance
+        )
         steps += more
         if not is_solved:
             raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", error)
-        resolved = are_resolved(state.segments, state.coefficient, tolerance)
         if np.all(resolved):
             if error <= MAX_RESISTANCE_ERROR:
-                return state, steps
+                known = ContactState(guess.dual, load, 0.0, finer.segments, finer.phi, coefficient, resistance, share)
+                return _at(known, *moved), steps
             why = f"the resistance does not converge under the mean pressure {load:.6g} p_0*"
             raise ConvergenceError(why, error)
         count = increase_node_count(count, resolved, load)
@@ -469,10 +488,11 @@ def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -
 @kernel
 def _refine(
     now: ContactState, grids: TwoGrids, series: CosineSeries, tolerance: float
-) -> tuple[ContactState, int, bool, float]:
-    """The solution on the nodes of a guess, the corrections to it, and whether they became small.
+) -> tuple[Moved, Array, Flags, float, Array, float, int, bool]:
+    """The solution on the nodes of a guess, with its coefficients and whether they resolve it on each segment.
 
-    And the relative error of the resistance or, where they did not, the size of the last.
+    If so, its resistance and shares; the relative error of the resistance, or the size of the last correction where
+    these did not become small; how many there were, and whether they became so.
     """
     previous, is_solved = np.inf, False
     for steps in range(1, MAX_STEPS + 1):
@@ -482,13 +502,14 @@ def _refine(
         is_solved = size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
         if is_solved or is_stuck or not size < 1:
             break
-    if not is_solved:
-        return now, steps, False, previous
+    moved = now.segments.centre, now.segments.half_width, now.phi, now.approach
+    coefficient = apply_blocks(grids.expansion, now.phi)
+    resolved = are_resolved(now.segments, coefficient, tolerance)
+    if not (is_solved and resolved.all()):
+        return moved, coefficient, resolved, np.nan, np.empty(0), previous, steps, is_solved
     matrix, _, by_load = assemble(now, series)
     resistance, share, more, error = _sensitivity(now, grids, matrix, by_load)
-    known = apply_blocks(grids.expansion, now.phi), resistance, share / series.period
-    state = ContactState(now.dual, now.load, now.approach, now.segments, now.phi, *known, np.nan, np.nan)
-    return state, steps + more, True, error
+    return moved, coefficient, resolved, resistance, share / series.period, error, steps + more, True
 
 
 @kernel
@@ -524,7 +545,7 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
     ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
     """
     series = surface.series(guess.dual)
-    start = own_density(guess, series) if guess.dual else guess  # Hertz's pressure is near enough
+    start = _own_density(guess, series) if guess.dual else guess  # Hertz's pressure is near enough
     state, steps = solve_on_segments(surface, start, tolerance)
     residual = contact_residual(state, series)
     outside, inside = _lowest_values(state, series, residual.max(), tolerance)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import gauss_rule
 from weier.theory.halfplane import replace_by_influence
 
 Pairs = NDArray[np.int64]  # shape (pairs, 2)
@@ -26,8 +27,8 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 # A singularity as far from an interval as the interval is wide lies on the Bernstein ellipse of 3 + sqrt(8) = 5.83,
 # and 5.83^-15 = 3e-12 bounds the relative error of the smooth part of ln, of which little is that rough.
 ORDER = 15
-POINT = np.cos((np.arange(ORDER) + 0.5) * (np.pi / ORDER))  # the zeros of T_ORDER
-BASIS = 2 / ORDER * np.cos(np.arange(ORDER)[:, None] * np.arccos(POINT))  # T_k there, one k a row
+# The zeros of T_ORDER, and 2/ORDER times T_k there, one k a row, or 1/ORDER for k = 0.
+POINT, _, _, BASIS = gauss_rule(ORDER, of_second_kind=False)
 LEAF_POINTS = 40  # at most: more cost memory in near pairs, fewer in far ones
 MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
 
@@ -73,7 +74,7 @@ class PairMatrix(NamedTuple):
 def _interpolate(t: float, weight: Array) -> None:
     """The weights of the values at the Chebyshev points in the polynomial at t."""
     t = min(max(t, -1.0), 1.0)
-    weight[:] = 1 / ORDER
+    weight[:] = BASIS[0]
     T_before, T = 1.0, t
     for k in range(1, ORDER):
         for q in range(ORDER):

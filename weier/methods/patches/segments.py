@@ -114,7 +114,7 @@ class Segments(NamedTuple):
 
     @property
     def node_count(self) -> Indices:
-        """Of each segment, shape (segments,)."""
+        """The number of nodes of each segment, shape (segments,)."""
         return self.first_node[1:] - self.first_node[:-1]
 
     @property
@@ -124,12 +124,12 @@ class Segments(NamedTuple):
 
     @property
     def middle(self) -> Array:
-        """Of each segment, in lambda_0, shape (segments,)."""
+        """The middle of each segment, in lambda_0, shape (segments,)."""
         return self.origin + self.centre
 
     @property
     def right(self) -> Array:
-        """Right ends, in lambda_0, shape (segments,)."""
+        """The right end of each segment, in lambda_0, shape (segments,)."""
         return self.origin + (self.centre + self.half_width)
 
 
@@ -144,7 +144,7 @@ class ContactState(NamedTuple):
         g_0/lambda_0
     coefficient : of phi in U_k, segment by segment, shape (nodes,)
     resistance : dh/dp, in g_0/p_0*
-    share : of a new load that each contact takes, shape (segments,); gaps take none
+    share : of a new load that each contact takes, shape (segments,); without meaning for gaps
     residual : largest violation of a contact condition, in g_0
     error : a bound on that of the approach by these violations, in g_0
 

@@ -156,7 +156,8 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
             if force[j] == 0 and offset[j] + approach > lowest:
                 gap = -approach - offset[j]
                 for i in range(count):
-                    gap += found[i] * displacement_at_distance(x[i] - position[j], period)
+                    if crest[i] != j:
+                        gap += found[i] * displacement_at_distance(x[i] - position[j], period)
                 if gap < 0:
                     force[j], is_settled = total / n, False
         if is_settled:

@@ -91,7 +91,8 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
     x = _round_positions(x, period)
     order = np.argsort(x, kind="stable")
     x, theta = x[order], theta[order]
-    height, most = np.cos(theta) @ amplitude, float(np.abs(amplitude).sum())
+    cosine, most = np.cos(theta), float(np.abs(amplitude).sum())
+    height = cosine @ amplitude
     maximum = float(height.max())
     offset = height - maximum
     twins = np.flatnonzero(offset > -TWIN_HEIGHT * most)
@@ -99,7 +100,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
         exact = crest_heights(amplitude, waves_per_period, phase, period, x[twins])
         offset[twins] = [float(each - max(exact)) for each in exact]
     offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
-    crests = x, np.cos(theta), np.sin(theta), np.cos(theta) @ (amplitude * wavenumber**2), offset, maximum
+    crests = x, cosine, np.sin(theta), cosine @ (amplitude * wavenumber**2), offset, maximum
     return CosineSeries(amplitude, wavenumber, float(period), *crests)
 
 
