@@ -195,7 +195,6 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
     return residuals_by_sums(state, series, crest, y, origin, y)
 
 
-@kernel
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """`complementary_residuals`, each from closed forms and quadrature over all segments."""
     which = CAUCHY if state.dual else POTENTIAL

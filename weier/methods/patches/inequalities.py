@@ -185,11 +185,10 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     The potentials come from closed forms, or from fast sums for many segments, at other points than the nodes, so
     that neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some.
     """
-    segments = state.segments
-    if segments.centre.size < MIN_SUM_SEGMENTS:
-        first, _, residual = _residuals_of_few(state, series, False)
-        return np.asarray(np.maximum.reduceat(np.abs(residual), first[:-1]))
-    first, crest, y = sample_points(segments, True)
+    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
+    first, crest, y = sample_points(segments, by_sums)
+    if not by_sums:
+        return np.asarray(np.maximum.reduceat(np.abs(residuals_one_by_one(state, series, crest, y)), first[:-1]))
     count = np.diff(first)
     middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
     residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
@@ -197,24 +196,6 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     some = np.random.default_rng(y.size).choice(y.size, DIRECT_SUMS, replace=False)
     residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
     return np.asarray(np.maximum.reduceat(residual, first[:-1]))
-
-
-@kernel
-def _residuals_of_few(state: ContactState, series: CosineSeries, outside: bool) -> tuple[Indices, Array, Array]:
-    """Intervals, positions in these and what must be positive there `outside` the segments, by closed forms alone.
-
-    Or the first point of each segment, distances of points on these from their crests, and what must vanish there.
-    """
-    segments = state.segments
-    if outside:
-        right = segments.origin + (segments.centre + segments.half_width)
-        length = distances_between(segments.origin, segments.centre, segments.half_width, series.period)
-        x, where = _probe_points(right, length, series)
-        crest, y = nearest_crests(series, x)
-    else:
-        where, crest, y = sample_points(segments, False)
-        x = y
-    return where, x, residuals_one_by_one(state, series, crest, y)
 
 
 @kernel
@@ -282,14 +263,9 @@ def lowest_outside(state: ContactState, series: CosineSeries) -> float:
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x))
 
-    segments = state.segments
-    if segments.centre.size < MIN_SUM_SEGMENTS:
-        interval, x, value = _residuals_of_few(state, series, True)
-    else:
-        length = distances_between(*segments.extent, series.period)
-        x, interval = _probe_points(segments.right, length, series)
-        value = residual(x)
-    return float(_negative_minima(_brackets(x, interval, value, 0.0), residual)["value"].min(initial=0.0))
+    length = distances_between(*state.segments.extent, series.period)
+    x, interval = _probe_points(state.segments.right, length, series)
+    return float(_negative_minima(_brackets(x, interval, residual(x), 0.0), residual)["value"].min(initial=0.0))
 
 
 @kernel
