@@ -405,13 +405,10 @@ def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, 
 
 @kernel
 def _assemble_after(now: ContactState, step: Array, series: CosineSeries) -> tuple[Moved, float, Matrix, Array]:
-    """The unknowns after a step, and its size; and the matrix and the residual there, empty if they are of no use."""
+    """The unknowns after a step, and its size; and the matrix and the residual there."""
     now, size = _move(now, step, series.period)
-    moved, none = (now.segments.centre, now.segments.half_width, now.phi, now.approach), np.empty(0)
-    if not size < np.inf:
-        return moved, size, np.empty((0, 0)), none
     matrix, residual, _ = assemble(now, series)
-    return moved, size, matrix, residual
+    return (now.segments.centre, now.segments.half_width, now.phi, now.approach), size, matrix, residual
 
 
 def _advance(now: ContactState, step: Array, series: CosineSeries) -> tuple[ContactState, float, Matrix, Array]:
@@ -435,7 +432,7 @@ def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactS
     now, size, matrix, residual = _advance(now, none, series)
     for steps in range(1, MAX_STEPS + 1):
         lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(matrix.T, residual, overwrite_a=True)
-        now, size, matrix, residual = _advance(now, -change, series)  # after the last, too: a hundredth of a load
+        now, size, matrix, residual = _advance(now, -change, series)
         if size < COARSE_TOLERANCE and not is_singular:
             return now, (lu, pivot), steps
         if is_singular or not size < np.inf:
