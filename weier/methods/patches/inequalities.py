@@ -200,9 +200,10 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
 
 @kernel
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
-    """Zeros of a Chebyshev polynomial on each segment, as crests and distances from them; and the first of each.
+    """The first point of each segment and, last, the number of all; their crests, and how far they are from these.
 
-    Of twice as many as the nodes and their ends have intervals, each stands `apart`, as far from all nodes as it can.
+    They are zeros of a Chebyshev polynomial on each segment. Of twice as many as the nodes and their ends have
+    intervals, each stands `apart`, as far from all nodes as it can.
     """
     first, n = np.zeros_like(segments.first_node), segments.centre.size
     for j in range(n):

@@ -462,7 +462,7 @@ def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -
     count = estimate_node_count(*few.extent, series, tolerance)
     count = np.maximum(count, few.node_count)
     for _ in range(MAX_NODE_ROUNDS):
-        _unknowns(count, load)
+        _unknowns(count, load)  # which raises for too many
         counts = tuple(few.node_count.tolist()), tuple(count.tolist())
         grids = TwoGrids._make((*_mode_blocks(*counts, series.period, guess.dual), factors))
         finer = _change_nodes(coarse, count, grids.interpolation)
