@@ -38,34 +38,39 @@ def invert_punches(which: Indices, centre: Array, compliance: Array, period: flo
     member, entry = np.empty(most, np.int64), np.empty(most)
     for last in range(0, n, stride):
         start[row + 1] = start[row] + last // stride + 1
-        member[start[row] : start[row + 1]] = which[: last + 1 : stride]
+        for i in range(last // stride + 1):
+            member[start[row] + i] = which[i * stride]
         row += 1
     while stride > 1:
         coarser = (n - 1) // stride + 1
         for new in range(stride // 2, n, stride):
             start[row + 1] = start[row] + 2 * NEIGHBOURS + 1
-            near = np.arange(new // stride + 1 - NEIGHBOURS, new // stride + 1 + NEIGHBOURS) % coarser
-            member[start[row] : start[row + 1] - 1], member[start[row + 1] - 1] = which[near * stride], which[new]
+            for i in range(2 * NEIGHBOURS):
+                member[start[row] + i] = which[(new // stride + 1 - NEIGHBOURS + i) % coarser * stride]
+            member[start[row + 1] - 1] = which[new]
             row += 1
         stride //= 2
     factor = np.empty((MAX_COARSEST, MAX_COARSEST))
     for row in range(n):
-        here = member[start[row] : start[row + 1]]
+        here, entries = member[start[row] : start[row + 1]], entry[start[row] : start[row + 1]]
         known = row if here.size == row + 1 else 0  # the coarsest have all before them, whose rows are the same
-        _fill_row(centre[here], compliance[here], period, known, factor, entry[start[row] : start[row + 1]])
+        _fill_row(centre, compliance, here, period, known, factor, entries)
     return start, member[: start[n]], entry[: start[n]]
 
 
 @kernel
-def _fill_row(x: Array, compliance: Array, period: float, known: int, factor: Array, entry: Array) -> None:
+def _fill_row(
+    x: Array, compliance: Array, which: Indices, period: float, known: int, factor: Array, entry: Array
+) -> None:
     """The last row of the inverse of Cholesky's factor of the influence of these punches on each other.
 
     The first `known` rows of the factor are given; the others are written.
     """
-    n = x.size
+    n = which.size
     for i in range(known, n):
         for j in range(i + 1):
-            rest = OFFSET + (compliance[i] if i == j else displacement_at_distance(x[i] - x[j], period))
+            a, b = which[i], which[j]
+            rest = OFFSET + (compliance[a] if i == j else displacement_at_distance(x[a] - x[b], period))
             for k in range(j):
                 rest -= factor[i, k] * factor[j, k]
             factor[i, j] = rest / factor[j, j] if j < i else np.sqrt(rest)

@@ -71,7 +71,7 @@ def test_a_shallow_missing_contact_is_seen(above):
     series, limit = surface.heights, 1e-10 * before.approach
     assert lowest_outside(before, series) >= -limit
     start = on_few_nodes(before, surface.heights)._replace(load=born * (1 + above))
-    beyond, _ = solve_on_segments(surface, start, 1e-10)
+    beyond, *_ = solve_on_segments(surface, start, 1e-10)
     x = np.linspace(-1, 1, 2001) * 10 * above**0.5 / THREE_WAVES.waves_per_period[-1]
     x = events.x[events.birth][0] + x[np.abs(x) < 0.2 / THREE_WAVES.waves_per_period[-1]]
     lowest = complementary_residuals(beyond, series, *nearest_crests(series, x)).min()

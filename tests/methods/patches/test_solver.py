@@ -197,13 +197,14 @@ def test_contacts_are_found_at_any_tolerance(profile, loads):
 def test_each_condition_that_is_violated_counts_in_the_bound():
     solution = patches.solve_load(THREE_WAVES, 0.5)
     state, R = solution.state, solution.state.resistance
-    carried = error_bound(state, 0.0, 0.0, 1.0)
+    carried = error_bound(state, 0.0, 0.0, 1.0, 1.0)
     assert carried < 1e-12
-    assert error_bound(state, 1e-5, 1e-6, 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
+    assert error_bound(state, 1e-5, 1e-6, 1.0, 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
+    assert error_bound(state, 0.0, 1.0, 1e-9, 1.0) == pytest.approx(1e-9 * (2 + 2 * np.log(5e8) + R), rel=1e-3)
     elsewhere = state._replace(load=0.5 + 1e-4)
     exact = patches.solve_load(THREE_WAVES, 0.5 + 1e-4)
     deviation = abs(exact.mean_gap - solution.mean_gap)
-    assert deviation == pytest.approx(error_bound(elsewhere, 0.0, 0.0, 1.0), rel=1e-2)
+    assert deviation == pytest.approx(error_bound(elsewhere, 0.0, 0.0, 1.0, 1.0), rel=1e-2)
 
 
 @hard_series("against_boundary_elements")

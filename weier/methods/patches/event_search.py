@@ -108,7 +108,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
         return _sort_events([], 0, surface)
     search = _Search(starts)
     state = search.state(float(low))
-    patch_count = state.segments.centre.size
+    patch_count = state.extent[0].size
     located: list[tuple[float, _Event]] = []
     for load in np.geomspace(low, last, 2 + int(np.log10(last / low) / MAX_DECADES))[1:]:
         heavier = search.state(float(load))
@@ -254,8 +254,8 @@ class _Search(NamedTuple):
 
 
 def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:
-    """The segments of a state, or what lies between them: from origin + left to origin + right, in lambda_0."""
-    origin, centre, half_width = contacts_of(state.segments, between, period)
+    """The pieces of segments of a state, or what lies between them: from origin + left to origin + right."""
+    origin, centre, half_width = contacts_of(*state.extent, between, period)
     return origin, centre - half_width, centre + half_width
 
 

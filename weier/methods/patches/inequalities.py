@@ -51,10 +51,11 @@ Residual = Callable[[Array], Array]
 Brackets = tuple[Array, Array, Array, Indices]
 
 
-def error_bound(state: ContactState, gap: float, pressure: float, period: float) -> float:
+def error_bound(state: ContactState, gap: float, pressure: float, width: float, period: float) -> float:
     """How far the compliance may be off, in g_0, by the conditions of contact that a state violates.
 
-    By a gap on a contact or an overlap anywhere, in g_0, and by a pressure in a gap or a tension anywhere, in p_0*.
+    By a gap on a contact or an overlap anywhere, in g_0, and by a pressure in a gap or a tension anywhere, in p_0*,
+    on so much of the period, in lambda_0.
 
     Let D(P) be the mean gap under the mean pressure P, and g = d - z + u that of a state whose pressure p has this
     mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -q everywhere and |p| <= q in its gaps. Then
@@ -65,9 +66,17 @@ def error_bound(state: ContactState, gap: float, pressure: float, period: float)
     u_1 - u = d - D - g <= d - D + eps. Under P - q, where u_1 - u is smallest, p > p_1 + q >= q, so that the state is
     in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
 
+    Or such pressures and tensions, on the width W, are taken off. That changes P by at most q W/L, and u by at most
+    q int -2 ln|2 sin(pi x/L)| dx over that width round x = 0 <= 2 q W (1 - ln(2 W/L)), as sin y >= 2 y/pi; it is the
+    less where W is small. Then none are left, and eps is larger by as much.
+
     To first order, D(P) - D(P + q) is the resistance times q; and so it is for a load that contacts do not carry.
     """
-    return gap + state.resistance * (pressure + abs(carried_load(state, period) - state.load))
+    by_pressure = state.resistance * pressure
+    if width > 0:
+        moved = 2 * pressure * width * (1 + max(np.log(0.5 * period / width), 0.0))
+        by_pressure = min(by_pressure, moved + by_pressure * width / period)
+    return float(gap + by_pressure + state.resistance * abs(carried_load(state, period) - state.load))
 
 
 def carried_load(state: ContactState, period: float) -> float:
@@ -96,11 +105,16 @@ def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Arr
     They are some for each of the finest waves, and the crests of the series with the middles between them: two crests
     that stand side by side would else look like one.
     """
-    crest, period = series.crest_position, series.period
-    turning = np.stack((crest, 0.5 * (crest + np.append(crest[1:], crest[0] + period))), axis=1).ravel()
-    per_length, n = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi), turning.size
-    count = MIN_PROBES + np.ceil(per_length * np.maximum(length, 0.0)).astype(np.int64)  # segments may overlap
-    point, interval, last = np.empty(count.sum() + n), np.empty(count.sum() + n, np.int64), -1
+    crest, period, n = series.crest_position, series.period, 2 * series.crest_position.size
+    turning, count, total = np.empty(n), np.empty(left.size, np.int64), n
+    for k in range(crest.size):
+        following = crest[k + 1] if k + 1 < crest.size else crest[0] + period
+        turning[2 * k], turning[2 * k + 1] = crest[k], 0.5 * (crest[k] + following)
+    per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
+    for j in range(left.size):
+        count[j] = MIN_PROBES + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
+        total += count[j]
+    point, interval, last = np.empty(total), np.empty(total, np.int64), -1
     for j in range(left.size):
         turns = np.floor((left[j] - crest[0]) / period)
         i, k = 0, np.searchsorted(turning, left[j] - period * turns)
@@ -220,13 +234,13 @@ def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Ar
 
 
 def certify(
-    state: ContactState, residual: Array, outside: float, inside: float, period: float, tolerance: float
+    state: ContactState, residual: Array, outside: float, negative: Records, period: float, tolerance: float
 ) -> ContactState:
     """The state with its largest violation of a condition, in g_0, and the bound on its error.
 
     residual : what is left of the equations on each segment
     outside : the lowest gap between contacts or, dual, pressure between gaps if it is negative, and else 0
-    inside : the lowest pressure on contacts or, dual, gap, likewise
+    negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
 
     ConvergenceError is raised if the conditions are violated, or if contacts do not carry the load.
     """
@@ -237,8 +251,11 @@ def certify(
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
     worst = SAMPLED_FACTOR * float(residual.max())
-    off, on = max(worst, -outside), max(closure, -inside)
-    return state._replace(error=error_bound(state, *((on, off) if state.dual else (off, on)), period))
+    off, on, width = max(worst, -outside), closure, 0.0
+    if negative.size > 0:
+        on = max(closure, -float(negative["lowest"].min()))
+        width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
+    return state._replace(error=error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period))
 
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:

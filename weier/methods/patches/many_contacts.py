@@ -122,7 +122,10 @@ def _solve_to(
         state = contact_state(problem, step)
         if follows:
             return state, steps
-        added, remaining, lowest = _corrections(problem, step, state, stage)
+        negative = find_negative_intervals(state)
+        wrong = _beyond_rounding(state, negative, stage)
+        is_open = wrong["height"] > stage.opening
+        added, remaining, outside = _corrections(problem, step, state, stage, wrong[is_open])
         if not np.all(remaining) or len(added) > 0:
             moved = False
             segments = step.punches.segments
@@ -137,8 +140,8 @@ def _solve_to(
             count = state.segments.node_count
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, share = _resistance(problem, step.punches)
-                state = state._replace(resistance=resistance, share=share)
-                return certify(state, residual, *lowest, problem.series.period, tolerance), steps
+                state = state._replace(resistance=resistance, share=share, cracks=_cracks(state, wrong[~is_open]))
+                return certify(state, residual, outside, negative, problem.series.period, tolerance), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -172,21 +175,21 @@ def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
     return np.where(short, more_nodes(count), count)
 
 
-def _corrections(
-    problem: Problem, step: Step, state: ContactState, stage: Stage
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], tuple[float, float]]:
-    """Segments to add, shape (added, 2); which of those there remain; and the lowest values off and on them, or 0."""
-    negative = find_negative_intervals(state)
-    inside = float(negative["lowest"].min(initial=0.0))
+def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Records:
+    """The intervals of tension or, dual, of overlap that the nodes tell."""
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
     negative = negative[negative["share"] < -np.maximum(unresolved, stage.inside)[negative["segment"]]]
-    if not stage.fine:
-        negative = negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
-    negative = negative[negative["height"] > stage.opening]
+    return negative if stage.fine else negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
+
+
+def _corrections(
+    problem: Problem, step: Step, state: ContactState, stage: Stage, negative: Records
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], float]:
+    """Segments to add, shape (added, 2), and which of those there remain; and the lowest value off them, or 0."""
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     missing, outside = find_missing(problem, step, stage.outside)
-    return np.concatenate([_cut_segments(state, negative), missing]), remaining, (outside, inside)
+    return np.concatenate([_cut_segments(state, negative), missing]), remaining, outside
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
@@ -202,6 +205,18 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
                 pieces.append((centre + r * left, centre + r * (a - widening)))
             left = max(left, b + widening)
     return np.array(pieces).reshape(-1, 2)
+
+
+def _cracks(state: ContactState, negative: Records) -> NDArray[np.float64]:
+    """The gaps in place of intervals of tension, as `ContactState.cracks`; none within gaps (dual).
+
+    Where a parabola of pressure falls to -q, the crack has the half-width b = sqrt(2) times that of the interval, and
+    beside it the pressure is 2 q |x| sqrt(x^2-b^2)/b^2.
+    """
+    t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * NEW_GAP_WIDTH * (negative["end"] - negative["start"])
+    inner = (np.abs(t) + b < MAX_INNER) & (not state.dual)
+    at, t, b, lowest = negative["segment"][inner], t[inner], b[inner], negative["lowest"][inner]
+    return np.stack([at, t, b, -lowest * np.sqrt(8 / (b * state.segments.half_width[at]))], axis=1)
 
 
 def contact_state(problem: Problem, step: Step) -> ContactState:

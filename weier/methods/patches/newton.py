@@ -34,7 +34,7 @@ import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
@@ -58,7 +58,6 @@ from weier.theory.halfplane import take_logarithms
 
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
-Moved = tuple[Array, Array, Array, float]  # centres, half-widths, phi and approach
 
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of Newton's method, and of corrections
@@ -66,6 +65,7 @@ MAX_ROUNDING_STEP = 1e-5  # smaller ones that no longer shrink are rounding, as 
 MAX_RATIO = 0.5  # of a correction over the one before: with more, the slow modes need more nodes
 SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
 MAX_RESISTANCE_ERROR = 1e-8  # of it, where rounding ends them
+SAME = 1e-10  # relative change of the unknowns, after which matrix and resistance are still the same
 MAX_NODE_ROUNDS = 8  # of adding nodes
 MIN_ANGLE = 1e-8  # below it sin(y) = y and y cot(y) = 1 to rounding
 # Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
@@ -84,11 +84,13 @@ class System(NamedTuple):
     sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
         without a further call; no digit is lost, for both angles are counted from the centre of one segment.
     point_sine, point_cosine : the same at the points, shape (nodes + segments,)
+    rate : d/dp of the unknowns, shape (unknowns,)
     """
 
     matrix: Matrix
     residual: Array
     by_load: Array
+    rate: Array
     sine: Array
     cosine: Array
     point_sine: Array
@@ -111,6 +113,11 @@ class TwoGrids(NamedTuple):
     lift: Blocks
     expansion: Blocks
     factors: Factors
+
+
+_NO_BLOCKS = Blocks(np.empty(0), np.zeros((3, 1), np.int64))
+_NO_FACTORS = np.empty((2, 2), order="F"), np.empty(0, np.int32)
+NO_GRIDS = TwoGrids._make((*5 * [_NO_BLOCKS], _NO_FACTORS))  # for no correction
 
 
 @lru_cache(maxsize=256)
@@ -137,36 +144,54 @@ def _mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dua
     return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
 
 
+def _make_system(node_count: Indices, load: float) -> System:
+    """The room for the equations on so many nodes of each segment.
+
+    ConvergenceError is raised if they are more than a dense matrix holds.
+    """
+    nodes, segments = int(node_count.sum()), node_count.size
+    size = nodes + 2 * segments + 1
+    if size > MAX_UNKNOWNS:
+        raise ConvergenceError(
+            f"{size} unknowns under {load:.6g} p_0* are more than a dense matrix holds, {MAX_UNKNOWNS}"
+        )
+    unknowns = np.empty((size, size)), np.empty(size), np.empty(size), np.zeros(size)
+    points = nodes + segments
+    return System(*unknowns, np.empty(nodes), np.empty(nodes), np.empty(points), np.empty(points))
+
+
 @kernel
-def assemble(now: ContactState, series: CosineSeries) -> tuple[Matrix, Array, Array]:
-    """What the equations are off, and their derivatives, as in `System`.
+def _assemble(system: System, now: ContactState, approach: float, series: CosineSeries) -> None:
+    """Fill in what the equations are off, and their derivatives.
 
     The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
     and last the load or the mean gap.
     """
-    segments, n, size = now.segments, now.segments.centre.size, now.phi.size + 2 * now.segments.centre.size + 1
-    sines = _sines(segments, segments.node, 0, series.period) + _sines(segments, segments.point, 1, series.period)
-    system = System(np.zeros((size, size)), np.zeros(size), np.zeros(size), *sines)
+    segments, n = now.segments, now.segments.centre.size
+    for k in range(system.residual.size):
+        system.residual[k], system.by_load[k] = 0.0, 0.0
+        for i in range(system.residual.size):
+            system.matrix[k, i] = 0.0
+    _fill_sines(system.sine, system.cosine, segments, segments.node, 0, series.period)
+    _fill_sines(system.point_sine, system.point_cosine, segments, segments.point, 1, series.period)
     for j in range(n):
         _add_forcing(system, now, series, j)
         _add_cauchy_integral(system, segments, now.phi, series.period, j)
     if now.dual:
-        _fill_closure_rows(system, now, series.period)
+        _fill_closure_rows(system, now, approach, series.period)
     else:
         for i in range(n):
-            _fill_height_row(system, now, series, i)
+            _fill_height_row(system, now, approach, series, i)
         _fill_load_row(system, now, series.period)
-    return system.matrix, system.residual, system.by_load
 
 
 @kernel
-def _sines(segments: Segments, t: Array, more: int, period: float) -> tuple[Array, Array]:
+def _fill_sines(sine: Array, cosine: Array, segments: Segments, t: Array, more: int, period: float) -> None:
     """Sine and cosine of pi r t/L, where each segment has so many t more than nodes."""
-    angle = np.empty(t.size)
     for j in range(segments.centre.size):
         for q in range(segments.first_node[j] + j * more, segments.first_node[j + 1] + (j + 1) * more):
-            angle[q] = np.pi / period * segments.half_width[j] * t[q]
-    return np.sin(angle), np.cos(angle)
+            angle = np.pi / period * segments.half_width[j] * t[q]
+            sine[q], cosine[q] = np.sin(angle), np.cos(angle)
 
 
 @kernel
@@ -239,7 +264,7 @@ def _add_cauchy_integral(system: System, segments: Segments, phi: Array, period:
 
 
 @kernel
-def _fill_height_row(system: System, now: ContactState, series: CosineSeries, i: int) -> None:
+def _fill_height_row(system: System, now: ContactState, approach: float, series: CosineSeries, i: int) -> None:
     """The gap is 0 at the centre x = c_i of contact i. The row is divided by r_i, so that all rows are of one size.
 
     Contact j contributes V_j = 2 int rho ln|2 sin(pi (x-s)/L)| ds, with dV_j/dc_j = -dV_j/dx and r_j dV_j/dr_j. The
@@ -249,7 +274,7 @@ def _fill_height_row(system: System, now: ContactState, series: CosineSeries, i:
     row = system.matrix[:, phi.size + n + i]
     value, slope, _ = evaluate_series(series, segments.crest[i], segments.centre[i])
     scale = 1 / segments.half_width[i]
-    total = (now.approach + value) * scale
+    total = (approach + value) * scale
     row[phi.size + i] = slope
     potential, dln_dx, dln_dr = _log_potentials(system, segments, i, series.period)
     for j in range(n):
@@ -313,13 +338,13 @@ def _fill_load_row(system: System, now: ContactState, period: float) -> None:
 
 
 @kernel
-def _fill_closure_rows(system: System, now: ContactState, period: float) -> None:
+def _fill_closure_rows(system: System, now: ContactState, approach: float, period: float) -> None:
     """int rho dx = 0: each gap, which opens at one end of its segment, has closed at the other.
 
     And the approach is minus the mean gap: approach = (1/L) int (x - c) rho dx.
     """
     segments, matrix, residual = now.segments, system.matrix, system.residual
-    matrix[-1, -1], residual[-1] = -1.0, -now.approach
+    matrix[-1, -1], residual[-1] = -1.0, -approach
     for j in range(segments.centre.size):
         row, r = now.phi.size + segments.centre.size + j, segments.half_width[j]
         for q in range(segments.first_node[j], segments.first_node[j + 1]):
@@ -348,17 +373,24 @@ def _solve_factorised(lu: Matrix, pivot: NDArray[np.int32], x: Array) -> None:
 def _correction(grids: TwoGrids, residual: Array) -> Array:
     """The change of the unknowns that takes off a residual, but for what the fast modes of others see of it."""
     restricted, lift = apply_blocks(grids.restriction, residual), apply_blocks(grids.lift, residual)
-    slow = np.concatenate((restricted, residual[grids.restriction.first_column[-1] :]))
+    few, points = restricted.size, grids.restriction.place[2, -1]
+    slow, change = np.empty(few + residual.size - points), np.empty(residual.size)
+    for q in range(slow.size):
+        slow[q] = restricted[q] if q < few else residual[points + q - few]
     for j in range(lift.size):
-        slow[restricted.size + j] -= lift[j]
+        slow[few + j] -= lift[j]
     _solve_factorised(grids.factors[0], grids.factors[1], slow)
-    phi = apply_blocks(grids.interpolation, slow) + apply_blocks(grids.fast, residual)
-    return -np.concatenate((phi, slow[grids.interpolation.first_column[-1] :]))
+    phi, fast = apply_blocks(grids.interpolation, slow), apply_blocks(grids.fast, residual)
+    few = grids.interpolation.place[2, -1]
+    for q in range(residual.size):
+        change[q] = -(phi[q] + fast[q] if q < phi.size else slow[few + q - phi.size])
+    return change
 
 
 def _change_nodes(now: ContactState, node_count: Indices, interpolation: Blocks) -> ContactState:
-    """The density on so many nodes of each segment."""
-    segments = make_segments(now.segments.crest, *now.segments.extent, node_count)
+    """The density on so many nodes of each segment, in arrays of its own."""
+    origin, centre, half_width = now.segments.extent
+    segments = make_segments(now.segments.crest, origin, centre.copy(), half_width.copy(), node_count)
     return ContactState(now.dual, now.load, now.approach, segments, apply_blocks(interpolation, now.phi))
 
 
@@ -373,88 +405,120 @@ def _own_density(guess: ContactState, series: CosineSeries) -> ContactState:
     """The slope that each gap takes under the pressure of full contact, if it does not feel the others."""
     counts = tuple(guess.segments.node_count.tolist())
     fast = _mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
-    residual = _advance(guess, np.zeros(_unknowns(guess.segments.node_count, guess.load)), series)[3]
-    return guess._replace(phi=guess.phi - apply_blocks(fast, residual))
+    system = _make_system(guess.segments.node_count, guess.load)
+    _advance(_copy(guess), np.zeros(system.residual.size), system, NO_GRIDS, series, 0.0, 0)
+    return guess._replace(phi=guess.phi - apply_blocks(fast, system.residual))
+
+
+def _copy(now: ContactState) -> ContactState:
+    """A state whose unknowns may be overwritten."""
+    segments = now.segments._replace(centre=now.segments.centre.copy(), half_width=now.segments.half_width.copy())
+    return now._replace(segments=segments, phi=now.phi.copy())
 
 
 @kernel
-def _move(now: ContactState, step: Array, period: float) -> tuple[ContactState, float]:
-    """The unknowns after a step, and its size: they are of no use if it is inf or NaN.
+def _move(now: ContactState, step: Array, period: float) -> float:
+    """Make a step, in place, and return its size: the unknowns are of no use if it is inf or NaN.
 
     That is the largest relative change of any segment's density, centre or width, or of a distance between segments:
     NaN if the step is not finite, and inf if a width or a distance is lost.
     """
-    old, r, phi, size = now.segments, now.segments.half_width, now.phi, 0.0
-    n, N, distance = r.size, phi.size, distances_between(old.origin, old.centre, r, period)
+    segments, r, phi, size = now.segments, now.segments.half_width, now.phi, 0.0
+    n, N, distance = r.size, phi.size, distances_between(segments.origin, segments.centre, r, period)
     for j in range(n):
         k, of_phi, of_step = (j + 1) % n, 0.0, 0.0
-        for q in range(old.first_node[j], old.first_node[j + 1]):
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
             of_phi, of_step = max(of_phi, abs(phi[q])), max(of_step, abs(step[q]))
         relative = of_step / of_phi if of_step > 0 else 0.0  # gaps begin without a density
         shift, growth = step[N + j], step[N + n + j]
         loss = (r[j] * (growth + shift) + r[k] * (step[N + n + k] - step[N + k])) / distance[j]
         is_lost = loss >= 1 or growth <= -1
         size = np.inf if is_lost else max(size, relative, abs(shift), abs(growth), abs(loss))
-    size = size if np.isfinite(step.sum()) else np.nan
-    centre, half_width = old.centre + step[N : N + n] * r, r * (1 + step[N + n : -1])
-    nodes = old.first_node, old.node, old.point, old.weight, old.log_weight
-    segments, none = Segments(old.crest, old.origin, centre, half_width, *nodes), np.empty(0)
-    known = now.approach + step[-1], segments, phi + step[:N]
-    return ContactState(now.dual, now.load, *known, none, np.nan, none, np.nan, np.nan), size
+    total = 0.0
+    for q in range(step.size):
+        total += step[q]
+    for q in range(N):
+        phi[q] += step[q]
+    for j in range(n):
+        segments.centre[j] += step[N + j] * r[j]
+        r[j] *= 1 + step[N + n + j]
+    return size if np.isfinite(total) else np.nan
 
 
 @kernel
-def _assemble_after(now: ContactState, step: Array, series: CosineSeries) -> tuple[Moved, float, Matrix, Array]:
-    """The unknowns after a step, and its size; and the matrix and the residual there."""
-    now, size = _move(now, step, series.period)
-    matrix, residual, _ = assemble(now, series)
-    return (now.segments.centre, now.segments.half_width, now.phi, now.approach), size, matrix, residual
+def _advance(
+    now: ContactState, step: Array, system: System, grids: TwoGrids, series: CosineSeries, tolerance: float, most: int
+) -> tuple[float, float, int, bool]:
+    """Make a step and, on two grids, at most so many corrections, in place, and assemble the equations there.
+
+    Returns the approach, the size of the last of them, how many corrections there were, and whether they became
+    smaller than the tolerance. After a step that is small enough, the equations stay those before it.
+    """
+    approach, count, previous, is_solved, is_stuck = now.approach, 0, np.inf, False, False
+    while True:  # with one call of each function, which the compiler copies to where it is called
+        size = _move(now, step, series.period)
+        approach += step[-1]
+        if count > 0:
+            ratio, previous = size / previous if count > 1 else 1.0, size
+            is_stuck = not (size < 1 and (count == 1 or ratio <= MAX_RATIO))
+            is_solved = size * ratio < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
+        if size == 0 or not size < (SAME if most > 0 else COARSE_TOLERANCE):
+            _assemble(system, now, approach, series)
+        if count == most or is_solved or is_stuck:
+            return approach, size, count, is_solved
+        step = _correction(grids, system.residual)
+        count += 1
 
 
-def _advance(now: ContactState, step: Array, series: CosineSeries) -> tuple[ContactState, float, Matrix, Array]:
-    """The same, with the unknowns as a state, since kernels return no named tuples to Python."""
-    moved, size, matrix, residual = _assemble_after(now, step, series)
-    return _at(now, *moved), size, matrix, residual
+@kernel
+def _find_rate(system: System, grids: TwoGrids) -> tuple[int, float]:
+    """Fill in the rate; return how many corrections it took, and the relative error of that of the approach.
+
+    What is left of the equations takes the place of `by_load`.
+    """
+    previous, error, rate, residual = np.inf, np.inf, system.rate, system.by_load
+    for step in range(1, MAX_STEPS + 1):
+        change, size = _correction(grids, residual), 0.0
+        for k in range(rate.size):
+            rate[k] += change[k]
+            size = max(size, abs(change[k]))
+            for i in range(rate.size):
+                residual[i] += change[k] * system.matrix[k, i]
+        error = abs(change[-1] / rate[-1])
+        ratio, previous = size / max(previous, 1e-300), size
+        if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
+            return step, error * ratio
+        if not ratio <= MAX_RATIO:
+            break
+    return step, error
 
 
-def _at(now: ContactState, centre: Array, half_width: Array, phi: Array, approach: float) -> ContactState:
-    """The state with these unknowns."""
-    segments = now.segments._replace(centre=centre, half_width=half_width)
-    return now._replace(segments=segments, phi=phi, approach=approach)
-
-
-def _newton_iteration(now: ContactState, series: CosineSeries) -> tuple[ContactState, Factors, int]:
+def _newton_iteration(guess: ContactState, series: CosineSeries) -> tuple[ContactState, Factors, int]:
     """The solution on the nodes of a guess, the factors of the last matrix, and the steps.
 
     ConvergenceError is raised if the steps do not shrink.
     """
-    none = np.zeros(_unknowns(now.segments.node_count, now.load))
-    now, size, matrix, residual = _advance(now, none, series)
-    for steps in range(1, MAX_STEPS + 1):
-        lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(matrix.T, residual, overwrite_a=True)
-        now, size, matrix, residual = _advance(now, -change, series)
-        if size < COARSE_TOLERANCE and not is_singular:
-            return now, (lu, pivot), steps
+    now, system = _copy(guess), _make_system(guess.segments.node_count, guess.load)
+    change, factors = np.zeros(system.residual.size), _NO_FACTORS
+    for steps in range(MAX_STEPS + 1):
+        approach, size, *_ = _advance(now, -change, system, NO_GRIDS, series, 0.0, 0)
+        now = now._replace(approach=approach)
+        if 0 < size < COARSE_TOLERANCE:
+            return now, factors, steps
+        lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(system.matrix.T, system.residual, overwrite_a=True)
+        factors = lu, pivot
         if is_singular or not size < np.inf:
             break
     raise ConvergenceError(f"Newton's method fails under the mean pressure {now.load:.6g} p_0*", float(size))
 
 
-def _unknowns(node_count: Indices, load: float) -> int:
-    """How many there are on so many nodes of each segment; ConvergenceError for more than a dense matrix holds."""
-    unknowns = int(node_count.sum()) + 2 * node_count.size + 1
-    if unknowns > MAX_UNKNOWNS:
-        raise ConvergenceError(
-            f"{unknowns} unknowns under {load:.6g} p_0* are more than a dense matrix holds, {MAX_UNKNOWNS}"
-        )
-    return unknowns
-
-
-def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
+def solve_on_segments(
+    surface: Surface, guess: ContactState, tolerance: float
+) -> tuple[ContactState, int, System, TwoGrids]:
     """The state that solves the equations on the segments of a guess, whether the inequalities hold or not.
 
-    And the steps of Newton's method and the corrections that it took. ConvergenceError is raised unless the
-    corrections fall below the tolerance, or to rounding.
+    And the steps of Newton's method and the corrections that it took, and the equations. ConvergenceError is raised
+    unless the corrections fall below the tolerance, or to rounding.
     """
     series, load = surface.series(guess.dual), guess.load
     coarse, factors, steps = _newton_iteration(guess, series)
@@ -462,78 +526,36 @@ def solve_on_segments(surface: Surface, guess: ContactState, tolerance: float) -
     count = estimate_node_count(*few.extent, series, tolerance)
     count = np.maximum(count, few.node_count)
     for _ in range(MAX_NODE_ROUNDS):
-        _unknowns(count, load)  # which raises for too many
+        system = _make_system(count, load)
         counts = tuple(few.node_count.tolist()), tuple(count.tolist())
         grids = TwoGrids._make((*_mode_blocks(*counts, series.period, guess.dual), factors))
-        finer = _change_nodes(coarse, count, grids.interpolation)
-        moved, coefficient, resolved, resistance, share, error, more, is_solved = _refine(
-            finer, grids, series, tolerance
-        )
+        now, none = _change_nodes(coarse, count, grids.interpolation), np.zeros(system.residual.size)
+        approach, size, more, is_solved = _advance(now, none, system, grids, series, tolerance, MAX_STEPS)
         steps += more
         if not is_solved:
-            raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", error)
+            raise ConvergenceError(f"the density does not converge under the mean pressure {load:.6g} p_0*", size)
+        state = now._replace(approach=approach, coefficient=apply_blocks(grids.expansion, now.phi))
+        resolved = are_resolved(state.segments, state.coefficient, tolerance)
         if np.all(resolved):
-            if error <= MAX_RESISTANCE_ERROR:
-                known = ContactState(guess.dual, load, 0.0, finer.segments, finer.phi, coefficient, resistance, share)
-                return _at(known, *moved), steps
-            why = f"the resistance does not converge under the mean pressure {load:.6g} p_0*"
-            raise ConvergenceError(why, error)
+            return state, steps, system, grids
         count = increase_node_count(count, resolved, load)
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
 
-@kernel
-def _refine(
-    now: ContactState, grids: TwoGrids, series: CosineSeries, tolerance: float
-) -> tuple[Moved, Array, Flags, float, Array, float, int, bool]:
-    """The solution on the nodes of a guess, with its coefficients and whether they resolve it on each segment.
+def _add_resistance(state: ContactState, system: System, grids: TwoGrids, period: float) -> tuple[ContactState, int]:
+    """The state with its resistance and, d/dp of its force r sum w phi, each contact's share in a new load.
 
-    If so, its resistance and shares; the relative error of the resistance, or the size of the last correction where
-    these did not become small; how many there were, and whether they became so.
+    And the corrections to these that it took. ConvergenceError is raised unless they become small.
     """
-    previous, is_solved = np.inf, False
-    for steps in range(1, MAX_STEPS + 1):
-        now, size = _move(now, _correction(grids, assemble(now, series)[1]), series.period)
-        ratio, previous = size / previous, size
-        is_stuck = ratio > MAX_RATIO
-        is_solved = size * (ratio if steps > 1 else 1.0) < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
-        if is_solved or is_stuck or not size < 1:
-            break
-    moved = now.segments.centre, now.segments.half_width, now.phi, now.approach
-    coefficient = apply_blocks(grids.expansion, now.phi)
-    resolved = are_resolved(now.segments, coefficient, tolerance)
-    if not (is_solved and resolved.all()):
-        return moved, coefficient, resolved, np.nan, np.empty(0), previous, steps, is_solved
-    matrix, _, by_load = assemble(now, series)
-    resistance, share, more, error = _sensitivity(now, grids, matrix, by_load)
-    return moved, coefficient, resolved, resistance, share / series.period, error, steps + more, True
-
-
-@kernel
-def _sensitivity(
-    now: ContactState, grids: TwoGrids, matrix: Matrix, by_load: Array
-) -> tuple[float, Array, int, float]:
-    """The resistance, and what each contact takes of a new load times the period: d/dp of its force, r sum w phi.
-
-    And the corrections to these, and the relative error of the resistance.
-    """
-    rate, previous, error = np.zeros(by_load.size), np.inf, np.inf
-    for step in range(1, MAX_STEPS + 1):
-        change = _correction(grids, by_load + rate @ matrix)
-        rate += change
-        size, error = np.abs(change).max(), abs(change[-1] / rate[-1])
-        ratio, previous = size / max(previous, 1e-300), size
-        if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
-            error *= ratio
-            break
-        if not ratio <= MAX_RATIO:
-            break
-    segments, share = now.segments, np.zeros(now.segments.centre.size)
-    growth = rate[now.phi.size + share.size :]
-    for j in range(share.size):
-        for q in range(segments.first_node[j], segments.first_node[j + 1]):
-            share[j] += segments.half_width[j] * segments.weight[q] * (rate[q] + growth[j] * now.phi[q])
-    return rate[-1], share, step, error
+    steps, error = _find_rate(system, grids)
+    if not error <= MAX_RESISTANCE_ERROR:
+        why = f"the resistance does not converge under the mean pressure {state.load:.6g} p_0*"
+        raise ConvergenceError(why, error)
+    segments, rate, N = state.segments, system.rate, state.phi.size
+    growth = np.repeat(rate[N + segments.centre.size : -1], segments.node_count)
+    by_node = segments.weight * (rate[:N] + growth * state.phi)
+    share = segments.half_width / period * np.add.reduceat(by_node, segments.first_node[:-1])
+    return state._replace(resistance=float(rate[-1]), share=share), steps
 
 
 def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
@@ -543,16 +565,17 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
     """
     series = surface.series(guess.dual)
     start = _own_density(guess, series) if guess.dual else guess  # Hertz's pressure is near enough
-    state, steps = solve_on_segments(surface, start, tolerance)
+    state, steps, system, grids = solve_on_segments(surface, start, tolerance)
+    state, more = _add_resistance(state, system, grids, series.period)
     residual = contact_residual(state, series)
-    outside, inside = _lowest_values(state, series, residual.max(), tolerance)
-    return certify(state, residual, outside, inside, series.period, tolerance), steps
+    outside, negative = _violations(state, series, residual.max(), tolerance)
+    return certify(state, residual, outside, negative, series.period, tolerance), steps + more
 
 
-def _lowest_values(
+def _violations(
     state: ContactState, series: CosineSeries, residual: float, tolerance: float
-) -> tuple[float, float]:
-    """The lowest values off the segments and on them, of which neither is positive.
+) -> tuple[float, Records]:
+    """The lowest value off the segments, or 0, and where values on them are negative.
 
     ConvergenceError is raised if there is overlap or tension but by rounding. While the nodes of a segment do not
     resolve its density, the inequalities are not known any better; and an overlap is known as well as the gap on the
@@ -568,4 +591,4 @@ def _lowest_values(
     allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
     if lowest < -limit or np.any(negative["share"] < -allowed):
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
-    return lowest, float(negative["lowest"].min(initial=0.0))
+    return lowest, negative

@@ -40,41 +40,40 @@ class Blocks(NamedTuple):
     """A matrix for each segment, from values of its own in a row with those of the others to new values in a row.
 
     table : the entries of all matrices, column by column
-    start : where each begins in the table, shape (segments,); several may be the same
-    first_row, first_column : the first new and old values of each and, last, the number of all, shape (segments + 1,)
+    place : where each begins in the table, its first row and its first column, shape (3, segments + 1); several may
+        begin at the same place, and last are the numbers of all entries, rows and columns
     """
 
     table: Array
-    start: Indices
-    first_row: Indices
-    first_column: Indices
+    place: NDArray[np.int64]
 
 
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
     """The matrices of all segments in order; one that several segments share stands in the table once."""
     matrices = list(matrices)  # which keeps their identities
-    tables, place, end = [], dict[int, int](), 0
+    tables, start, end = [], dict[int, int](), 0
     for each in matrices:
-        if id(each) not in place:
-            place[id(each)], end = end, end + each.size
+        if id(each) not in start:
+            start[id(each)], end = end, end + each.size
             tables.append(each.ravel("F"))
     row = accumulate((each.shape[0] for each in matrices), initial=0)
     column = accumulate((each.shape[1] for each in matrices), initial=0)
-    start = (place[id(each)] for each in matrices)
-    return Blocks(np.concatenate(tables), *(np.array([*each]) for each in (start, row, column)))
+    place = [*(start[id(each)] for each in matrices), end], [*row], [*column]
+    return Blocks(np.concatenate(tables), np.array(place))
 
 
 @kernel
 def apply_blocks(blocks: Blocks, f: Array) -> Array:
     """The matrix of each segment times its part of f."""
-    result = np.zeros(blocks.first_row[-1])
-    for j in range(blocks.first_row.size - 1):
-        here, entry = result[blocks.first_row[j] : blocks.first_row[j + 1]], blocks.start[j]
-        for q in range(blocks.first_column[j], blocks.first_column[j + 1]):
-            factor, column = f[q], blocks.table[entry : entry + here.size]
-            for i in range(here.size):
-                here[i] += factor * column[i]
-            entry += here.size
+    place, table = blocks.place, blocks.table
+    result = np.zeros(place[1, -1])
+    for j in range(place.shape[1] - 1):
+        entry, first, last = place[0, j], place[1, j], place[1, j + 1]
+        for q in range(place[2, j], place[2, j + 1]):
+            factor = f[q]
+            for i in range(first, last):
+                result[i] += factor * table[entry + i - first]
+            entry += last - first
     return result
 
 
@@ -147,8 +146,11 @@ class ContactState(NamedTuple):
     share : of a new load that each contact takes, shape (segments,); without meaning for gaps
     residual : largest violation of a contact condition, in g_0
     error : a bound on that of the approach by these violations, in g_0
+    cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
+        middle and half-width in its coordinate t, and the strength of the pressure at both edges, as in `Solution`;
+        shape (cracks, 4), in order
 
-    Of the last five, those are NaN or empty that nothing has asked for yet.
+    Of the last six, those are NaN or empty that nothing has asked for yet.
     """
 
     dual: bool
@@ -161,6 +163,26 @@ class ContactState(NamedTuple):
     share: Array = np.empty(0)
     residual: float = np.nan
     error: float = np.nan
+    cracks: NDArray[np.float64] = np.empty((0, 4))
+
+    @property
+    def pieces(self) -> tuple[Indices, Indices]:
+        """The index of the segment that each piece between cracks is of, and those pieces that end at a crack."""
+        of = self.cracks[:, 0].astype(np.int64)
+        count = self.segments.centre.size
+        return np.repeat(np.arange(count), 1 + np.bincount(of, minlength=count)), of + np.arange(of.size)
+
+    @property
+    def extent(self) -> tuple[Array, Array, Array]:
+        """Origin, centre from there and half-width of each piece, in lambda_0."""
+        if self.cracks.size == 0:
+            return self.segments.extent
+        of, before_crack = self.pieces
+        start, end = np.full(of.size, -1.0), np.ones(of.size)
+        end[before_crack] = self.cracks[:, 1] - self.cracks[:, 2]
+        start[before_crack + 1] = self.cracks[:, 1] + self.cracks[:, 2]
+        origin, centre, r = (each[of] for each in self.segments.extent)
+        return origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)
 
 
 @lru_cache(maxsize=256)
@@ -172,7 +194,8 @@ def _quadrature(count: int) -> tuple[Array, Array, Array, Array]:
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Segments, already in order, with so many nodes each."""
-    first_node = np.append(0, np.cumsum(node_count))
+    first_node = np.zeros(node_count.size + 1, np.int64)
+    np.cumsum(node_count, out=first_node[1:])
     of_nodes = zip(*map(_quadrature, node_count.tolist()), strict=True)
     node, point, weight, log_weight = map(np.concatenate, of_nodes)
     return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
@@ -185,10 +208,10 @@ def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Ar
     return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
 
 
-@kernel
-def contacts_of(segments: Segments, dual: bool, period: float) -> tuple[Array, Array, Array]:
+def contacts_of(
+    origin: Array, centre: Array, half_width: Array, dual: bool, period: float
+) -> tuple[Array, Array, Array]:
     """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
-    origin, centre, half_width = segments.origin, segments.centre, segments.half_width
     if not dual:
         return origin, centre, half_width
     between = 0.5 * distances_between(origin, centre, half_width, period)
@@ -254,12 +277,13 @@ def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> A
     return tail
 
 
-@kernel
 def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
     """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
-    tail, widest = coefficient_tails(segments, coefficient, 0), segments.half_width.max()
-    rounding = np.minimum(TAIL_ROUNDING * (widest / segments.half_width) ** 2, MAX_TAIL_ROUNDING)
-    return tail <= np.maximum(tolerance, rounding)
+    tail = coefficient_tails(segments, coefficient, 0)
+    if np.all(resolved := tail <= tolerance):
+        return resolved
+    rounding = TAIL_ROUNDING * (segments.half_width.max() / segments.half_width) ** 2
+    return tail <= np.maximum(tolerance, np.minimum(rounding, MAX_TAIL_ROUNDING))
 
 
 def more_nodes(node_count: NDArray[np.int64]) -> Indices:

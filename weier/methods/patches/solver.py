@@ -16,14 +16,14 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import pressures_or_gaps
-from weier.methods.patches.inequalities import NEW_GAP_WIDTH, check_violation, find_negative_intervals
+from weier.methods.patches.inequalities import check_violation
 from weier.methods.patches.segments import (
     ContactState,
     contacts_of,
     degrees,
     end_sums,
 )
-from weier.methods.patches.start import Starts, gaps_guess
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
     CosineSeries,
@@ -171,17 +171,42 @@ def _curve_point(
     rounding, top = COMPLIANCE_ROUNDING * total, series.maximum
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
-    share = float(2 * state.segments.half_width.sum() / series.period)
+    half_width = state.extent[2]
+    share = float(2 * half_width.sum() / series.period)
     base, fraction = (top, 1 - share) if state.dual else (0.0, share)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
     of_R = error_model.error(tolerance, RESISTANCE) * max(R, 1.0) + _error_by_light_contacts(state, series, total)
-    count = state.segments.centre.size
+    of_R += _rise_by_cracks(state, series.period)
+    count = half_width.size
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
 
-@kernel
+def _rise_by_cracks(state: ContactState, period: float) -> float:
+    """What cracks add to the resistance, in g_0/p_0*, whose edges are not solved for.
+
+    One of half-width b adds pi^2 b^2 q^2/L. To the pressure there, a new load adds q = L f/(pi r sqrt(1-t^2)), where
+    f is the contact's share in it.
+    """
+    if state.cracks.size == 0:
+        return 0.0
+    of, t, b, _ = state.cracks.T
+    return float(period * np.sum((state.share[of.astype(np.int64)] * b) ** 2 / (1 - t**2)))
+
+
 def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
-    """How far the resistance may be off, in g_0/p_0*, where contacts are so light that heights tell little of them.
+    """How far the resistance may be off, in g_0/p_0*, by contacts so light that heights tell little of them."""
+    origin, centre, half_width = contacts_of(*state.segments.extent, state.dual, series.period)
+    at = nearest_crests(series, origin + centre)
+    known = state.error, EPS * total_amplitude, -TWIN_HEIGHT * total_amplitude
+    return _sum_over_contacts(*at, half_width, state.share, state.resistance, series, *known)
+
+
+@kernel
+def _sum_over_contacts(
+    crest: Indices, y: Array, half_width: Array, shares: Array, resistance: float, series: CosineSeries,
+    error: float, of_lower: float, lower: float,
+) -> float:  # fmt: skip
+    """How far contacts at distances y from crests make the resistance be off.
 
     The half-width a = 2 (F/kappa)^(1/2) follows from the force F and the curvature kappa. Heights that are off by e
     here and by -e elsewhere change F by 2 e/c, with c = -2 ln(pi a/L), and where they are off by e at the edges, not
@@ -194,17 +219,14 @@ def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_am
     period, rounding, total = series.period, 0.0, 0.0
     for n in range(series.amplitude.size):
         rounding += EPS * abs(series.amplitude[n]) * series.wavenumber[n] ** 2
-    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
-    crest, y = nearest_crests(series, origin + centre)
     for j in range(crest.size):
-        r = half_width[j]
-        fall = evaluate_series(series, crest[j], y[j] - r)[1] - evaluate_series(series, crest[j], y[j] + r)[1]
+        r, k = half_width[j], crest[j]
+        fall = evaluate_series(series, k, y[j] - r)[1] - evaluate_series(series, k, y[j] + r)[1]
         curvature = fall / (2 * r) if fall > 0 else np.inf
-        is_lower = series.crest_offset[crest[j]] < -TWIN_HEIGHT * total_amplitude
-        error, force = state.error + (EPS * total_amplitude if is_lower else 0.0), r * r * curvature / 4
+        of_height, force = error + (of_lower if series.crest_offset[k] < lower else 0.0), r * r * curvature / 4
         c = max(displacement_of_punch(r, period), 1.0)
-        share = (state.resistance / period + 2 * np.log(2.0)) / c if state.dual else state.share[j]
-        total += period * share * share * ((2 / c + 0.5) * error / force + rounding / curvature)
+        share = shares[j] if shares.size > 0 else (resistance / period + 2 * np.log(2.0)) / c
+        total += period * share * share * ((2 / c + 0.5) * of_height / force + rounding / curvature)
     return total
 
 
@@ -239,18 +261,12 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 def _solve(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state from one guess, and the steps to it.
 
-    A dense matrix solves for a few segments whose set is right, and all other sets are corrected. Where tension is
-    left on contacts, the gaps tell more of those that are to merge.
+    A dense matrix solves for a few segments whose set is right, and all other sets are corrected.
     """
     if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):
             return newton.solve_few_contacts(surface, guess, tolerance)
-    state, steps = _correct_set(surface, guess, tolerance)
-    if (gaps := _gaps_in_tension(surface, state)) is not None:
-        with suppress(ConvergenceError):
-            other, more = _solve(surface, gaps, many_contacts.MIN_TOLERANCE)
-            return (other if other.error < state.error else state), steps + more
-    return state, steps
+    return _correct_set(surface, guess, tolerance)
 
 
 def _correct_set(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
@@ -274,21 +290,6 @@ def _correct_set(surface: Surface, guess: ContactState, tolerance: float) -> tup
     return state, steps
 
 
-def _gaps_in_tension(surface: Surface, state: ContactState) -> ContactState | None:
-    """A guess on the gaps beside contacts, and on those so narrow that tension is left in their place; None without.
-
-    Contacts take the more nodes the narrower the gap between them is, but a narrow gap takes few.
-    """
-    negative = find_negative_intervals(state)
-    negative = negative[negative["share"] < -many_contacts.MAX_TENSION]
-    if state.dual or negative.size == 0:
-        return None
-    segments, at = state.segments, negative["segment"]
-    middle = segments.middle[at] + 0.5 * segments.half_width[at] * (negative["start"] + negative["end"])
-    half_width = 0.5 * NEW_GAP_WIDTH * segments.half_width[at] * (negative["end"] - negative["start"])
-    return gaps_guess(surface, state, middle, half_width)
-
-
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
     """The contacts of a state, whether its segments are contacts or gaps; None stands for full contact."""
     if state is None:
@@ -302,7 +303,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
 
 def _sorted_contacts(state: ContactState, period: float) -> tuple[Array, Array, Indices]:
     """Left edges in [0, L) and half-widths from left to right, and the order that sorted them."""
-    origin, centre, half_width = contacts_of(state.segments, state.dual, period)
+    origin, centre, half_width = contacts_of(*state.extent, state.dual, period)
     left = origin + (centre - half_width)
     left -= period * np.floor(left / period)
     order = np.argsort(left)
@@ -312,7 +313,9 @@ def _sorted_contacts(state: ContactState, period: float) -> tuple[Array, Array, 
 def _edge_strengths(state: ContactState) -> Array:
     """Of the left and right edges of each contact, shape (contacts, 2), from U_k(1) = k + 1 and U_k(-1)."""
     first_node, scale = state.segments.first_node, np.sqrt(2 / state.segments.half_width)[:, None]
-    strength = scale * end_sums(first_node, state.coefficient * (degrees(first_node) + 1))
+    of, before_crack = state.pieces
+    strength = (scale * end_sums(first_node, state.coefficient * (degrees(first_node) + 1)))[of]
+    strength[before_crack, 1] = strength[before_crack + 1, 0] = state.cracks[:, 3]
     if state.dual:  # contact j lies between gap j and the next
         strength = np.stack([-strength[:, 1], np.roll(strength[:, 0], -1)], axis=1) / (2 * np.pi)
     return strength

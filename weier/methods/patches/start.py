@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
@@ -23,13 +24,14 @@ from weier.methods.patches.segments import (
     make_segments,
 )
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
-from weier.methods.punches import MAX_COARSEST, OFFSET, invert_punches, solve_forces
+from weier.methods.punches import OFFSET
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.waves import Waves
 
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
 MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
 MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
+MAX_LONE = 32  # contacts whose forces are found as forces on lines
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # of finding their forces; 3 or 4 are usual
 POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
 MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
@@ -71,7 +73,7 @@ class Starts:
                 yield guess
         # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
         if guess is not None and not guess.dual:
-            yield gaps_guess(self.surface, guess, np.empty(0), np.empty(0))
+            yield gaps_guess(self.surface, guess)
 
 
 def _make_guess(
@@ -98,19 +100,18 @@ def contacts_guess(
     force : that each carries, in p_0* lambda_0, shape (contacts,)
     """
     guess = _make_guess(surface.heights, load, False, middle, half_width, force)
-    gaps = contacts_of(guess.segments, True, surface.heights.period)
+    gaps = contacts_of(*guess.segments.extent, True, surface.heights.period)
     if np.all(gaps[2] > 0):
         needed = estimate_node_count(*guess.segments.extent, surface.heights, tolerance).sum()
         if estimate_node_count(*gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
-            return gaps_guess(surface, guess, np.empty(0), np.empty(0))
+            return gaps_guess(surface, guess)
     return guess
 
 
-def gaps_guess(surface: Surface, contacts: ContactState, middle: Array, half_width: Array) -> ContactState:
-    """A guess on the gaps between contacts and on others within these."""
-    origin, centre, open_width = contacts_of(contacts.segments, True, surface.heights.period)
-    gaps = np.append(origin + centre, middle), np.append(open_width, half_width)
-    return _make_guess(surface.tensions, contacts.load, True, *gaps, 0.0)
+def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
+    """A guess on the gaps between contacts."""
+    origin, centre, half_width = contacts_of(*contacts.segments.extent, True, surface.heights.period)
+    return _make_guess(surface.tensions, contacts.load, True, origin + centre, half_width, 0.0)
 
 
 def lone_contacts(series: CosineSeries, load: float) -> ContactState | None:
@@ -131,38 +132,58 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     logarithm hardly changes with the forces, which therefore follow from those that were found with the last one. A
     crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
     """
-    n, lowest = offset.size, total * displacement_at_distance(0.5 * period, period)
-    force, most = np.where(offset == 0, total, 0.0), MAX_COARSEST
-    crest, number, one = np.empty(most, np.int64), np.arange(most), np.ones(most)
-    x, height, sinking = np.empty(most), np.empty(most), np.empty(most)
+    n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_LONE
+    force, crest, found, equations = np.zeros(n), np.empty(most, np.int64), np.empty(most), np.empty((most, most + 2))
+    for k in range(n):
+        force[k] = total if offset[k] == 0 else 0.0
     for _ in range(MAX_FORCE_STEPS):
         count = 0
         for k in range(n):
             if force[k] > 0:
                 if count == most or curvature[k] <= 0:
                     return np.zeros(n)
-                crest[count], x[count], height[count] = k, position[k], offset[k]
-                sinking[count] = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+                crest[count] = k
                 count += 1
-        inverse = invert_punches(number[:count], x[:count], sinking[:count], period)
-        even, found = solve_forces(inverse, one[:count]), solve_forces(inverse, height[:count])
-        shift = (total - found.sum()) / even.sum()
+        for i in range(count):
+            k, row = crest[i], equations[i]
+            for j in range(count):
+                row[j] = OFFSET + displacement_at_distance(position[k] - position[crest[j]], period)
+            row[i] = OFFSET + 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+            row[count], row[count + 1] = 1.0, offset[k]
+        _eliminate(equations, count)
+        even, carried = 0.0, 0.0
+        for i in range(count):
+            even += equations[i, count]
+            carried += equations[i, count + 1]
+        shift = (total - carried) / even
         approach, is_settled = shift - OFFSET * total, True
         for i in range(count):
-            found[i] += shift * even[i]
-            before, force[crest[i]] = force[crest[i]], max(found[i], 0.0)
+            before, found[i] = force[crest[i]], equations[i, count + 1] + shift * equations[i, count]
+            force[crest[i]] = max(found[i], 0.0)
             is_settled = is_settled and abs(found[i] - before) < FORCE_TOLERANCE * before
         for j in range(n):
             if force[j] == 0 and offset[j] + approach > lowest:
                 gap = -approach - offset[j]
                 for i in range(count):
                     if crest[i] != j:
-                        gap += found[i] * displacement_at_distance(x[i] - position[j], period)
+                        gap += found[i] * displacement_at_distance(position[crest[i]] - position[j], period)
                 if gap < 0:
                     force[j], is_settled = total / n, False
         if is_settled:
             return force
     return np.zeros(n)
+
+
+@kernel
+def _eliminate(equations: NDArray[np.float64], count: int) -> None:
+    """Solve so many equations, whose matrix is positive definite, for the two right sides in the columns behind."""
+    for k in range(count):
+        for j in range(count + 1, k - 1, -1):
+            equations[k, j] /= equations[k, k]
+        for i in range(count):
+            factor = equations[i, k] if i != k else 0.0
+            for j in range(k, count + 2):
+                equations[i, j] -= factor * equations[k, j]
 
 
 def lone_gaps(series: CosineSeries, load: float) -> ContactState | None:
