@@ -146,9 +146,10 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                 count += 1
         for i in range(count):
             k, row = crest[i], equations[i]
+            own = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
             for j in range(count):
-                row[j] = OFFSET + displacement_at_distance(position[k] - position[crest[j]], period)
-            row[i] = OFFSET + 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+                x = position[k] - position[crest[j]]
+                row[j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
             row[count], row[count + 1] = 1.0, offset[k]
         _eliminate(equations, count)
         even, carried = 0.0, 0.0
