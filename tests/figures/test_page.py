@@ -88,7 +88,7 @@ def test_the_page_needs_no_network(text):
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
     links = re.findall(r"(?:src|href)=\"(?!data:)([^\"]*)", markup)
     assert [link for link in links if not link.startswith(("#", "figures/"))] == [
-        *("contact.nc", "claims.md", "https://doi.org/10.1016/j.jmps.2003.12.002"),
+        *("contact.nc", "claims.md", "https://doi.org/10.1016/j.jmps.2003.12.002")
     ]  # which a reader may follow; nothing is fetched to show the page
     for heading in ("Curves, all 4 cases", "Figures", "Claims", "Errors", "Cost", "Provenance"):
         assert f"<h2>{heading}</h2>" in markup
@@ -125,10 +125,7 @@ def test_the_largest_residual_and_stated_errors_stand_beside_the_states():
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
     data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
     table = page._errors(data)
-    assert table.rows == [
-        ["demelio", 2, 0, 0, "", "", ""],
-        ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"],
-    ]
+    assert table.rows == [["demelio", 2, 0, 0, "", "", ""], ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"]]
     assert sum("stated" in heading for heading in table.header) == 2
     without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
     assert not any("stated" in heading for heading in without.header)

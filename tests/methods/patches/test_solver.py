@@ -197,14 +197,21 @@ def test_contacts_are_found_at_any_tolerance(profile, loads):
 def test_each_condition_that_is_violated_counts_in_the_bound():
     solution = patches.solve_load(THREE_WAVES, 0.5)
     state, R = solution.state, solution.state.resistance
-    carried = error_bound(state, 0.0, 0.0, 1.0, 1.0)
-    assert carried < 1e-12
+    assert error_bound(state, 0.0, 0.0, 1.0, 1.0) < 1e-12
     assert error_bound(state, 1e-5, 1e-6, 1.0, 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
     assert error_bound(state, 0.0, 1.0, 1e-9, 1.0) == pytest.approx(1e-9 * (2 + 2 * np.log(5e8) + R), rel=1e-3)
     elsewhere = state._replace(load=0.5 + 1e-4)
-    exact = patches.solve_load(THREE_WAVES, 0.5 + 1e-4)
-    deviation = abs(exact.mean_gap - solution.mean_gap)
+    deviation = abs(patches.solve_load(THREE_WAVES, 0.5 + 1e-4).mean_gap - solution.mean_gap)
     assert deviation == pytest.approx(error_bound(elsewhere, 0.0, 0.0, 1.0, 1.0), rel=1e-2)
+
+
+def test_a_gap_too_narrow_to_be_solved_for_goes_on_as_wider_ones_do():
+    """Below a merger, the gap's width squared is in proportion to the load that is missing, as its tension is."""
+    profile, merger = Profile(1.4197054193913707, "5/2", 2, (6.120992375943766, 5.640274757851748)), 0.622008326568
+    states = patches.solve_loads(profile, merger * (1 - np.array([10**-4.5, 10**-7.5])))
+    assert [len(each.state.cracks) for each in states] == [0, 1]
+    of_gap = [(each.edges[2, 0] - each.edges[1, 1], *each.edge_strength[[1, 2], [1, 0]]) for each in states]
+    assert np.divide(*of_gap) == pytest.approx(10 ** np.array([1.5, 2.25, 2.25]), rel=1e-2)
 
 
 @hard_series("against_boundary_elements")

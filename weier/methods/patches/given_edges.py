@@ -34,14 +34,7 @@ from weier.kernels.jit import kernel
 from weier.methods.chebyshev import Table, gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
-from weier.methods.patches.segments import (
-    Blocks,
-    Segments,
-    apply_blocks,
-    degrees,
-    distances_between,
-    make_blocks,
-)
+from weier.methods.patches.segments import Blocks, Segments, apply_blocks, degrees, distances_between, make_blocks
 from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch
 

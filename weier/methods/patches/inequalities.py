@@ -66,9 +66,10 @@ def error_bound(state: ContactState, gap: float, pressure: float, width: float, 
     u_1 - u = d - D - g <= d - D + eps. Under P - q, where u_1 - u is smallest, p > p_1 + q >= q, so that the state is
     in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
 
-    Or such pressures and tensions, on the width W, are taken off. That changes P by at most q W/L, and u by at most
-    q int -2 ln|2 sin(pi x/L)| dx over that width round x = 0 <= 2 q W (1 - ln(2 W/L)), as sin y >= 2 y/pi; it is the
-    less where W is small. Then none are left, and eps is larger by as much.
+    Or such pressures and tensions, on the width W, are taken off, which changes P by at most q W/L. It moves u one
+    way by at most q int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most 2 q W (1 - ln(2 W/L))
+    as sin y >= 2 y/pi, and the other way by at most 2 q W ln 2; so by no more than 2 q W (1 + max(-ln(2 W/L), 0)).
+    Then none are left, and eps is larger by as much: the less where W is small.
 
     To first order, D(P) - D(P + q) is the resistance times q; and so it is for a load that contacts do not carry.
     """

@@ -452,7 +452,8 @@ def _advance(
     """Make a step and, on two grids, at most so many corrections, in place, and assemble the equations there.
 
     Returns the approach, the size of the last of them, how many corrections there were, and whether they became
-    smaller than the tolerance. After a step that is small enough, the equations stay those before it.
+    smaller than the tolerance. After a correction that changes nothing, and after a step within the tolerance that
+    none is asked for, the equations stay those before it; or their factors, which take the place of the matrix.
     """
     approach, count, previous, is_solved, is_stuck = now.approach, 0, np.inf, False, False
     while True:  # with one call of each function, which the compiler copies to where it is called
@@ -462,7 +463,7 @@ def _advance(
             ratio, previous = size / previous if count > 1 else 1.0, size
             is_stuck = not (size < 1 and (count == 1 or ratio <= MAX_RATIO))
             is_solved = size * ratio < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
-        if size == 0 or not size < (SAME if most > 0 else COARSE_TOLERANCE):
+        if (count == 0 and most > 0) or not size < (SAME if most > 0 else tolerance):
             _assemble(system, now, approach, series)
         if count == most or is_solved or is_stuck:
             return approach, size, count, is_solved
@@ -501,9 +502,10 @@ def _newton_iteration(guess: ContactState, series: CosineSeries) -> tuple[Contac
     now, system = _copy(guess), _make_system(guess.segments.node_count, guess.load)
     change, factors = np.zeros(system.residual.size), _NO_FACTORS
     for steps in range(MAX_STEPS + 1):
-        approach, size, *_ = _advance(now, -change, system, NO_GRIDS, series, 0.0, 0)
+        tolerance = COARSE_TOLERANCE if steps > 0 else 0.0  # there are no equations before the first step
+        approach, size, *_ = _advance(now, -change, system, NO_GRIDS, series, tolerance, 0)
         now = now._replace(approach=approach)
-        if 0 < size < COARSE_TOLERANCE:
+        if size < tolerance:
             return now, factors, steps
         lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(system.matrix.T, system.residual, overwrite_a=True)
         factors = lu, pivot

@@ -17,12 +17,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.inequalities import check_violation
-from weier.methods.patches.segments import (
-    ContactState,
-    contacts_of,
-    degrees,
-    end_sums,
-)
+from weier.methods.patches.segments import ContactState, contacts_of, degrees, end_sums
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,

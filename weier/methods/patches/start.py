@@ -133,7 +133,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
     """
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_LONE
-    force, crest, found, equations = np.zeros(n), np.empty(most, np.int64), np.empty(most), np.empty((most, most + 2))
+    force, crest, equations = np.zeros(n), np.empty(most, np.int64), np.empty((most + 1, most + 2))
     for k in range(n):
         force[k] = total if offset[k] == 0 else 0.0
     for _ in range(MAX_FORCE_STEPS):
@@ -144,23 +144,18 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                     return np.zeros(n)
                 crest[count] = k
                 count += 1
-        for i in range(count):
-            k, row = crest[i], equations[i]
+        for i in range(count):  # the forces of a crest's neighbours and its own, and the plane, make up its height
+            k = crest[i]
             own = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
             for j in range(count):
                 x = position[k] - position[crest[j]]
-                row[j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
-            row[count], row[count + 1] = 1.0, offset[k]
-        _eliminate(equations, count)
-        even, carried = 0.0, 0.0
+                equations[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
+            equations[i, count], equations[i, count + 1], equations[count, i] = 1.0, offset[k], 1.0
+        equations[count, count], equations[count, count + 1] = 0.0, total  # and all forces are the load
+        _eliminate(equations, count + 1)
+        found, approach, is_settled = equations[:, count + 1], -equations[count, count + 1] - OFFSET * total, True
         for i in range(count):
-            even += equations[i, count]
-            carried += equations[i, count + 1]
-        shift = (total - carried) / even
-        approach, is_settled = shift - OFFSET * total, True
-        for i in range(count):
-            before, found[i] = force[crest[i]], equations[i, count + 1] + shift * equations[i, count]
-            force[crest[i]] = max(found[i], 0.0)
+            before, force[crest[i]] = force[crest[i]], max(found[i], 0.0)
             is_settled = is_settled and abs(found[i] - before) < FORCE_TOLERANCE * before
         for j in range(n):
             if force[j] == 0 and offset[j] + approach > lowest:
@@ -177,13 +172,13 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
 
 @kernel
 def _eliminate(equations: NDArray[np.float64], count: int) -> None:
-    """Solve so many equations, whose matrix is positive definite, for the two right sides in the columns behind."""
+    """Solve so many equations, whose pivots are not small, for the right side in the column behind their matrix."""
     for k in range(count):
-        for j in range(count + 1, k - 1, -1):
+        for j in range(count, k - 1, -1):
             equations[k, j] /= equations[k, k]
         for i in range(count):
             factor = equations[i, k] if i != k else 0.0
-            for j in range(k, count + 2):
+            for j in range(k, count + 1):
                 equations[i, j] -= factor * equations[k, j]
 
 
