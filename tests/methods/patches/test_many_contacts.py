@@ -20,7 +20,7 @@ FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
 def solve_from_grid(profile, load):
     surface = surface_of(profile)
     guess = list(Starts(profile, 1e-10).guesses(load))[1]
-    return solve_many_contacts(surface, guess, 1e-10)
+    return solve_many_contacts(surface, guess)
 
 
 def edges_of(state):
@@ -77,7 +77,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
         left, right = left + 0.3 * gap, right + 0.3 * gap
     force = np.full(left.size, load / left.size)
     guess = contacts_guess(surface, load, 0.5 * (left + right), 0.5 * (right - left), force, 1e-10)
-    again, _ = solve_many_contacts(surface, guess, 1e-10)
+    again, _ = solve_many_contacts(surface, guess)
     assert again.approach == pytest.approx(state.approach, abs=1e-12)
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
 
@@ -91,7 +91,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     coarse = patches.solve_load(fewer, min(load, 5.0))
     force = np.full(coarse.centre.size, load / coarse.centre.size)
     guess = contacts_guess(surface, load, coarse.centre, coarse.half_width, force, 1e-10)
-    state, steps = solve_many_contacts(surface, guess, 1e-10)
+    state, steps = solve_many_contacts(surface, guess)
     expected = patches.solve_load(profile, load).state
     assert steps < 30
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size

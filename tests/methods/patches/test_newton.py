@@ -6,19 +6,12 @@ import pytest
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.methods import patches
-from weier.methods.patches import newton
+from weier.methods.patches import many_contacts, newton
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import lowest_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
-from weier.methods.patches.segments import ContactState
 from weier.methods.patches.start import contacts_guess
-from weier.methods.patches.surface import Surface, nearest_crests, surface_of
-
-
-def solved_state(load: float, tolerance: float) -> tuple[Surface, ContactState]:
-    surface, state = surface_of(THREE_WAVES), patches.solve_loads(THREE_WAVES, load, tolerance)[0].state
-    assert state is not None
-    return surface, state
+from weier.methods.patches.surface import nearest_crests, surface_of
 
 
 @pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])
@@ -32,6 +25,12 @@ def test_a_gap_of_rounding_size_is_closed(below):
     assert around.compliance[0] < around.compliance[1] < around.compliance[2]
     assert around.resistance[0] > around.resistance[1] > around.resistance[2]
     assert around.resistance[1] == pytest.approx(around.resistance[0], rel=1e-6)
+
+
+def test_contacts_that_nearly_merge_need_no_sums(monkeypatch):
+    """A gap is 60 times narrower than both contacts beside it: the first two corrections are of one size."""
+    monkeypatch.setattr(many_contacts, "solve_many_contacts", None)
+    assert patches.curve(Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0)), 0.40401).residual < 1e-10
 
 
 @pytest.mark.parametrize("fault", ["unknowns", "residual", "inequalities"])
@@ -80,11 +79,10 @@ def test_a_shallow_missing_contact_is_seen(above):
 
 
 def test_a_guess_with_the_wrong_contacts_is_refused():
-    surface, state = solved_state(0.5, 1e-10)
     contacts = patches.solve_load(THREE_WAVES, 0.5)
-    assert not state.dual
+    assert not contacts.state.dual
     assert contacts.centre.size > 2
     force = np.full(contacts.centre.size - 1, 0.5 / (contacts.centre.size - 1))
-    guess = contacts_guess(surface, 0.5, contacts.centre[1:], contacts.half_width[1:], force, 1e-10)
+    guess = contacts_guess(contacts.surface, 0.5, contacts.centre[1:], contacts.half_width[1:], force, 1e-10)
     with pytest.raises(ConvergenceError, match=r"another set of contacts|Newton's method fails"):
-        newton.solve_few_contacts(surface, guess, 1e-10)
+        newton.solve_few_contacts(contacts.surface, guess, 1e-10)

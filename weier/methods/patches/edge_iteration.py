@@ -36,6 +36,7 @@ from weier.methods.patches.given_edges import (
 )
 from weier.methods.patches.segments import (
     MAX_NODES,
+    Extent,
     Segments,
     degrees,
     end_sums,
@@ -204,11 +205,6 @@ class Step(NamedTuple):
         moving = self.moves.relative >= SETTLED_MOVE
         return float(np.mean(moving | self.vanishing | self.merging | self.tight))
 
-    @property
-    def settled(self) -> bool:
-        """Whether the contacts are as many as before and Newton's method has begun to converge."""
-        return self.unsettled == 0
-
 
 def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
     """A guess on segments, without forces, of which conjugate gradients would save hardly a step."""
@@ -218,9 +214,9 @@ def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
     return Guess(punches, np.zeros(count.sum()), np.zeros(count.size, bool))
 
 
-def _estimate_nodes(problem: Problem, extent: tuple[Array, Array, Array], stage: Stage) -> Indices:
+def _estimate_nodes(problem: Problem, extent: Extent, stage: Stage) -> Indices:
     """Nodes of contacts in order."""
-    count = estimate_node_count(*extent, problem.series, stage.tolerance)
+    count = estimate_node_count(extent, problem.series, stage.tolerance)
     return round_up_nodes(np.asarray(count + stage.more_nodes, float))
 
 

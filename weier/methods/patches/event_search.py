@@ -175,7 +175,7 @@ class _Search(NamedTuple):
         period = self.starts.surface.heights.period
         origins, lefts, rights = _intervals(low, low.dual, period)
         finest = 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
-        changes, expected, is_certain = [], [], True
+        changes, advances = [], []
         for origin, left, right in zip(*_intervals(high, high.dual, period), strict=True):
             shift = origins - origin
             middle = shift + 0.5 * (lefts + rights)
@@ -184,29 +184,25 @@ class _Search(NamedTuple):
             inside = inside[np.argsort((middle + turns)[inside])]
             if inside.size == 0:
                 changes.append(_Event(True, origin, left, right))
-                expected.append((1, origin, left, right))
                 continue
             start = lefts[inside] + (shift + turns)[inside]
             end = rights[inside] + (shift + turns)[inside]
-            for a, b in ((left, start[0]), (end[-1], right)):
-                expected.append((0, origin, a, b))
-                is_certain = is_certain and b - a < MAX_ADVANCE * finest
-            for a, b in zip(end[:-1], start[1:], strict=True):
-                changes.append(_Event(False, origin, a, b))
-                expected.append((0, origin, a, b))
-        return changes, is_certain and self._has_no_more_minima(low, np.array(expected))
+            advances += [_Event(False, origin, left, start[0]), _Event(False, origin, end[-1], right)]
+            changes += [_Event(False, origin, a, b) for a, b in zip(end[:-1], start[1:], strict=True)]
+        is_certain = all(each.right - each.left < MAX_ADVANCE * finest for each in advances)
+        return changes, is_certain and self._has_no_more_minima(low, np.array(changes + advances))
 
-    def _has_no_more_minima(self, low: ContactState, expected: NDArray[np.float64]) -> bool:
-        """Whether the gap of a state has no more minima in some intervals than are expected there.
+    def _has_no_more_minima(self, low: ContactState, changes: NDArray[np.float64]) -> bool:
+        """Whether the gap of a state has one minimum where a contact is born, and none where others or edges advance.
 
-        Expected is a table of that number, an origin and both ends from there. An edge that advances over a minimum
-        does so with the help of a contact born there.
+        The changes are a table with the fields of `_Event`. An edge that advances over a minimum does so with the
+        help of a contact born there.
         """
-        count, origin, left, right = expected[expected[:, 3] > expected[:, 2]].T
-        if count.size == 0:
+        births, origin, left, right = changes[changes[:, 3] > changes[:, 2]].T
+        if births.size == 0:
             return True
         minima = _minima_of_gap(low, self.starts.surface.series(low.dual), origin, left, right)
-        return bool(np.all(minima <= count))
+        return bool(np.all(minima <= births))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
         """All changes, each as if it were alone; empty if one cannot be found."""
@@ -248,14 +244,14 @@ class _Search(NamedTuple):
         if load == start.load:
             return start
         if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            return many_contacts.follow_contacts(self.starts.surface, start, load, self.starts.tolerance)
+            return many_contacts.follow_contacts(self.starts.surface, start, load)
         few = on_few_nodes(start, self.starts.surface.series(start.dual))._replace(load=load)
         return solve_on_segments(self.starts.surface, few, self.starts.tolerance)[0]
 
 
 def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:
     """The pieces of segments of a state, or what lies between them: from origin + left to origin + right."""
-    origin, centre, half_width = contacts_of(*state.extent, between, period)
+    origin, centre, half_width = contacts_of(state.extent, between, period)
     return origin, centre - half_width, centre + half_width
 
 

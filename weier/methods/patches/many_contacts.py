@@ -46,6 +46,7 @@ from weier.methods.patches.surface import Surface
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
 MIN_TOLERANCE = 1e-10  # of the residual: what comes out is mostly a hundredth, where rounding begins
+UNSETTLED = 100.0  # times that, where it fails
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
 MAX_OVER_TARGET = 10.0  # of what is left in the end: with more, where rounding is not all of it, nodes are too few
 ROUGH_TARGET = 1e-3  # of the height that the load needs, before the set of contacts is right
@@ -77,7 +78,7 @@ def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage
     )
 
 
-def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
+def solve_many_contacts(surface: Surface, guess: ContactState) -> tuple[ContactState, int]:
     """The state in partial contact from a guess under its load, and the steps of Newton's method.
 
     ConvergenceError is raised if a contact needs more nodes than a matrix of its own should hold, if corrections do
@@ -87,21 +88,18 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
     scale = _scale(problem)
     # Rounding may keep edges of thin gaps from settling to a target that is relative to a light load. What meets a
     # looser one is certified relative to the load all the same.
-    for looser in dict.fromkeys((scale, scale**0.5, 1.0)):
+    for looser in dict.fromkeys((scale, scale**0.5, 1.0, UNSETTLED)):
         try:
-            return _solve_to(problem, guess, tolerance, looser)
+            return _solve_to(problem, guess, looser)
         except ConvergenceError as error:
             failure = error
     raise failure
 
 
-def _solve_to(
-    problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
-) -> tuple[ContactState, int]:
+def _solve_to(problem: Problem, guess: ContactState, scale: float, follows: bool = False) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
-    load = problem.load
-    wanted = max(tolerance, MIN_TOLERANCE) * scale
-    target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
+    load, period, wanted = problem.load, problem.series.period, MIN_TOLERANCE * scale
+    target = max(TARGET * wanted, ROUNDING * load * period)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, target, scale)
     stage, last_move = fine if follows else rough, np.inf
@@ -109,7 +107,7 @@ def _solve_to(
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
-        is_enough = step.settled or (moved and step.unsettled < MAX_UNSETTLED)
+        is_enough = step.unsettled == 0 or (moved and step.unsettled < MAX_UNSETTLED)
         if stage.fine:
             is_enough = _converged(step, target, last_move)
         last_move = float(step.moves.relative.max())
@@ -141,16 +139,16 @@ def _solve_to(
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, share = _resistance(problem, step.punches)
                 state = state._replace(resistance=resistance, share=share, cracks=_cracks(state, wrong[~is_open]))
-                return certify(state, residual, outside, negative, problem.series.period, tolerance), steps
+                return certify(state, residual, outside, negative, period, max(wanted, MIN_TOLERANCE)), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
-def follow_contacts(surface: Surface, start: ContactState, load: float, tolerance: float) -> ContactState:
+def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
     problem = Problem(surface.series(start.dual), load, start.dual)
-    return _solve_to(problem, start, tolerance, _scale(problem), follows=True)[0]
+    return _solve_to(problem, start, _scale(problem), follows=True)[0]
 
 
 def _scale(problem: Problem) -> float:
@@ -171,7 +169,7 @@ def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
     last, count = segments.first_node[1:], segments.node_count
     tail = np.maximum(np.abs(step.b[last - 1]), np.abs(step.b[last - 2]))
     height = 2 * np.pi * segments.half_width * tail / count
-    short = step.settled & (height > MAX_TAIL * target)
+    short = (step.unsettled == 0) & (height > MAX_TAIL * target)
     return np.where(short, more_nodes(count), count)
 
 

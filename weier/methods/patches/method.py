@@ -46,15 +46,12 @@ def _run_kernels() -> None:
     None of them starts from boundary elements, which may still be compiled.
     """
     surface = surface_of(ONE_WAVE)
-    contact, gap = (
-        lone_contacts(surface.heights, LIGHT),
-        lone_gaps(surface.tensions, surface.full_contact_load - LIGHT),
-    )
-    for guess in (contact, gap):
+    nearly_full = surface.full_contact_load - LIGHT
+    for guess in (lone_contacts(surface.heights, LIGHT), lone_gaps(surface.tensions, nearly_full)):
         assert guess is not None
         series = surface.series(guess.dual)
         curve(ONE_WAVE, guess.load)
-        state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
+        state, _ = many_contacts.solve_many_contacts(surface, guess)
         _, crest, y = sample_points(state.segments, True)
         residuals_one_by_one(state, series, crest, y)
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)

@@ -62,7 +62,7 @@ Factors = tuple[Matrix, NDArray[np.int32]]
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of Newton's method, and of corrections
 MAX_ROUNDING_STEP = 1e-5  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
-MAX_RATIO = 0.5  # of a correction over the one before: with more, the slow modes need more nodes
+MAX_RATIO = 0.5  # of a correction over the one before, from the third on: with more, the slow modes need more nodes
 SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
 MAX_RESISTANCE_ERROR = 1e-8  # of it, where rounding ends them
 SAME = 1e-10  # relative change of the unknowns, after which matrix and resistance are still the same
@@ -396,7 +396,7 @@ def _change_nodes(now: ContactState, node_count: Indices, interpolation: Blocks)
 
 def on_few_nodes(now: ContactState, series: CosineSeries) -> ContactState:
     """The density on as few nodes as a guess has."""
-    count = estimate_node_count(*now.segments.extent, series, COARSE_TOLERANCE)
+    count = estimate_node_count(now.segments.extent, series, COARSE_TOLERANCE)
     counts = tuple(now.segments.node_count.tolist()), tuple(count.tolist())
     return _change_nodes(now, count, _mode_blocks(*counts, series.period, now.dual)[1])
 
@@ -461,7 +461,7 @@ def _advance(
         approach += step[-1]
         if count > 0:
             ratio, previous = size / previous if count > 1 else 1.0, size
-            is_stuck = not (size < 1 and (count == 1 or ratio <= MAX_RATIO))
+            is_stuck = not (size < 1 and (count <= 2 or ratio <= MAX_RATIO))
             is_solved = size * ratio < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
         if (count == 0 and most > 0) or not size < (SAME if most > 0 else tolerance):
             _assemble(system, now, approach, series)
@@ -489,7 +489,7 @@ def _find_rate(system: System, grids: TwoGrids) -> tuple[int, float]:
         ratio, previous = size / max(previous, 1e-300), size
         if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
             return step, error * ratio
-        if not ratio <= MAX_RATIO:
+        if step > 2 and not ratio <= MAX_RATIO:
             break
     return step, error
 
@@ -500,15 +500,14 @@ def _newton_iteration(guess: ContactState, series: CosineSeries) -> tuple[Contac
     ConvergenceError is raised if the steps do not shrink.
     """
     now, system = _copy(guess), _make_system(guess.segments.node_count, guess.load)
-    change, factors = np.zeros(system.residual.size), _NO_FACTORS
+    change, (lu, pivot) = np.zeros(system.residual.size), _NO_FACTORS
     for steps in range(MAX_STEPS + 1):
         tolerance = COARSE_TOLERANCE if steps > 0 else 0.0  # there are no equations before the first step
         approach, size, *_ = _advance(now, -change, system, NO_GRIDS, series, tolerance, 0)
         now = now._replace(approach=approach)
         if size < tolerance:
-            return now, factors, steps
+            return now, (lu, pivot), steps
         lu, pivot, change, is_singular = scipy.linalg.lapack.dgesv(system.matrix.T, system.residual, overwrite_a=True)
-        factors = lu, pivot
         if is_singular or not size < np.inf:
             break
     raise ConvergenceError(f"Newton's method fails under the mean pressure {now.load:.6g} p_0*", float(size))
@@ -525,7 +524,7 @@ def solve_on_segments(
     series, load = surface.series(guess.dual), guess.load
     coarse, factors, steps = _newton_iteration(guess, series)
     few = coarse.segments
-    count = estimate_node_count(*few.extent, series, tolerance)
+    count = estimate_node_count(few.extent, series, tolerance)
     count = np.maximum(count, few.node_count)
     for _ in range(MAX_NODE_ROUNDS):
         system = _make_system(count, load)

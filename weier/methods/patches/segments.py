@@ -20,6 +20,8 @@ from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
+Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
+
 MAX_NODES = 2000
 # Nodes of a segment, by the digits asked for: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments; and
 # e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
@@ -117,7 +119,7 @@ class Segments(NamedTuple):
         return self.first_node[1:] - self.first_node[:-1]
 
     @property
-    def extent(self) -> tuple[Array, Array, Array]:
+    def extent(self) -> Extent:
         """Origin, centre from there and half-width of each, in lambda_0."""
         return self.origin, self.centre, self.half_width
 
@@ -173,7 +175,7 @@ class ContactState(NamedTuple):
         return np.repeat(np.arange(count), 1 + np.bincount(of, minlength=count)), of + np.arange(of.size)
 
     @property
-    def extent(self) -> tuple[Array, Array, Array]:
+    def extent(self) -> Extent:
         """Origin, centre from there and half-width of each piece, in lambda_0."""
         if self.cracks.size == 0:
             return self.segments.extent
@@ -208,13 +210,11 @@ def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Ar
     return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
 
 
-def contacts_of(
-    origin: Array, centre: Array, half_width: Array, dual: bool, period: float
-) -> tuple[Array, Array, Array]:
-    """Origin, centre from there and half-width of each contact in order; those between gaps (dual) follow these."""
+def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
+    """The contacts in order, which are the segments or, dual, lie between them and follow them."""
     if not dual:
-        return origin, centre, half_width
-    between = 0.5 * distances_between(origin, centre, half_width, period)
+        return extent
+    (origin, centre, half_width), between = extent, 0.5 * distances_between(*extent, period)
     return origin, centre + half_width + between, between
 
 
@@ -234,15 +234,13 @@ def distances_between(origin: Array, centre: Array, half_width: Array, period: f
     return distance
 
 
-def estimate_node_count(
-    origin: Array, centre: Array, half_width: Array, series: CosineSeries, tolerance: float
-) -> Indices:
+def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:
     """Nodes for the waves within each segment and for the singularities at the edges of its neighbours.
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge.
     """
     finest = float(series.wavenumber[-1])
-    return np.asarray(_count_nodes(origin, centre, half_width, series.period, finest, _needs(tolerance)))
+    return np.asarray(_count_nodes(*extent, series.period, finest, _needs(tolerance)))
 
 
 @kernel

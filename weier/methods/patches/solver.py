@@ -34,7 +34,6 @@ from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
 TOLERANCE = 1e-10
-UNSETTLED = 100  # times the tolerance to which sets of contacts are corrected, where that one fails
 MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
 EPS = float(np.finfo(float).eps)
 
@@ -190,7 +189,7 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
 
 def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
     """How far the resistance may be off, in g_0/p_0*, by contacts so light that heights tell little of them."""
-    origin, centre, half_width = contacts_of(*state.segments.extent, state.dual, series.period)
+    origin, centre, half_width = contacts_of(state.segments.extent, state.dual, series.period)
     at = nearest_crests(series, origin + centre)
     known = state.error, EPS * total_amplitude, -TWIN_HEIGHT * total_amplitude
     return _sum_over_contacts(*at, half_width, state.share, state.resistance, series, *known)
@@ -256,25 +255,15 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 def _solve(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state from one guess, and the steps to it.
 
-    A dense matrix solves for a few segments whose set is right, and all other sets are corrected.
+    A dense matrix solves for a few segments whose set is right, and all other sets are corrected: tightly, whatever
+    the tolerance, since next to its birth a contact changes dh/dp far more than h. A residual that is small beside
+    the load does not tell how wide it is, but the steps of a dense matrix do, which are relative to each segment: it
+    ends what are few.
     """
     if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):
             return newton.solve_few_contacts(surface, guess, tolerance)
-    return _correct_set(surface, guess, tolerance)
-
-
-def _correct_set(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
-    """The state on a set that is corrected, and tightly, whatever the tolerance, and the steps.
-
-    Next to its birth a contact changes dh/dp far more than h. A residual that is small beside the load does not tell
-    how wide it is, but the steps of a dense matrix do, which are relative to each segment: it ends what are few.
-    """
-    try:
-        state, steps = many_contacts.solve_many_contacts(surface, guess, many_contacts.MIN_TOLERANCE)
-    except ConvergenceError:
-        unsettled = UNSETTLED * many_contacts.MIN_TOLERANCE
-        state, steps = many_contacts.solve_many_contacts(surface, guess, unsettled)
+    state, steps = many_contacts.solve_many_contacts(surface, guess)
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging
             again = newton.on_few_nodes(state, surface.series(state.dual))
@@ -298,7 +287,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
 
 def _sorted_contacts(state: ContactState, period: float) -> tuple[Array, Array, Indices]:
     """Left edges in [0, L) and half-widths from left to right, and the order that sorted them."""
-    origin, centre, half_width = contacts_of(*state.extent, state.dual, period)
+    origin, centre, half_width = contacts_of(state.extent, state.dual, period)
     left = origin + (centre - half_width)
     left -= period * np.floor(left / period)
     order = np.argsort(left)

@@ -86,7 +86,7 @@ def _make_guess(
     order, turns = in_order(middle, series.period)
     middle, half_width, pressure = (middle - turns)[order], half_width[order], (2 / np.pi * force / half_width)[order]
     crest, origin, centre = from_crests(series, middle)
-    count = estimate_node_count(origin, centre, half_width, series, COARSE_TOLERANCE)
+    count = estimate_node_count((origin, centre, half_width), series, COARSE_TOLERANCE)
     segments = make_segments(crest, origin, centre, half_width, count)
     return ContactState(dual, load, 0.0, segments, np.repeat(pressure, count))
 
@@ -100,17 +100,17 @@ def contacts_guess(
     force : that each carries, in p_0* lambda_0, shape (contacts,)
     """
     guess = _make_guess(surface.heights, load, False, middle, half_width, force)
-    gaps = contacts_of(*guess.segments.extent, True, surface.heights.period)
+    gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
     if np.all(gaps[2] > 0):
-        needed = estimate_node_count(*guess.segments.extent, surface.heights, tolerance).sum()
-        if estimate_node_count(*gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
+        needed = estimate_node_count(guess.segments.extent, surface.heights, tolerance).sum()
+        if estimate_node_count(gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
             return gaps_guess(surface, guess)
     return guess
 
 
 def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
     """A guess on the gaps between contacts."""
-    origin, centre, half_width = contacts_of(*contacts.segments.extent, True, surface.heights.period)
+    origin, centre, half_width = contacts_of(contacts.segments.extent, True, surface.heights.period)
     return _make_guess(surface.tensions, contacts.load, True, origin + centre, half_width, 0.0)
 
 
