@@ -82,17 +82,20 @@ def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     gap, degree = punches.gap, degrees(first_node)
     phi = outward_sign * end_sums(first_node, a * (degree + 1))
     inward_fall = -outward_sign * end_sums(first_node, b * degree**2)
-    by_contact = _moves_by_contact(r, psi, phi)
     by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
+    by_contact = _moves_by_contact(r, psi, phi, gap_is_narrow)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
     room = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
     return EdgeMoves(outward, closing, np.abs(outward).max(axis=1) / room)
 
 
-def _moves_by_contact(r: Array, psi: Sides, phi: Sides) -> Sides:
-    """Outward moves by Hertz's contact: (r + dr)^2 = r^2 + 2 r dr with dr the mean of both edges' moves."""
-    safe = np.where(phi > 0, phi, 1.0)
-    x = np.where(phi > 0, psi / safe, BLIND_GROWTH * np.sign(psi))
+def _moves_by_contact(r: Array, psi: Sides, phi: Sides, gap_is_narrow: NDArray[np.bool_]) -> Sides:
+    """Outward moves by Hertz's contact: (r + dr)^2 = r^2 + 2 r dr with dr the mean of both edges' moves.
+
+    An edge at a narrow gap, where the pressure may fall to the other contact, tells nothing of the opposite one.
+    """
+    x = np.where(phi > 0, psi / np.where(phi > 0, phi, 1.0), BLIND_GROWTH * np.sign(psi))
+    x = np.where(gap_is_narrow, x[:, ::-1], x)
     growth = _growth_of_square(0.5 * (x[:, 0] + x[:, 1]))
     shift = np.clip(0.5 * (x[:, 1] - x[:, 0]), -MAX_CONTACT_SHIFT, MAX_CONTACT_SHIFT)
     return np.stack([growth - shift, growth + shift], axis=1) * r[:, None]
