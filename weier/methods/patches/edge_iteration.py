@@ -249,13 +249,13 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
 
 
-def next_guess(problem: Problem, step: Step, stage: Stage, more_nodes: Array | None = None) -> Guess:
+def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Array | None = None) -> Guess:
     """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
     moved = _move_edges(step)
     b = moved_expansion(step.punches.segments, step.b, moved.centre, moved.half_width)
     remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
     merged = np.array(_merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
-    return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, more_nodes)
+    return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, node_count)
 
 
 def _move_edges(step: Step) -> Segments:
@@ -288,7 +288,7 @@ def _merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> l
 
 def rearrange(
     problem: Problem, step: Step, segments: Segments, remaining: Flags, added: NDArray[np.float64], stage: Stage,
-    more_nodes: Array | None = None,
+    node_count: Array | None = None,
 ) -> Guess:  # fmt: skip
     """A guess of the remaining segments, with the step's expansions, and of added intervals, shape (added, 2)."""
     series = problem.series
@@ -304,7 +304,7 @@ def rearrange(
     origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
     tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
     count = _estimate_nodes(problem, extent, stage)
-    if more_nodes is not None:
-        count = np.where(origin_of >= 0, round_up_nodes(more_nodes[origin_of]), count)
+    if node_count is not None:
+        count = np.where(origin_of >= 0, round_up_nodes(node_count[origin_of]), count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
     return Guess(punches, transfer_forces(step.punches.segments, step.b, origin_of, punches), tight)

@@ -59,7 +59,7 @@ class Events(NamedTuple):
 
 
 class _Event(NamedTuple):
-    """A contact born, or else a gap closed, somewhere in [origin + left, origin + right], in lambda_0."""
+    """A contact born, or else a gap closed or partly so, in [origin + left, origin + right], in lambda_0."""
 
     birth: bool
     origin: float
@@ -193,10 +193,10 @@ class _Search(NamedTuple):
         return changes, is_certain and self._has_no_more_minima(low, np.array(changes + advances))
 
     def _has_no_more_minima(self, low: ContactState, changes: NDArray[np.float64]) -> bool:
-        """Whether the gap of a state has one minimum where a contact is born, and none where others or edges advance.
+        """Whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
 
-        The changes are a table with the fields of `_Event`. An edge that advances over a minimum does so with the
-        help of a contact born there.
+        The changes, a table with the fields of `_Event`, are births, gaps that close, and what edges advance over. An
+        edge that advances over a minimum does so with the help of a contact born there.
         """
         births, origin, left, right = changes[changes[:, 3] > changes[:, 2]].T
         if births.size == 0:

@@ -8,6 +8,8 @@ segments by direct sums of closed forms that share nothing with the fast ones.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,8 +47,8 @@ from weier.methods.patches.surface import Surface
 
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
-MIN_TOLERANCE = 1e-10  # of the residual: what comes out is mostly a hundredth, where rounding begins
-UNSETTLED = 100.0  # times that, where it fails
+# Of the residual: what comes out is mostly a hundredth, where rounding begins; and where the first fails.
+TOLERANCES = (1e-10, 1e-8)
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
 MAX_OVER_TARGET = 10.0  # of what is left in the end: with more, where rounding is not all of it, nodes are too few
 ROUGH_TARGET = 1e-3  # of the height that the load needs, before the set of contacts is right
@@ -88,17 +90,19 @@ def solve_many_contacts(surface: Surface, guess: ContactState) -> tuple[ContactS
     scale = _scale(problem)
     # Rounding may keep edges of thin gaps from settling to a target that is relative to a light load. What meets a
     # looser one is certified relative to the load all the same.
-    for looser in dict.fromkeys((scale, scale**0.5, 1.0, UNSETTLED)):
+    for tolerance, looser in product(TOLERANCES, dict.fromkeys((scale, scale**0.5, 1.0))):
         try:
-            return _solve_to(problem, guess, looser)
+            return _solve_to(problem, guess, tolerance, looser)
         except ConvergenceError as error:
             failure = error
     raise failure
 
 
-def _solve_to(problem: Problem, guess: ContactState, scale: float, follows: bool = False) -> tuple[ContactState, int]:
+def _solve_to(
+    problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
+) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
-    load, period, wanted = problem.load, problem.series.period, MIN_TOLERANCE * scale
+    load, period, wanted = problem.load, problem.series.period, tolerance * scale
     target = max(TARGET * wanted, ROUNDING * load * period)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, target, scale)
@@ -126,9 +130,8 @@ def _solve_to(problem: Problem, guess: ContactState, scale: float, follows: bool
         added, remaining, outside = _corrections(problem, step, state, stage, wrong[is_open])
         if not np.all(remaining) or len(added) > 0:
             moved = False
-            segments = step.punches.segments
-            counts = segments.node_count.astype(float) if stage.fine else None
-            now = rearrange(problem, step, segments, remaining, added, stage, counts)
+            counts = state.segments.node_count.astype(float) if stage.fine else None
+            now = rearrange(problem, step, state.segments, remaining, added, stage, counts)
         elif not stage.fine:
             stage = fine
             now = next_guess(problem, step, stage)
@@ -139,7 +142,7 @@ def _solve_to(problem: Problem, guess: ContactState, scale: float, follows: bool
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, share = _resistance(problem, step.punches)
                 state = state._replace(resistance=resistance, share=share, cracks=_cracks(state, wrong[~is_open]))
-                return certify(state, residual, outside, negative, period, max(wanted, MIN_TOLERANCE)), steps
+                return certify(state, residual, outside, negative, period, tolerance), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -148,7 +151,7 @@ def _solve_to(problem: Problem, guess: ContactState, scale: float, follows: bool
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
     problem = Problem(surface.series(start.dual), load, start.dual)
-    return _solve_to(problem, start, _scale(problem), follows=True)[0]
+    return _solve_to(problem, start, TOLERANCES[0], _scale(problem), follows=True)[0]
 
 
 def _scale(problem: Problem) -> float:

@@ -62,9 +62,9 @@ Factors = tuple[Matrix, NDArray[np.int32]]
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of Newton's method, and of corrections
 MAX_ROUNDING_STEP = 1e-5  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
-MAX_RATIO = 0.5  # of a correction over the one before, from the third on: with more, the slow modes need more nodes
+# Of a correction over the second before it, for two may be of one size: with more, the slow modes need more nodes.
+MAX_RATIO = 0.5
 SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
-MAX_RESISTANCE_ERROR = 1e-8  # of it, where rounding ends them
 SAME = 1e-10  # relative change of the unknowns, after which matrix and resistance are still the same
 MAX_NODE_ROUNDS = 8  # of adding nodes
 MIN_ANGLE = 1e-8  # below it sin(y) = y and y cot(y) = 1 to rounding
@@ -455,13 +455,13 @@ def _advance(
     smaller than the tolerance. After a correction that changes nothing, and after a step within the tolerance that
     none is asked for, the equations stay those before it; or their factors, which take the place of the matrix.
     """
-    approach, count, previous, is_solved, is_stuck = now.approach, 0, np.inf, False, False
+    approach, count, before, previous, is_solved, is_stuck = now.approach, 0, np.inf, np.inf, False, False
     while True:  # with one call of each function, which the compiler copies to where it is called
         size = _move(now, step, series.period)
         approach += step[-1]
         if count > 0:
-            ratio, previous = size / previous if count > 1 else 1.0, size
-            is_stuck = not (size < 1 and (count <= 2 or ratio <= MAX_RATIO))
+            ratio, is_stuck = size / previous if count > 1 else 1.0, not (size < 1 and size <= MAX_RATIO * before)
+            before, previous = previous, size
             is_solved = size * ratio < tolerance or (is_stuck and size < MAX_ROUNDING_STEP)
         if (count == 0 and most > 0) or not size < (SAME if most > 0 else tolerance):
             _assemble(system, now, approach, series)
@@ -477,7 +477,7 @@ def _find_rate(system: System, grids: TwoGrids) -> tuple[int, float]:
 
     What is left of the equations takes the place of `by_load`.
     """
-    previous, error, rate, residual = np.inf, np.inf, system.rate, system.by_load
+    before, previous, error, rate, residual = np.inf, np.inf, np.inf, system.rate, system.by_load
     for step in range(1, MAX_STEPS + 1):
         change, size = _correction(grids, residual), 0.0
         for k in range(rate.size):
@@ -486,10 +486,11 @@ def _find_rate(system: System, grids: TwoGrids) -> tuple[int, float]:
             for i in range(rate.size):
                 residual[i] += change[k] * system.matrix[k, i]
         error = abs(change[-1] / rate[-1])
-        ratio, previous = size / max(previous, 1e-300), size
+        ratio, is_stuck = size / max(previous, 1e-300), not size <= MAX_RATIO * before
+        before, previous = previous, size
         if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
             return step, error * ratio
-        if step > 2 and not ratio <= MAX_RATIO:
+        if is_stuck:
             break
     return step, error
 
@@ -549,7 +550,7 @@ def _add_resistance(state: ContactState, system: System, grids: TwoGrids, period
     And the corrections to these that it took. ConvergenceError is raised unless they become small.
     """
     steps, error = _find_rate(system, grids)
-    if not error <= MAX_RESISTANCE_ERROR:
+    if not error <= SENSITIVITY_TOLERANCE:
         why = f"the resistance does not converge under the mean pressure {state.load:.6g} p_0*"
         raise ConvergenceError(why, error)
     segments, rate, N = state.segments, system.rate, state.phi.size

@@ -257,8 +257,8 @@ def _solve(surface: Surface, guess: ContactState, tolerance: float) -> tuple[Con
 
     A dense matrix solves for a few segments whose set is right, and all other sets are corrected: tightly, whatever
     the tolerance, since next to its birth a contact changes dh/dp far more than h. A residual that is small beside
-    the load does not tell how wide it is, but the steps of a dense matrix do, which are relative to each segment: it
-    ends what are few.
+    the load does not tell how wide a contact is. The steps of a dense matrix do, which are relative to each segment,
+    and so they end what are few.
     """
     if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):
@@ -267,8 +267,7 @@ def _solve(surface: Surface, guess: ContactState, tolerance: float) -> tuple[Con
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging
             again = newton.on_few_nodes(state, surface.series(state.dual))
-            tight = min(tolerance, many_contacts.MIN_TOLERANCE)
-            state, more = newton.solve_few_contacts(surface, again, tight)
+            state, more = newton.solve_few_contacts(surface, again, min(tolerance, many_contacts.TOLERANCES[0]))
             return state, steps + more
     check_violation(state, surface.heights.period, tolerance)
     return state, steps
