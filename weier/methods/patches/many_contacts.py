@@ -47,7 +47,8 @@ from weier.methods.patches.surface import Surface
 
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
-# Of the residual: what comes out is mostly a hundredth, where rounding begins; and where the first fails.
+# Of the residual: what comes out is mostly a hundredth of the first, where rounding begins. The second is for where
+# that one fails.
 TOLERANCES = (1e-10, 1e-8)
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
 MAX_OVER_TARGET = 10.0  # of what is left in the end: with more, where rounding is not all of it, nodes are too few
