@@ -150,7 +150,10 @@ def _solve_to(
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
-    """The contacts of a state under another load, as if none were born or merged in between; without resistance."""
+    """The contacts of a state under another load, as if none were born or merged in between; without resistance.
+
+    They are followed tightly, whatever the tolerance of the states: the load of an event is sought to ten digits.
+    """
     problem = Problem(surface.series(start.dual), load, start.dual)
     return _solve_to(problem, start, TOLERANCES[0], _scale(problem), follows=True)[0]
 
