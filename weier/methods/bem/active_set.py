@@ -19,12 +19,11 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices, Record, Records, Spectrum, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
-from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, copy_values, grid_of, nested_grids, refine
-from weier.methods.bem.local_fit import EDGE
+from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, nested_grids, refine
+from weier.methods.bem.staircase import EDGE, NodalSolution
 from weier.theory.waves import Waves
 
 RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
-MIN_NEAR = 0.5  # of the load before: a lighter one is not near, and begins on the coarsest grid
 MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
 MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
 # Violations over the error on the contact, at which it is corrected first. With 1, ten thousand contacts take 1.4
@@ -34,31 +33,13 @@ PART = 2**22  # nodes of pairs of FFTs that a call takes: a quarter of a second 
 
 # How far a load has come; without `work` it begins. On the grid of this `level` it has taken so many `steps` and
 # `corrections` of the contact, the last step with this `energy`. The pressure has `moved` since the operator was
-# applied afresh, and the last direction is `kept` for the next where the contact is the same. The load is `near` a
-# heavier one if it began there. `work` are the nodes of all pairs of FFTs; a call ends beyond `limit` of them.
+# applied afresh, and the last direction is `kept` for the next where the contact is the same. `work` are the nodes of
+# all pairs of FFTs; a call ends beyond `limit` of them.
 SEARCH = record_type(
     ("level steps corrections work limit", np.int64, ()),
     ("energy plane residual rate", np.float64, ()),
-    ("near moved kept", np.bool_, ()),
+    ("moved kept", np.bool_, ()),
 )
-
-
-class DiscreteSolution(NamedTuple):
-    """The discrete solution under one load.
-
-    plane : height of the rigid plane above the mean plane (the mean gap d), in g_0
-    resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
-    contact_fraction, patches : share of nodes in contact, and the number of unbroken runs of them
-    residual : largest violation of a contact condition, as a length in g_0
-    work : solver's own measure of cost
-    """
-
-    plane: float
-    resistance: float
-    contact_fraction: float
-    patches: int
-    residual: float
-    work: float
 
 
 class GridState(NamedTuple):
@@ -89,20 +70,32 @@ class GridState(NamedTuple):
 def make_grid_state(points: int) -> GridState:
     """Working arrays for grids of up to `points` nodes."""
     return GridState(
-        np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points), np.zeros(points),
-        np.zeros(points // 2 + 1, np.complex128), np.zeros(points, np.bool_), np.zeros(points + 2, np.int64),
-        np.zeros(1, SEARCH),
-    )  # fmt: skip
+        pressure=np.zeros(points),
+        deformed=np.zeros(points),
+        direction=np.zeros(points),
+        product=np.zeros(points),
+        residual=np.zeros(points),
+        spectrum=np.zeros(points // 2 + 1, np.complex128),
+        contact=np.zeros(points, np.bool_),
+        edge=np.zeros(points + 2, np.int64),
+        search=np.zeros(1, SEARCH),
+    )
 
 
 @kernel
 def leading_part(state: GridState, points: int) -> GridState:
     """The leading part of every array, for a grid of `points` nodes."""
     return GridState(
-        state.pressure[:points], state.deformed[:points], state.direction[:points], state.product[:points],
-        state.residual[:points], state.spectrum[: points // 2 + 1], state.contact[:points],
-        state.edge[: points + 2], state.search,
-    )  # fmt: skip
+        state.pressure[:points],
+        state.deformed[:points],
+        state.direction[:points],
+        state.product[:points],
+        state.residual[:points],
+        state.spectrum[: points // 2 + 1],
+        state.contact[:points],
+        state.edge[: points + 2],
+        state.search,
+    )
 
 
 @kernel
@@ -338,58 +331,8 @@ def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
     return True
 
 
-@kernel
-def _lighten(load: float, heavier: float, pressure: Array, state: GridState) -> None:
-    """Begin one load on the finest grid, from the `pressure` of a heavier one, whose pressure per load is in `state`.
-
-    As the load falls the square of the pressure falls by 2 p q, exactly so for one contact on a parabola. Where that
-    leaves nothing, the search begins with the pressure.
-    """
-    left = 0.0
-    for i in range(pressure.size):
-        fall = 2 * state.pressure[i] * (heavier - load)
-        state.pressure[i] = np.sqrt(max(pressure[i] * (pressure[i] - fall), 0.0))
-        left += state.pressure[i]
-    if not 0 < left < np.inf:
-        copy_values(pressure, state.pressure)
-    _contact_from_pressure(state)
-
-
-@kernel
-def solve_on_grid(
-    load: float, heavier: float, flatness: float, carried: Array, deformed: Array, hierarchy: Hierarchy, grid: Grid,
-    state: GridState,
-) -> bool:  # fmt: skip
-    """Go on with a load and its rate, which becomes inf if either is missed: whether all is done.
-
-    Under a load near the `heavier` one before, the search begins with the pressure that this has left, `carried`;
-    else on the coarsest grid. What this load leaves becomes `carried`, and `deformed` is its surface.
-    """
-    search, grids = state.search[0], hierarchy.points.size
-    if search.work == 0:
-        _begin_on(0, search)
-        search.near = load > MIN_NEAR * heavier
-    if search.near and search.level == 0:
-        if search.steps == 0:
-            _lighten(load, heavier, carried, state)
-        search.limit = search.work + PART
-        if not solve_load(load, grid, state):
-            return False
-        search.near = search.residual <= grid.max_residual
-        _begin_on(grids if search.near else 0, search)
-    if not cascade(load, hierarchy, state):
-        return False
-    if search.residual <= grid.max_residual:
-        if search.steps == 0:
-            copy_values(state.pressure, carried)
-            copy_values(state.deformed, deformed)
-        return solve_rate(flatness, grid, state)
-    search.rate = np.inf
-    return True
-
-
 class NestedSolver:
-    """One profile on nested grids, for loads that depend on no other."""
+    """One profile on nested grids; the solution under a load depends on no other load."""
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
         """Make the grids, and room for a solution on the finest."""
@@ -403,9 +346,9 @@ class NestedSolver:
             pass
         return float(self.state.search["plane"][0])
 
-    def solve_rate(self) -> float:
-        """Its rate on the contact that this has left, or inf."""
-        while not solve_rate(RATE_TOLERANCE, self.grid, self.state):
+    def solve_rate(self, flatness: float = RATE_TOLERANCE) -> float:
+        """Its derivative by the load on the contact that this has left, or inf."""
+        while not solve_rate(flatness, self.grid, self.state):
             pass
         return float(self.state.search["rate"][0])
 
@@ -419,8 +362,13 @@ class NestedSolver:
         """Pairs of FFTs, those of coarser grids by their size."""
         return float(self.state.search["work"][0] / self.grid.height.size)
 
-    def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:
-        """The contact as it stands on nodes, and its rate if asked for, at about the cost of another load."""
-        plane, contact = self.solve(load), self.state.contact
-        rate = self.solve_rate() if with_resistance else np.nan
-        return DiscreteSolution(plane, rate, contact.mean(), count_patches(contact), self.residual, self.work)
+    def solve_discrete(self, load: float, with_rate: bool, flatness: float = RATE_TOLERANCE) -> NodalSolution:
+        """The solution under a load, and its derivative if asked for, at about the cost of another load."""
+        plane, state = self.solve(load), self.state
+        pressure, gap = state.pressure.copy(), plane - state.deformed
+        rate = np.nan
+        if with_rate and self.residual <= self.grid.max_residual:
+            rate = self.solve_rate(flatness)
+        return NodalSolution(
+            plane, rate, pressure, gap, state.pressure, -state.deformed, state.contact, self.residual, self.work
+        )

@@ -9,7 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.blas import one_thread
-from weier.methods.bem.active_set import DiscreteSolution, count_patches
+from weier.methods.bem.staircase import NodalSolution
 from weier.theory.halfplane import influence_coefficients
 from weier.theory.waves import Waves
 
@@ -22,6 +22,7 @@ class ActiveSet(NamedTuple):
     plane : height of the rigid plane above the mean plane, in g_0
     resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
     pressure : of the nodes, shape (N,), in p_0*, free of tension
+    tangent_pressure : its derivative by the mean pressure, shape (N,)
     contact : whether a node is in contact, shape (N,)
     rounds : dense solutions so far
     converged : whether the last one changed no node
@@ -30,6 +31,7 @@ class ActiveSet(NamedTuple):
     plane: float
     resistance: float
     pressure: Array
+    tangent_pressure: Array
     contact: Flags
     rounds: int
     converged: bool
@@ -45,15 +47,23 @@ class DenseSolver:
         self._contact = np.ones(points, bool)
 
     @one_thread
-    def solve_discrete(self, load: float, with_resistance: bool) -> DiscreteSolution:
-        """The contact as it stands on nodes, with its rate, which costs nothing; work counts dense solutions."""
+    def solve_discrete(self, load: float, with_rate: bool) -> NodalSolution:
+        """The solution under a load, with its derivative, which costs nothing; work counts dense solutions."""
         solved = solve_load(self._matrix, self._height, self._contact, load, self._max_residual)
         self._contact, pressure = solved.contact, solved.pressure
         gap = solved.plane - self._height + self._matrix @ pressure
         unbalanced = abs(pressure.mean() - load) * self._matrix[0, 0]
-        residual = max(np.abs(gap[solved.contact]).max(), -gap.min(), unbalanced)
-        fraction, patches = solved.contact.mean(), count_patches(solved.contact)
-        return DiscreteSolution(solved.plane, solved.resistance, fraction, patches, residual, solved.rounds)
+        return NodalSolution(
+            solved.plane,
+            solved.resistance if with_rate else np.nan,
+            pressure,
+            gap,
+            solved.tangent_pressure,
+            self._matrix @ solved.tangent_pressure,
+            solved.contact,
+            max(np.abs(gap[solved.contact]).max(), -gap.min(), unbalanced),
+            solved.rounds,
+        )
 
 
 def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_residual: float) -> ActiveSet:
@@ -64,22 +74,22 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_re
     rounds, converged = 0, False
     while not converged and rounds < MAX_ROUNDS:
         nodes = contact if contact.any() else height == height.max()  # something has to carry the load
-        plane, resistance, pressure = _on_contact(matrix, nodes, height, load)
+        plane, resistance, pressure, tangent_pressure = _on_contact(matrix, nodes, height, load)
         gap = plane - height + matrix @ pressure
         tensile = nodes & (pressure < -max_residual / matrix[0, 0])
         penetrating = ~nodes & (gap < -max_residual)
         contact = nodes & ~tensile | penetrating
         rounds, converged = rounds + 1, np.array_equal(contact, nodes)
-    return ActiveSet(plane, resistance, np.maximum(pressure, 0.0), nodes, rounds, converged)
+    return ActiveSet(plane, resistance, np.maximum(pressure, 0.0), tangent_pressure, nodes, rounds, converged)
 
 
-def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array]:
-    """Height of the plane, the rate at which it sinks, and pressure, were all nodes in contact held there."""
+def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array, Array]:
+    """Height of the plane, the rate at which it sinks, pressure and its rate, were all nodes in contact held there."""
     nodes = np.flatnonzero(contact)
     n, points = nodes.size, contact.size
     system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))
     system[:n, :n], system[n, :n], system[n, n] = matrix[np.ix_(nodes, nodes)], 1 / points, 0.0
     right[:n, 0], right[n] = height[nodes], (load, 1.0)
-    solution, pressure = np.linalg.solve(system, right), np.zeros(points)
-    pressure[nodes] = solution[:n, 0]
-    return solution[n, 0], -solution[n, 1], pressure
+    solution, pressure = np.linalg.solve(system, right), np.zeros((2, points))
+    pressure[:, nodes] = solution[:n].T
+    return solution[n, 0], -solution[n, 1], pressure[0], pressure[1]

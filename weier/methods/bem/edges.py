@@ -1,29 +1,14 @@
-"""The edges of contact: residuals continued across them, for the preconditioner, and where each is within its step.
-
-A step of an edge from one node to the next lowers the resistance by D, and takes the load a + b (docs/subgrid.md).
-"""
+"""The edges of contact on a grid, and residuals continued across them for the preconditioner (docs/bem.md)."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from weier.kernels.arrays import Array, Flags, Indices, Record, Records, record_type
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.factors import UNEVEN
-from weier.methods.bem.grid_solution import GridSolution
 
 # Beyond an edge the residual is continued into the gap, falling linearly to 0 over REACH contact widths (less if the
 # gap is narrower). Cut off at the edge, it would be a jump, which A^-1 takes for a logarithmically large force: the
 # condition number of the preconditioned matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
 REACH = 2
-CURVATURE = 1 / 24  # c of docs/subgrid.md, for piecewise-linear pressure
-# Behind an edge that moves evenly, p/q grows with the distance by twice the load of a step a node, and beyond it g/t
-# by two thirds, since p goes as the root of the distance and g as its power 3/2. So measured beside the edge itself:
-BEHIND, BEYOND = 2.7, 0.6
-
-# The step of an edge: `drop` is D of the resistance, `load` is a + b, and `position`, from -1/2 to 1/2, tells how
-# far the edge is in it. It is `uneven` if the steps beside it take far more load than this one.
-STEP = record_type(("drop load position", np.float64, ()), ("uneven", np.bool_, ()))
 
 
 @kernel
@@ -74,49 +59,3 @@ def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
         for step in range(1, reach):
             total += values[node + side * step] * (reach - step)
         values[node] += total / reach
-
-
-@kernel
-def find_steps(solution: GridSolution) -> Records:
-    """The steps of all edges, of shape (edges,); zeros where one is not known."""
-    points, steps = solution.pressure.size, np.zeros(solution.edge.size - 2, STEP)
-    for at in range(steps.size):
-        start = solution.edge[at + 1] % points
-        outwards = -1 if solution.contact[start] else 1
-        inside = start if solution.contact[start] else (start - 1) % points
-        outside = (inside + outwards) % points
-        since, until, closing = _since(inside, solution), _until(outside, solution), _closing(outside, solution)
-        load = since + until
-        if solution.per_load[inside] > 0 and closing > 0 and load > 0:
-            step, behind, beyond = steps[at], (inside - outwards) % points, (outside + outwards) % points
-            step.drop = solution.per_load[inside] * closing / points
-            step.load, step.position = load, since / load - 0.5
-            step.uneven = solution.contact[behind] and _since(behind, solution) - since > UNEVEN * BEHIND * load
-            step.uneven |= not solution.contact[beyond] and _until(beyond, solution) - until > UNEVEN * BEYOND * load
-    return steps
-
-
-@kernel
-def _closing(node: int, solution: GridSolution) -> float:
-    """By how much the gap at a node falls per mean pressure."""
-    return solution.rate - solution.displacement[node]
-
-
-@kernel
-def _since(node: int, solution: GridSolution) -> float:
-    """The load since a node has touched; 0 where that means nothing."""
-    share = solution.per_load[node]
-    return max(solution.pressure[node], 0.0) / share if share > 0 else 0.0
-
-
-@kernel
-def _until(node: int, solution: GridSolution) -> float:
-    """The load until a node touches; 0 where that means nothing."""
-    closing = _closing(node, solution)
-    return max(solution.plane - solution.deformed[node], 0.0) / closing if closing > 0 else 0.0
-
-
-@kernel
-def correct_edge(step: Record) -> tuple[float, float]:
-    """What a lone edge adds to compliance and resistance, by its position in the step."""
-    return step.drop * step.load * ((0.25 - step.position**2) / 2 - CURVATURE), -step.position * step.drop

@@ -9,8 +9,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.grids import full_contact_pressure
-from weier.methods.bem.solver import check_tolerance, checked_points, full_contact_load
-from weier.methods.bem.subgrid_solver import check_residual
+from weier.methods.bem.solver import check_residual, check_tolerance, checked_points, full_contact_load
 from weier.theory.loads import checked_load
 from weier.theory.waves import Waves
 
@@ -28,9 +27,9 @@ class Field(NamedTuple):
 
 
 def field(profile: Waves, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
-    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements, with the edges on nodes.
+    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements, with the edges of contact on nodes.
 
-    Parameters are those of `curve` with edges "nodes".
+    Parameters are those of `curve`.
 
     Raises
     ------
@@ -42,7 +41,7 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     """
     load = checked_load(mean_pressure)
     points = checked_points(profile, points)
-    check_tolerance(tolerance, "nodes")
+    check_tolerance(tolerance)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     height = profile.sampled_height(points)
     if load >= full_contact_load(profile, points):  # pressed flat, however heavy: a solver would lose the waves

@@ -60,7 +60,8 @@ Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
 
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
-MAX_STEPS = 25  # of Newton's method, and of corrections
+MAX_STEPS = 25  # of corrections
+MAX_NEWTON_STEPS = 8  # from a guess: two or three are usual, and one that takes more is not near enough
 MAX_ROUNDING_STEP = 1e-5  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
 # Of a correction over the second before it, for two may be of one size: with more, the slow modes need more nodes.
 MAX_RATIO = 0.5
@@ -502,7 +503,7 @@ def _newton_iteration(guess: ContactState, series: CosineSeries) -> tuple[Contac
     """
     now, system = _copy(guess), _make_system(guess.segments.node_count, guess.load)
     change, (lu, pivot) = np.zeros(system.residual.size), _NO_FACTORS
-    for steps in range(MAX_STEPS + 1):
+    for steps in range(MAX_NEWTON_STEPS + 1):
         tolerance = COARSE_TOLERANCE if steps > 0 else 0.0  # there are no equations before the first step
         approach, size, *_ = _advance(now, -change, system, NO_GRIDS, series, tolerance, 0)
         now = now._replace(approach=approach)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -243,26 +243,29 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     """The state under one load, None in full contact, and the steps to it; it depends on no other load."""
     if load >= starts.surface.full_contact_load:
         return None, 0
-    failure = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*")
-    for guess in starts.guesses(load):
+    failure, guesses = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*"), []
+    rest = starts.guesses(load)
+    for guess in rest:
+        guesses.append(guess)
+        if guess.segments.centre.size >= many_contacts.MIN_CONTACTS:
+            break
+        with suppress(ConvergenceError):
+            return newton.solve_few_contacts(starts.surface, guess, starts.tolerance)
+    for guess in chain(guesses, rest):
         try:
-            return _solve(starts.surface, guess, starts.tolerance)
+            return _correct_contacts(starts.surface, guess, starts.tolerance)
         except ConvergenceError as error:
             failure = error
     raise failure
 
 
-def _solve(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
-    """The state from one guess, and the steps to it.
+def _correct_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
+    """The state from one guess whose set of contacts may be wrong, or large, and the steps to it.
 
-    A dense matrix solves for a few segments whose set is right, and all other sets are corrected: tightly, whatever
-    the tolerance, since next to its birth a contact changes dh/dp far more than h. A residual that is small beside
-    the load does not tell how wide a contact is. The steps of a dense matrix do, which are relative to each segment,
-    and so they end what are few.
+    The set is corrected tightly, whatever the tolerance, since next to its birth a contact changes dh/dp far more
+    than h. A residual that is small beside the load does not tell how wide a contact is. The steps of a dense matrix
+    do, which are relative to each segment, and so they end what are few.
     """
-    if guess.segments.centre.size < many_contacts.MIN_CONTACTS:
-        with suppress(ConvergenceError):
-            return newton.solve_few_contacts(surface, guess, tolerance)
     state, steps = many_contacts.solve_many_contacts(surface, guess)
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:
         with suppress(ConvergenceError):  # rounding may keep it from converging

@@ -11,9 +11,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
-from weier.methods.bem.subgrid_solver import GridSolver
+from weier.methods.bem.active_set import NestedSolver
+from weier.methods.bem.staircase import remove_staircase
+from weier.methods.patches.inequalities import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     ContactState,
@@ -33,7 +35,7 @@ MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is H
 MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
 MAX_LONE = 32  # contacts whose forces are found as forces on lines
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # of finding their forces; 3 or 4 are usual
-POINTS_PER_WAVE = (10, 32)  # of the grids that are tried in this order: 16 lead to no fewer steps than 10
+POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
 MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
 GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
 RATE_TOLERANCE = 1e-2  # of the rate there: what its corrections on so few points are off themselves
@@ -52,11 +54,11 @@ class Starts:
         self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
         self._grid = cache(self._make_grid)
 
-    def _make_grid(self, per_wave: int) -> GridSolver:
+    def _make_grid(self, per_wave: int) -> NestedSolver:
         points = per_wave * self.profile.waves_per_period[-1]
         # The residual, in g_0, that Newton's method can start from.
         tolerance = min(GRID_TOLERANCE, WAVE_SHARE * abs(float(self.profile.amplitude[-1])))
-        return GridSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance), RATE_TOLERANCE)
+        return NestedSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance))
 
     def guesses(self, load: float) -> Iterator[ContactState]:
         """What to start from under this load, the most likely first."""
@@ -65,15 +67,46 @@ class Starts:
                 yield lone
         guess = None
         for per_wave in POINTS_PER_WAVE:
-            found = self._grid(per_wave).solve_alone(load).contacts
-            found = found[found["right"] > found["left"]]
-            if found.size:
-                middle, half_width = 0.5 * (found["left"] + found["right"]), 0.5 * (found["right"] - found["left"])
-                guess = contacts_guess(self.surface, load, middle, half_width, found["force"], self.tolerance)
+            if (found := self._nodal_contacts(load, per_wave)) is not None:
+                guess = contacts_guess(self.surface, load, *found, self.tolerance)
                 yield guess
         # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
         if guess is not None and not guess.dual:
             yield gaps_guess(self.surface, guess)
+
+    def _nodal_contacts(self, load: float, per_wave: int) -> tuple[Array, Array, Array] | None:
+        """Middle, half-width and force of each contact on a grid; None where all nodes touch, or no solution is found.
+
+        The edges are those without the staircase, and the force of a contact is that of its nodes.
+        """
+        solution = self._grid(per_wave).solve_discrete(load, True, RATE_TOLERANCE)
+        if not np.isfinite(solution.resistance):
+            return None
+        corrected = remove_staircase(solution)
+        if corrected.edge.size == 0:
+            return None
+        left, right = corrected.edge.reshape(-1, 2).T
+        start = corrected.first[0]
+        force = np.add.reduceat(np.roll(solution.pressure, -start), corrected.first - start)
+        carries, spacing = (force > 0) & (right > left), self.surface.heights.period / solution.contact.size
+        nodal = np.stack([0.5 * (left + right), 0.5 * (right - left), force])[:, carries] * spacing
+        missed = _contacts_between_nodes(solution.gap + (corrected.plane - solution.plane), solution.contact, spacing)
+        return tuple(np.concatenate([nodal, missed], axis=1))
+
+
+def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> NDArray[np.float64]:
+    """Middle, half-width and force of contacts on crests that stand above the plane between nodes, shape (3, missed).
+
+    A crest is the parabola through three nodes of the deformed surface.
+    """
+    before, after = np.roll(gap, 1), np.roll(gap, -1)
+    is_free = ~(contact | np.roll(contact, 1) | np.roll(contact, -1))
+    node = np.flatnonzero(is_free & (gap <= before) & (gap < after))
+    slope, curvature = 0.5 * (after - before)[node], (after - 2 * gap + before)[node]
+    overlap = 0.5 * slope**2 / curvature - gap[node]
+    node, slope, curvature, overlap = (each[overlap > 0] for each in (node, slope, curvature, overlap))
+    half_width = NEW_CONTACT_WIDTH * np.sqrt(2 * overlap / curvature) * spacing
+    return np.stack([(node - slope / curvature) * spacing, half_width, half_width**2 * curvature / spacing**2 / 4])
 
 
 def _make_guess(

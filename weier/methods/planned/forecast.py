@@ -68,7 +68,9 @@ def _count(kept: Profile) -> tuple[Array, Array]:
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
         with telling():
-            found = bem.curve(kept, loads, points=points, tolerance=COUNTED_RESIDUAL, resistance=False)
+            found = bem.curve(
+                kept, loads, points=points, tolerance=COUNTED_RESIDUAL, with_resistance=False, correct_edges=False
+            )
     except ConvergenceError:  # the most that there can be
         return np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS
     return np.maximum(found.patch_count, 1.0), found.contact_fraction

@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.bem.error_model import MAX_POINTS, PLANNED_POINTS_PER_WAVE
+from weier.methods.bem.error_model import MAX_POINTS, MIN_MEASURED_POINTS
 from weier.methods.planned import forecast
 from weier.methods.segment import COMPLIANCE, Task
 from weier.theory.profile import Profile, terms_within
@@ -21,7 +21,7 @@ MAX_LOAD = 1e300  # p_0*: more is foreseen as this, since ten times as much is a
 
 def resolvable_lengths(profile: Profile) -> range:
     """Numbers of terms whose finest waves boundary elements can still resolve."""
-    return range(1, terms_within(profile, MAX_POINTS / PLANNED_POINTS_PER_WAVE[0]) + 1)
+    return range(1, terms_within(profile, MAX_POINTS / MIN_MEASURED_POINTS) + 1)
 
 
 def truncation_tasks(

@@ -1,0 +1,157 @@
+"""The staircase of a grid, taken off: where each edge of contact is in its step from one node to the next.
+
+On a grid an edge of contact waits at a node while the load rises, and then takes the next one. The resistance is
+therefore a staircase, and the compliance a polygon. The solution and its derivative by the load tell how far each edge
+is in its step, and what compliance and resistance are in the mean over a step (docs/bem.md, "The staircase").
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.jit import kernel
+
+# From the last node in contact to the edge in the continuum, in nodes, at the middle of a step; `alpha` in the docs.
+EDGE = 0.384947631413
+MEAN_OF_STEP = 1 / 24  # of D (a + b): what the compliance is above the mean over a step, for piecewise-linear pressure
+NEIGHBOUR_STIFFNESS = 0.439056239  # r of the docs: pressure that one displaced node takes off the next, over its own
+CLOSED = (5 - NEIGHBOUR_STIFFNESS) / 6  # of a step, from which on a gap of one node is closed in the continuum
+LONE_CONTACT = 1 / (2 * math.log(2))  # square of the half-width of a contact of one node, in nodes, at the end of a step
+
+
+class NodalSolution(NamedTuple):
+    """The discrete solution under one load, and its derivative by the load while the contact stays as it is.
+
+    plane : height of the rigid plane above the mean plane (the mean gap d), in g_0
+    resistance : R, by which it falls with the mean pressure, in g_0/p_0*
+    pressure : p of the nodes, shape (N,), in p_0*
+    gap : g at the nodes, shape (N,), in g_0
+    tangent_pressure : q = dp/d(mean pressure), of mean 1, shape (N,)
+    tangent_displacement : A q, which is R in contact, shape (N,), in g_0/p_0*
+    contact : whether a node is in contact, shape (N,)
+    residual : largest violation of a contact condition, as a length in g_0
+    work : solver's own measure of cost
+    """
+
+    plane: float
+    resistance: float
+    pressure: Array
+    gap: Array
+    tangent_pressure: Array
+    tangent_displacement: Array
+    contact: Flags
+    residual: float
+    work: float
+
+
+@kernel
+def _edges_in_their_steps(
+    contact: Flags,
+    pressure: Array,
+    gap: Array,
+    tangent_pressure: Array,
+    tangent_displacement: Array,
+    resistance: float,
+) -> tuple[float, float, NDArray[np.float64], Flags]:
+    """By how much compliance and resistance are above their means over a step, where the edges are, and closed gaps.
+
+    The third is how far, in nodes, an edge is beyond the last node in contact, shape (2, N): of edges on the right and
+    on the left of contacts. The last are nodes that are gaps by themselves, and have closed in the continuum, shape
+    (N,).
+
+    The edges of a contact of one node have no step of their own: they change neither compliance nor resistance here.
+    """
+    points = contact.size
+    compliance = rate = 0.0
+    beyond, since, until, closed = np.zeros((2, points)), np.zeros((2, points)), np.zeros((2, points)), ~contact
+    for inside in range(points):
+        for side in range(2):
+            outwards = 1 - 2 * side
+            outside, behind = (inside + outwards) % points, (inside - outwards) % points
+            if not contact[inside] or contact[outside]:
+                continue
+            beyond[side, inside] = EDGE
+            closing = resistance - tangent_displacement[outside]  # of the next node's gap, by the mean pressure
+            if tangent_pressure[inside] > 0 and closing > 0:
+                a = since[side, inside] = max(pressure[inside], 0.0) / tangent_pressure[inside]
+                b = until[side, inside] = max(gap[outside], 0.0) / closing
+                if contact[behind] and a + b > 0:
+                    drop, share = tangent_pressure[inside] * closing / points, a / (a + b)
+                    compliance += drop * (a + b) * (MEAN_OF_STEP - (share - share * share) / 2)
+                    rate += (share - 0.5) * drop
+                    beyond[side, inside] += share - 0.5
+    for node in range(points):
+        before, after = (node - 1) % points, (node + 1) % points
+        closed[node] = False
+        if contact[node] and not (contact[before] or contact[after]):
+            a, b = since[:, node].mean(), until[:, node].mean()
+            if a > 0 and b > 0:
+                half_width = np.sqrt(LONE_CONTACT * a / (a + b))
+                shift = (until[1, node] - until[0, node]) / (4 * (a + b))
+                beyond[0, node], beyond[1, node] = half_width + shift, half_width - shift
+        elif contact[before] and contact[after] and not contact[node]:
+            left, right = since[0, before], since[1, after]
+            a, b = 0.5 * (left + right), until[0, before]
+            if a + b > 0:
+                shift = (left - right) / (4 * (a + b))
+                square = 2 * (CLOSED - a / (a + b)) / (1 + NEIGHBOUR_STIFFNESS) + 2 * shift * shift
+                closed[node] = square <= 0
+                half_width = np.sqrt(max(square, 0.0))
+                beyond[0, before], beyond[1, after] = 1 + shift - half_width, 1 - shift - half_width
+    return compliance, rate, beyond, closed
+
+
+class ContactPoint(NamedTuple):
+    """One load of a curve.
+
+    plane : mean gap d, in g_0
+    resistance : dh/dp, in g_0/p_0*
+    first, last : node of each contact, from left to right, the first one in the period; none in full contact
+    edge : left and right edge of each contact in turn, in nodes, shape (edges,)
+    residual : largest violation of a contact condition at the nodes, in g_0
+    work : solver's own measure of cost
+    """
+
+    plane: float
+    resistance: float
+    first: Indices
+    last: Indices
+    edge: Array
+    residual: float
+    work: float
+
+
+def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
+    """The discrete solution as it is, with edges of contact half a node beyond the last one."""
+    first, last = contact_runs(solution.contact)
+    edge = np.stack([first - 0.5, last + 0.5], axis=1).ravel()
+    return ContactPoint(solution.plane, solution.resistance, first, last, edge, solution.residual, solution.work)
+
+
+def remove_staircase(solution: NodalSolution) -> ContactPoint:
+    """The mean over the steps of all edges; neither mean gap nor resistance are below 0."""
+    compliance, rate, beyond, closed = _edges_in_their_steps(
+        solution.contact,
+        solution.pressure,
+        solution.gap,
+        solution.tangent_pressure,
+        solution.tangent_displacement,
+        solution.resistance,
+    )
+    first, last = contact_runs(solution.contact | closed)
+    edge = np.stack([first - beyond[1, first], last + beyond[0, last % closed.size]], axis=1).ravel()
+    plane, resistance = max(solution.plane + compliance, 0.0), max(solution.resistance - rate, 0.0)
+    return ContactPoint(plane, resistance, first, last, edge, solution.residual, solution.work)
+
+
+def contact_runs(contact: Flags) -> tuple[Indices, Indices]:
+    """The first and the last node of each contact, the first one in the period; none in full contact."""
+    first, last = np.flatnonzero(contact & ~np.roll(contact, 1)), np.flatnonzero(contact & ~np.roll(contact, -1))
+    if first.size > 0 and last[0] < first[0]:  # the last contact goes round the end of the period
+        last = np.append(last[1:], last[0] + contact.size)
+    return first, last
