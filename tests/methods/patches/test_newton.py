@@ -8,7 +8,7 @@ from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import many_contacts, newton
 from weier.methods.patches.fields import complementary_residuals
-from weier.methods.patches.inequalities import lowest_outside
+from weier.methods.patches.inequalities import minima_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.start import contacts_guess
 from weier.methods.patches.surface import nearest_crests, surface_of
@@ -74,14 +74,14 @@ def test_a_shallow_missing_contact_is_seen(above):
     surface, before = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, born * (1 - 1e-7)).state
     assert not before.dual
     series, limit = surface.heights, 1e-10 * before.approach
-    assert lowest_outside(before, series) >= -limit
+    assert np.all(minima_outside(before, series, 0.0)["value"] >= -limit)
     start = on_few_nodes(before, surface.heights)._replace(load=born * (1 + above))
     beyond, *_ = solve_on_segments(surface, start, 1e-10)
     x = np.linspace(-1, 1, 2001) * 10 * above**0.5 / THREE_WAVES.waves_per_period[-1]
     x = events.x[events.birth][0] + x[np.abs(x) < 0.2 / THREE_WAVES.waves_per_period[-1]]
     lowest = complementary_residuals(beyond, series, *nearest_crests(series, x)).min()
     assert lowest < -limit
-    assert lowest_outside(beyond, series) == pytest.approx(lowest, rel=1e-3)
+    assert minima_outside(beyond, series, 0.0)["value"].min() == pytest.approx(lowest, rel=1e-3)
 
 
 def test_a_guess_with_the_wrong_contacts_is_refused():

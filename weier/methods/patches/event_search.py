@@ -19,7 +19,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.fields import CAUCHY, density_integrals, residuals_one_by_one, values_on_segments
-from weier.methods.patches.inequalities import find_negative_intervals, lowest_outside
+from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import ContactState, contacts_of
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
@@ -235,7 +235,8 @@ class _Search(NamedTuple):
 
         An edge may have gone on over a crest that touches by then, so that there is tension behind it.
         """
-        overlap = -lowest_outside(state, self.starts.surface.series(state.dual))
+        minima = minima_outside(state, self.starts.surface.series(state.dual), 0.0)
+        overlap = -float(minima["value"].min(initial=0.0))
         limit = MAX_VIOLATION * state.load * (1.0 if state.dual else self.starts.surface.heights.period)
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["share"] >= -MAX_VIOLATION))
 

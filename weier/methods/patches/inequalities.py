@@ -26,7 +26,7 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import ContactState, Segments, distances_between
+from weier.methods.patches.segments import MINIMUM, ContactState, Segments, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
@@ -44,6 +44,9 @@ MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 # twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
 SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
 DIRECT_SUMS = 40  # points at which the residuals of many segments are checked without fast sums
+# A state whose compliance is off by e at most is exact for heights that differ by e from those given. Displacements
+# under both differ by 4 e at most, by the argument of `error_bound`, and so do gaps.
+GAP_FACTOR, GAP_ROUNDING = 4.0, 1e-14  # the second, of the sum of amplitudes, is what sums over waves are rounded by
 
 
 Residual = Callable[[Array], Array]
@@ -235,28 +238,36 @@ def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Ar
 
 
 def certify(
-    state: ContactState, residual: Array, outside: float, negative: Records, period: float, tolerance: float
+    state: ContactState, residual: Array, minima: Records, negative: Records, series: CosineSeries, tolerance: float
 ) -> ContactState:
-    """The state with its largest violation of a condition, in g_0, and the bound on its error.
+    """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
 
     residual : what is left of the equations on each segment
-    outside : the lowest gap between contacts or, dual, pressure between gaps if it is negative, and else 0
+    minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
+        and, of gaps, all that are smaller than they are known to (`gap_margin`)
     negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
 
     ConvergenceError is raised if the conditions are violated, or if contacts do not carry the load.
     """
-    r, closure, height = state.segments.half_width, 0.0, residual
+    r, closure, height, period = state.segments.half_width, 0.0, residual, series.period
     if state.dual:  # the height of a pressure is a displacement over the width; and all gaps must close
         height = 2 * r * residual
         closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
-    worst = SAMPLED_FACTOR * float(residual.max())
+    worst, outside = SAMPLED_FACTOR * float(residual.max()), float(minima["value"].min(initial=0.0))
     off, on, width = max(worst, -outside), closure, 0.0
     if negative.size > 0:
         on = max(closure, -float(negative["lowest"].min()))
         width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
-    return state._replace(error=error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period))
+    state = state._replace(error=error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period))
+    gaps = minima_of_gaps(state) if state.dual else minima
+    return state._replace(narrow_gaps=gaps[gaps["value"] < gap_uncertainty(state.error, series)])
+
+
+def gap_uncertainty(error: float, series: CosineSeries) -> float:
+    """How far a gap may be off, in g_0, in a state whose compliance may be off by `error`."""
+    return GAP_FACTOR * error + GAP_ROUNDING * float(np.abs(series.amplitude).sum())
 
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
@@ -272,19 +283,39 @@ def check_violation(state: ContactState, period: float, tolerance: float) -> Non
         )
 
 
-# Minima of the complementary residual: each with its position in lambda_0, and the index of the segment on the left.
-MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
-
-
-def lowest_outside(state: ContactState, series: CosineSeries) -> float:
-    """The lowest gap between contacts or, dual, pressure between gaps, if it is negative, and else 0."""
+def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> Records:
+    """Minima of the gap between contacts or, dual, of the pressure between gaps, that are below a margin."""
 
     def residual(x: Array) -> Array:
-        return complementary_residuals(state, series, *nearest_crests(series, x))
+        return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
 
     length = distances_between(*state.segments.extent, series.period)
     x, interval = _probe_points(state.segments.right, length, series)
-    return float(_negative_minima(_brackets(x, interval, residual(x), 0.0), residual)["value"].min(initial=0.0))
+    minima = _negative_minima(_brackets(x, interval, residual(x), 0.0), residual)
+    minima["value"] += margin
+    return minima
+
+
+@kernel
+def minima_of_gaps(state: ContactState) -> Records:
+    """Minima of the gap within gaps (dual), as `MINIMUM`, each by the parabola through three samples."""
+    first = state.segments.first_node
+    found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, MINIMUM), 0
+    for j in range(first.size - 1):
+        r = state.segments.half_width[j]
+        t, value = _sample_expansion(smooth_part(state.coefficient[first[j] : first[j + 1]], True))
+        for i in range(t.size):
+            value[i] = at_point(value[i], t[i], r, True)
+        for i in range(1, t.size - 1):
+            if value[i] <= value[i - 1] and value[i] < value[i + 1]:
+                before, after = (value[i - 1] - value[i]) / (t[i] - t[i - 1]), (value[i + 1] - value[i]) / (t[i + 1] - t[i])
+                curvature = 2 * (before + after) / (t[i + 1] - t[i - 1])
+                slope = (after * (t[i] - t[i - 1]) - before * (t[i + 1] - t[i])) / (t[i + 1] - t[i - 1])
+                here = found[count]
+                here.interval, here.position = j, state.segments.origin[j] + state.segments.centre[j] + r * t[i]
+                here.value, here.curvature = value[i] - 0.5 * slope * slope / curvature, curvature / (r * r)
+                count += 1
+    return found[:count]
 
 
 @kernel
@@ -336,10 +367,12 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
     return minima
 
 
-def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArray[np.float64], float]:
+def find_missing(
+    problem: Problem, step: Step, tolerance: float, margin: float
+) -> tuple[NDArray[np.float64], Records]:
     """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    And the lowest of all minima, of which those above -tolerance need no segment; 0 if none is negative.
+    And all minima below the margin, those included.
     """
     punches, dual = step.punches, problem.dual
 
@@ -347,15 +380,16 @@ def find_missing(problem: Problem, step: Step, tolerance: float) -> tuple[NDArra
         points = make_tree(np.zeros(x.size), x)
         total = potential(punches.matrix.tree, step.forces.force, points, punches.period, dual)
         factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
-        return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x)))
+        return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
     x, interval = _probe_points(punches.segments.right, punches.gap, problem.series)
-    minima = _negative_minima(_brackets(x, interval, residual(x), tolerance), residual)
-    deepest, minima = float(minima["value"].min(initial=0.0)), minima[minima["value"] < -tolerance]
+    found = _negative_minima(_brackets(x, interval, residual(x), tolerance + margin), residual)
+    found["value"] += margin
+    minima = found[found["value"] < -tolerance]
     depth, room = -minima["value"], _room(step, minima)
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
     half_width = np.minimum((NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
-    return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), deepest
+    return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 
 def _room(step: Step, minima: Records) -> Array:

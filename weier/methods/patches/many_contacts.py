@@ -34,6 +34,7 @@ from weier.methods.patches.inequalities import (
     contact_residual,
     find_missing,
     find_negative_intervals,
+    gap_uncertainty,
 )
 from weier.methods.patches.segments import (
     MAX_NODES,
@@ -103,8 +104,8 @@ def _solve_to(
     problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
 ) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
-    load, period, wanted = problem.load, problem.series.period, tolerance * scale
-    target = max(TARGET * wanted, ROUNDING * load * period)
+    load, wanted = problem.load, tolerance * scale
+    target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, target, scale)
     stage, last_move = fine if follows else rough, np.inf
@@ -128,7 +129,8 @@ def _solve_to(
         negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
         is_open = wrong["height"] > stage.opening
-        added, remaining, outside = _corrections(problem, step, state, stage, wrong[is_open])
+        margin = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series) if stage.fine and not state.dual else 0.0
+        added, remaining, minima = _corrections(problem, step, state, stage, wrong[is_open], margin)
         if not np.all(remaining) or len(added) > 0:
             moved = False
             counts = state.segments.node_count.astype(float) if stage.fine else None
@@ -143,7 +145,7 @@ def _solve_to(
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, share = _resistance(problem, step.punches)
                 state = state._replace(resistance=resistance, share=share, cracks=_cracks(state, wrong[~is_open]))
-                return certify(state, residual, outside, negative, period, tolerance), steps
+                return certify(state, residual, minima, negative, problem.series, tolerance), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -188,13 +190,13 @@ def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Re
 
 
 def _corrections(
-    problem: Problem, step: Step, state: ContactState, stage: Stage, negative: Records
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], float]:
-    """Segments to add, shape (added, 2), and which of those there remain; and the lowest value off them, or 0."""
+    problem: Problem, step: Step, state: ContactState, stage: Stage, negative: Records, margin: float
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
+    """Segments to add, shape (added, 2), which of those there remain, and minima off them that are below a margin."""
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
-    missing, outside = find_missing(problem, step, stage.outside)
-    return np.concatenate([_cut_segments(state, negative), missing]), remaining, outside
+    missing, minima = find_missing(problem, step, stage.outside, margin)
+    return np.concatenate([_cut_segments(state, negative), missing]), remaining, minima
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:

@@ -38,7 +38,13 @@ from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.inequalities import certify, contact_residual, find_negative_intervals, lowest_outside
+from weier.methods.patches.inequalities import (
+    certify,
+    contact_residual,
+    find_negative_intervals,
+    gap_uncertainty,
+    minima_outside,
+)
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     Blocks,
@@ -62,7 +68,7 @@ Factors = tuple[Matrix, NDArray[np.int32]]
 MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
 MAX_STEPS = 25  # of corrections
 MAX_NEWTON_STEPS = 8  # from a guess: two or three are usual, and one that takes more is not near enough
-MAX_ROUNDING_STEP = 1e-5  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
+MAX_ROUNDING_STEP = 1e-4  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
 # Of a correction over the second before it, for two may be of one size: with more, the slow modes need more nodes.
 MAX_RATIO = 0.5
 SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
@@ -571,14 +577,14 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
     state, steps, system, grids = solve_on_segments(surface, start, tolerance)
     state, more = _add_resistance(state, system, grids, series.period)
     residual = contact_residual(state, series)
-    outside, negative = _violations(state, series, residual.max(), tolerance)
-    return certify(state, residual, outside, negative, series.period, tolerance), steps + more
+    minima, negative = _violations(state, series, residual.max(), tolerance)
+    return certify(state, residual, minima, negative, series, tolerance), steps + more
 
 
 def _violations(
     state: ContactState, series: CosineSeries, residual: float, tolerance: float
-) -> tuple[float, Records]:
-    """The lowest value off the segments, or 0, and where values on them are negative.
+) -> tuple[Records, Records]:
+    """Minima off the segments that are negative or narrow gaps, and where values on the segments are negative.
 
     ConvergenceError is raised if there is overlap or tension but by rounding. While the nodes of a segment do not
     resolve its density, the inequalities are not known any better; and an overlap is known as well as the gap on the
@@ -586,12 +592,13 @@ def _violations(
     """
     unresolved = coefficient_tails(state.segments, state.coefficient, 0)
     outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
-    scale = state.load if state.dual else abs(state.approach)
+    scale, margin = state.load if state.dual else abs(state.approach), 0.0
     limit = max(tolerance, outside, float(unresolved.max())) * scale
     if not state.dual:
         limit = min(limit, max(MIN_OVERLAP * scale, OVERLAP_FACTOR * residual))
-    lowest, negative = lowest_outside(state, series), find_negative_intervals(state)
+        margin = gap_uncertainty(limit + OVERLAP_FACTOR * residual + MAX_TENSION * scale, series)
+    minima, negative = minima_outside(state, series, margin), find_negative_intervals(state)
     allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
-    if lowest < -limit or np.any(negative["share"] < -allowed):
+    if minima["value"].min(initial=0.0) < -limit or np.any(negative["share"] < -allowed):
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
-    return lowest, negative
+    return minima, negative

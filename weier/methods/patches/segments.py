@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
@@ -134,6 +134,11 @@ class Segments(NamedTuple):
         return self.origin + (self.centre + self.half_width)
 
 
+# Minima of the gap or, dual, of the pressure outside the segments: each with its position, in lambda_0, and the index of
+# the segment on the left; and minima of the gap on a segment (dual), with its index.
+MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
+
+
 class ContactState(NamedTuple):
     """The state under one load, or a guess at it: contacts with their pressure, or gaps with their slope (dual).
 
@@ -151,8 +156,9 @@ class ContactState(NamedTuple):
     cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
         middle and half-width in its coordinate t, and the strength of the pressure at both edges, as in `Solution`;
         shape (cracks, 4), in order
+    narrow_gaps : minima of the gap that are smaller than they are known to, so that a contact may be born there
 
-    Of the last six, those are NaN or empty that nothing has asked for yet.
+    Of the last seven, those are NaN or empty that nothing has asked for yet.
     """
 
     dual: bool
@@ -166,6 +172,7 @@ class ContactState(NamedTuple):
     residual: float = np.nan
     error: float = np.nan
     cracks: NDArray[np.float64] = np.empty((0, 4))
+    narrow_gaps: Records = np.empty(0, MINIMUM)
 
     @property
     def pieces(self) -> tuple[Indices, Indices]:

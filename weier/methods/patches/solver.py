@@ -16,7 +16,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import error_model, many_contacts, newton
 from weier.methods.patches.fields import pressures_or_gaps
-from weier.methods.patches.inequalities import check_violation
+from weier.methods.patches.inequalities import check_violation, gap_uncertainty
 from weier.methods.patches.segments import ContactState, contacts_of, degrees, end_sums
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
@@ -170,7 +170,7 @@ def _curve_point(
     base, fraction = (top, 1 - share) if state.dual else (0.0, share)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
     of_R = error_model.error(tolerance, RESISTANCE) * max(R, 1.0) + _error_by_light_contacts(state, series, total)
-    of_R += _rise_by_cracks(state, series.period)
+    of_R += _rise_by_cracks(state, series.period) + _drop_by_births(state, series)
     count = half_width.size
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
@@ -185,6 +185,29 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
         return 0.0
     of, t, b, _ = state.cracks.T
     return float(period * np.sum((state.share[of.astype(np.int64)] * b) ** 2 / (1 - t**2)))
+
+
+def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
+    """By how much contacts may lower the resistance, in g_0/p_0*, that may be born in narrow gaps.
+
+    A gap g that may be off by e leaves a contact that penetrates by e - g, at most. If the plane cuts the crest at the
+    half-width b, the contact sinks in by c = -2 ln(pi b/L) or more for each unit of force, less what the nearest other
+    contacts give way. The plane nears the crest by t = R - u', where the displacement u' of the crest by the load is
+    nowhere below -2 L ln 2. So the contact takes t/c of a new load per length, which lowers the resistance by
+    t^2/(c L).
+    """
+    gaps, period = state.narrow_gaps, series.period
+    if gaps.size == 0:
+        return 0.0
+    depth = gap_uncertainty(state.error, series) - gaps["value"]
+    half_width = np.sqrt(2 * depth / np.maximum(gaps["curvature"], depth / period**2))
+    compliance = -2 * np.log(np.minimum(np.pi * half_width / period, np.exp(-0.5)))
+    origin, centre, r = contacts_of(state.segments.extent, state.dual, period)
+    distance = np.abs(np.sin(np.pi / period * (gaps["position"][:, None] - (origin + centre))))
+    relief = -2 * np.log(np.pi * r / period) + 4 * np.log(2 * distance)
+    compliance += np.minimum(relief.min(axis=1), 0.0)
+    closing = state.resistance + 2 * np.log(2.0) * period
+    return min(float(np.sum(closing**2 / (np.maximum(compliance, 1.0) * period))), state.resistance)
 
 
 def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
@@ -268,10 +291,11 @@ def _correct_contacts(surface: Surface, guess: ContactState, tolerance: float) -
     """
     state, steps = many_contacts.solve_many_contacts(surface, guess)
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:
-        with suppress(ConvergenceError):  # rounding may keep it from converging
-            again = newton.on_few_nodes(state, surface.series(state.dual))
-            state, more = newton.solve_few_contacts(surface, again, min(tolerance, many_contacts.TOLERANCES[0]))
-            return state, steps + more
+        # Next to a birth, few nodes do not tell whether a contact has any force, and rounding may keep both from it.
+        for again in (newton.on_few_nodes(state, surface.series(state.dual)), state):
+            with suppress(ConvergenceError):
+                state, more = newton.solve_few_contacts(surface, again, min(tolerance, many_contacts.TOLERANCES[0]))
+                return state, steps + more
     check_violation(state, surface.heights.period, tolerance)
     return state, steps
 
