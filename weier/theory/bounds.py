@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 
 def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:
@@ -179,6 +180,6 @@ def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, er
     }
 
 
-def first_contact(profile: Profile) -> float:
-    """Compliance of a finite series at first contact, sum g_n - max z, in g_0."""
+def first_contact(profile: Waves) -> float:
+    """Compliance of a surface of finitely many waves at first contact, sum g_n - max z, in g_0."""
     return profile.total_amplitude - profile.crest[1]

@@ -84,7 +84,7 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_re
 
 
 def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array, Array]:
-    """Height of the plane, the rate at which it sinks, pressure and its rate, were all nodes in contact held there."""
+    """Plane, the rate at which it sinks, pressure and its rate, were all nodes in contact held there."""
     nodes = np.flatnonzero(contact)
     n, points = nodes.size, contact.size
     system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))

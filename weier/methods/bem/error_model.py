@@ -13,10 +13,9 @@ from weier.theory.bounds import chord_bounds, first_contact
 from weier.theory.crests import SAMPLES_PER_WAVE, countable, sample
 from weier.theory.waves import Waves
 
-# A crest half a node off the grid is missed by z'' dx^2/8. That is the error at first touch; at no load was one larger
-# (`python -m benchmarks.stated_errors`). Here z'' is in radians of the finest wave, and dx is 2 pi over its points.
+# A crest half a node off the grid is missed by z'' dx^2/8. That is the error at first touch; no larger one was found
+# at any load (docs/bem.md). Here z'' is in radians of the finest wave, and dx is 2 pi over its points.
 CREST_MISSED = (2 * math.pi) ** 2 / 8
-RESIDUAL_SHARE = 1e-3  # of a tolerance, at which boundary elements of a plan stop: it costs hardly a step
 
 MIN_MEASURED_POINTS = 12  # for each of the finest waves: coarser grids were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
@@ -63,7 +62,9 @@ def fewest_points(profile: Waves, error: float) -> int:
     return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
 
 
-def errors(profile: Waves, loads: Array, points: int, curve: tuple[Array, Array], residual: Array) -> tuple[Array, Array]:
+def errors(
+    profile: Waves, loads: Array, points: int, curve: tuple[Array, Array], residual: Array
+) -> tuple[Array, Array]:
     """Errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
     From full contact on, both are known. The compliance is known at no load, too, so that the chords of the concave
@@ -82,9 +83,8 @@ def errors(profile: Waves, loads: Array, points: int, curve: tuple[Array, Array]
     of_R = np.zeros(loads.size)
     for some in np.array_split(np.arange(loads.size), math.ceil(loads.size**2 / MAX_CHORDS)):
         shape = (some.size, other.size)
-        low, high = chord_bounds(
-            loads[some], h[some], of_h[some], np.broadcast_to(other, shape), np.broadcast_to(known[:, None], (2, *shape))
-        )
+        others = np.broadcast_to(other, shape), np.broadcast_to(known[:, None], (2, *shape))
+        low, high = chord_bounds(loads[some], h[some], of_h[some], *others)
         of_R[some] = np.maximum(high - R[some], R[some] - low)
     return of_h, np.where(loads < full, of_R, 0.0)
 

@@ -27,9 +27,9 @@ class Field(NamedTuple):
 
 
 def field(profile: Waves, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
-    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements, with the edges of contact on nodes.
+    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
-    Parameters are those of `curve`.
+    The edges of contact are on nodes. Parameters are those of `curve`.
 
     Raises
     ------

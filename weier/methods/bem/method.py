@@ -10,7 +10,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import Curve, check_solver, check_tolerance, checked_points, curve
+from weier.methods.bem.solver import Curve, check_tolerance, check_words, checked_points, curve
+from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_points
@@ -18,8 +19,9 @@ from weier.theory.waves import Waves
 
 # Points for each of the finest waves. Halved, they stay whole.
 POINTS_COMPARED = (12, 16, 32, 64, 128, 256, 512, 1024)
-POINTS_ON_NODES = (12, 96, 768)  # with edges of contact left on nodes: from the paper's 12 on
+POINTS_ON_NODES = (12, 96, 768)  # with the staircase: from the paper's 12 on
 MAX_POINTS_COMPARED = 100_000  # in one period
+RESIDUAL_SHARE = 1e-3  # of the tolerance of a plan, at which boundary elements stop: it costs a step or two
 
 
 def _solve(
@@ -27,22 +29,20 @@ def _solve(
     loads: Array,
     points_per_wave: int | None = None,
     points: int | None = None,
-    correct_edges: bool = True,
+    staircase: str = "removed",
     solver: str = "fft",
     with_resistance: bool = True,
     residual_tolerance: float = 1e-10,
 ) -> Curve:
-    return curve(
-        profile, loads, solver, points, residual_tolerance, with_resistance, correct_edges, points_per_wave
-    )
+    return curve(profile, loads, solver, points, residual_tolerance, with_resistance, staircase, points_per_wave)
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
-    """Several grids, with edges of contact corrected and left on nodes."""
+    """Several grids, without the staircase and with it."""
     waves = profile.waves_per_period[-1]
     largest = MAX_POINTS_COMPARED / waves
     for count in (count for count in POINTS_ON_NODES if count <= largest):
-        yield f"nodes {count}", {"points": count * waves, "correct_edges": False}
+        yield f"nodes {count}", {"points": count * waves, "staircase": "kept"}
     for count in (count for count in POINTS_COMPARED if count <= largest):
         yield f"{count}", {"points": count * waves}
 
@@ -50,13 +50,14 @@ def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
 def _check(
     profile: Waves,
     solver: str = "fft",
+    staircase: str = "removed",
     points: int | None = None,
     points_per_wave: int | None = None,
     residual_tolerance: float = 1e-10,
     **others: Any,
 ) -> None:
     """Refuse settings that do not go together, or a grid that the finest wave cannot be seen on."""
-    check_solver(solver)
+    check_words(solver, staircase)
     check_tolerance(residual_tolerance)
     check_points(checked_points(profile, points, points_per_wave), solver == "direct")
 
@@ -75,18 +76,18 @@ def _candidates(task: Task) -> Iterator[Segment]:
     """
     if task.profile.m == 1 or task.quantity != COMPLIANCE:
         return
-    residual = error_model.RESIDUAL_SHARE * task.tolerance
-    points = error_model.fewest_points(task.profile, task.tolerance - error_model.RESIDUAL_FACTOR * residual)
+    residual = RESIDUAL_SHARE * task.tolerance
+    points = error_model.fewest_points(task.profile, task.tolerance - RESIDUAL_FACTOR * residual)
     if points > error_model.MAX_POINTS:
         return
     start, load = error_model.seconds(points, task.contacts)
     yield make_segment(
         task,
         "bem",
-        f"{points / task.profile.waves_per_period[-1]:.0f} points for each of the finest waves are the fewest that do",
+        f"{points / task.profile.waves_per_period[-1]:.0f} points for each of the finest waves are the fewest",
         partial(_solve_segment, task.profile, points, residual),
         settings={"points": points, "residual_tolerance": residual},
-        discretisation=np.full(task.mean_pressure.size, error_model.solution_error(task.profile, points, residual)),
+        discretisation=error_model.solution_error(task.profile, points, np.full(task.mean_pressure.size, residual)),
         seconds_start=start,
         seconds_load=load,
         memory=error_model.memory(points),
@@ -106,7 +107,7 @@ METHOD = Method(
     settings={
         "points_per_wave": "nodes for each of the finest waves, 64 by default",
         "points": "nodes in one period, in place of points_per_wave",
-        "correct_edges": "whether the steps of edges of contact from node to node are taken off",
+        "staircase": '"removed", or "kept": the steps in which edges of contact move from node to node',
         "solver": '"fft", or "direct" for the dense matrix of Section 5.1',
         "with_resistance": "whether the result has the resistance, too",
         "residual_tolerance": "largest residual of a condition, in g_0",

@@ -58,7 +58,7 @@ def curve(
     points: int | None = None,
     tolerance: float = 1e-10,
     with_resistance: bool = True,
-    correct_edges: bool = True,
+    staircase: str = "removed",
     points_per_wave: int | None = None,
 ) -> Curve:
     """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
@@ -76,11 +76,11 @@ def curve(
     tolerance : float
         Largest residual, in g_0.
     with_resistance : bool
-        Whether the result has the resistance; without, it is NaN. The fast solver saves a third of its time
-        without the resistance, unless edges are corrected, which takes the same second solution.
-    correct_edges : bool
+        Whether the result has the resistance; without, it is NaN. That saves the fast solver a third of its time
+        where the staircase is kept; to remove it takes the same second solution.
+    staircase : "removed" or "kept"
         Whether the steps in which edges of contact move from node to node are taken off (docs/bem.md, "The
-        staircase"); without, all is as in Section 5.1, with edges on nodes.
+        staircase"). Kept, all is as in Section 5.1, with edges on nodes.
     points_per_wave : int, optional
         Nodes for each of the finest waves, instead of `points`: the same for profiles of any period.
 
@@ -92,8 +92,8 @@ def curve(
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, `solver` is unknown, there are too few points for the finest
-        wave, or too many, or both their numbers are given.
+        If the loads are not positive and increasing, `solver` or `staircase` is unknown, there are too few points
+        for the finest wave, or too many, or both their numbers are given.
     ConvergenceError
         If a load misses the tolerance.
 
@@ -102,30 +102,29 @@ def curve(
     Each load is solved by itself, whatever the others are; `resistance_error` alone is smaller where there are
     more loads. The compliance converges about as N^-2.
 
-    Without corrected edges, the resistance converges as N^-1: it is then the exact derivative of the discrete h(p),
+    With the staircase, the resistance converges as N^-1: it is then the exact derivative of the discrete h(p),
     which is linear as long as no node changes side, and the edges of contact move by whole nodes.
 
     """
     loads = checked_loads(mean_pressure)
-    check_solver(solver)
+    check_words(solver, staircase)
     check_tolerance(tolerance)
     points = checked_points(profile, points, points_per_wave)
     check_points(points, dense=solver == "direct")
     found, partial = [], loads[loads < full_contact_load(profile, points)]
     if partial.size:  # a matrix is not filled for loads that press all gaps shut
         grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
+    point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     for load in map(float, partial[::-1]):
-        solution = grid.solve_discrete(load, with_resistance or correct_edges)
+        solution = grid.solve_discrete(load, with_resistance or staircase == "removed")
         check_residual(solution.residual, load, points, tolerance)
         check_resistance(solution.resistance, load, points)
-        found.append(remove_staircase(solution) if correct_edges else contact_on_nodes(solution))
+        found.append(point_of(solution))
         count_load()
     return _as_curve(profile, loads, found[::-1], points, with_resistance)
 
 
-def _as_curve(
-    profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool
-) -> Curve:
+def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool) -> Curve:
     """The curve of what was found at the loads of partial contact; the heavier loads press all gaps shut."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
     most = max((each.edge.size for each in found), default=0)
@@ -184,10 +183,12 @@ def _checked_points_per_wave(count: int | None) -> int:
     )
 
 
-def check_solver(solver: str) -> None:
-    """Refuse a solver that there is not, by a ValueError."""
+def check_words(solver: str, staircase: str) -> None:
+    """Refuse a solver that there is not, or what cannot be done to the staircase, by a ValueError."""
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
+    if staircase not in ("removed", "kept"):
+        raise ValueError(f'staircase must be "removed" or "kept", got {staircase!r}')
 
 
 def check_tolerance(tolerance: float) -> None:

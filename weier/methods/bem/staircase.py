@@ -1,8 +1,8 @@
 """The staircase of a grid, taken off: where each edge of contact is in its step from one node to the next.
 
 On a grid an edge of contact waits at a node while the load rises, and then takes the next one. The resistance is
-therefore a staircase, and the compliance a polygon. The solution and its derivative by the load tell how far each edge
-is in its step, and what compliance and resistance are in the mean over a step (docs/bem.md, "The staircase").
+therefore a staircase, and the compliance a polygon. From the solution and its derivative by the load follow how far
+each edge is in its step, and the means of compliance and resistance over a step (docs/bem.md, "The staircase").
 """
 
 from __future__ import annotations
@@ -18,10 +18,12 @@ from weier.kernels.jit import kernel
 
 # From the last node in contact to the edge in the continuum, in nodes, at the middle of a step; `alpha` in the docs.
 EDGE = 0.384947631413
-MEAN_OF_STEP = 1 / 24  # of D (a + b): what the compliance is above the mean over a step, for piecewise-linear pressure
+MEAN_OF_STEP = (
+    1 / 24
+)  # of D (a + b): what the compliance is above the mean over a step, for piecewise-linear pressure
 NEIGHBOUR_STIFFNESS = 0.439056239  # r of the docs: pressure that one displaced node takes off the next, over its own
 CLOSED = (5 - NEIGHBOUR_STIFFNESS) / 6  # of a step, from which on a gap of one node is closed in the continuum
-LONE_CONTACT = 1 / (2 * math.log(2))  # square of the half-width of a contact of one node, in nodes, at the end of a step
+LONE_CONTACT = 1 / (2 * math.log(2))  # square of the half-width of a contact of one node as its step ends, in nodes
 
 
 class NodalSolution(NamedTuple):
@@ -58,13 +60,13 @@ def _edges_in_their_steps(
     tangent_displacement: Array,
     resistance: float,
 ) -> tuple[float, float, NDArray[np.float64], Flags]:
-    """By how much compliance and resistance are above their means over a step, where the edges are, and closed gaps.
+    """What is to be added to the mean gap and taken off the resistance, where the edges are, and closed gaps.
 
-    The third is how far, in nodes, an edge is beyond the last node in contact, shape (2, N): of edges on the right and
-    on the left of contacts. The last are nodes that are gaps by themselves, and have closed in the continuum, shape
-    (N,).
+    The third is how far, in nodes, an edge is beyond the last node in contact, shape (2, N): of edges on the right of
+    contacts, and of those on the left. The last are gaps of one node that have closed in the continuum, shape (N,).
 
-    The edges of a contact of one node have no step of their own: they change neither compliance nor resistance here.
+    A contact of one node changes neither mean gap nor resistance here: its edges are too close to each other for the
+    formula of an edge.
     """
     points = contact.size
     compliance = rate = 0.0

@@ -129,7 +129,9 @@ def _solve_to(
         negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
         is_open = wrong["height"] > stage.opening
-        margin = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series) if stage.fine and not state.dual else 0.0
+        margin = (
+            gap_uncertainty(allowed + MAX_TENSION * scale, problem.series) if stage.fine and not state.dual else 0.0
+        )
         added, remaining, minima = _corrections(problem, step, state, stage, wrong[is_open], margin)
         if not np.all(remaining) or len(added) > 0:
             moved = False

@@ -134,8 +134,8 @@ class Segments(NamedTuple):
         return self.origin + (self.centre + self.half_width)
 
 
-# Minima of the gap or, dual, of the pressure outside the segments: each with its position, in lambda_0, and the index of
-# the segment on the left; and minima of the gap on a segment (dual), with its index.
+# Minima of the gap or, dual, of the pressure outside the segments, each with its position, in lambda_0, and the index
+# of the segment on the left; also minima of the gap on a segment (dual), with its index.
 MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
 
 

@@ -34,6 +34,7 @@ from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
 TOLERANCE = 1e-10
+CRACK_FACTOR = 2.0  # of what a crack adds to the resistance: its width is known from an interval of tension, roughly
 MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
 EPS = float(np.finfo(float).eps)
 
@@ -170,7 +171,7 @@ def _curve_point(
     base, fraction = (top, 1 - share) if state.dual else (0.0, share)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
     of_R = error_model.error(tolerance, RESISTANCE) * max(R, 1.0) + _error_by_light_contacts(state, series, total)
-    of_R += _rise_by_cracks(state, series.period) + _drop_by_births(state, series)
+    of_R += CRACK_FACTOR * _rise_by_cracks(state, series.period) + _drop_by_births(state, series)
     count = half_width.size
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
@@ -190,11 +191,11 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
 def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     """By how much contacts may lower the resistance, in g_0/p_0*, that may be born in narrow gaps.
 
-    A gap g that may be off by e leaves a contact that penetrates by e - g, at most. If the plane cuts the crest at the
-    half-width b, the contact sinks in by c = -2 ln(pi b/L) or more for each unit of force, less what the nearest other
-    contacts give way. The plane nears the crest by t = R - u', where the displacement u' of the crest by the load is
-    nowhere below -2 L ln 2. So the contact takes t/c of a new load per length, which lowers the resistance by
-    t^2/(c L).
+    A gap g that may be off by e leaves a contact that penetrates by e - g at most. Where the plane cuts the crest at
+    the half-width b, the contact sinks in by c = -2 ln(pi b/L) or more for each unit of force, less what the nearest
+    other contact gives way. The plane nears the crest by t = R - u' for each unit of mean pressure, where the
+    displacement u' of the crest is nowhere below -2 L ln 2. So the contact takes the force t/c of it, which lowers
+    the resistance by t^2/(c L).
     """
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:

@@ -75,9 +75,9 @@ class Starts:
             yield gaps_guess(self.surface, guess)
 
     def _nodal_contacts(self, load: float, per_wave: int) -> tuple[Array, Array, Array] | None:
-        """Middle, half-width and force of each contact on a grid; None where all nodes touch, or no solution is found.
+        """Middle, half-width and force of each contact on a grid; None where no gap is left, or no solution is found.
 
-        The edges are those without the staircase, and the force of a contact is that of its nodes.
+        The force of a contact is that of its nodes.
         """
         solution = self._grid(per_wave).solve_discrete(load, True, RATE_TOLERANCE)
         if not np.isfinite(solution.resistance):
@@ -97,16 +97,17 @@ class Starts:
 def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> NDArray[np.float64]:
     """Middle, half-width and force of contacts on crests that stand above the plane between nodes, shape (3, missed).
 
-    A crest is the parabola through three nodes of the deformed surface.
+    A crest is the parabola through three nodes of the gap, in g_0, whose minimum may be negative between them.
     """
     before, after = np.roll(gap, 1), np.roll(gap, -1)
     is_free = ~(contact | np.roll(contact, 1) | np.roll(contact, -1))
     node = np.flatnonzero(is_free & (gap <= before) & (gap < after))
     slope, curvature = 0.5 * (after - before)[node], (after - 2 * gap + before)[node]
     overlap = 0.5 * slope**2 / curvature - gap[node]
-    node, slope, curvature, overlap = (each[overlap > 0] for each in (node, slope, curvature, overlap))
-    half_width = NEW_CONTACT_WIDTH * np.sqrt(2 * overlap / curvature) * spacing
-    return np.stack([(node - slope / curvature) * spacing, half_width, half_width**2 * curvature / spacing**2 / 4])
+    half_width = NEW_CONTACT_WIDTH * np.sqrt(2 * np.maximum(overlap, 0.0) / curvature)
+    force = half_width**2 * curvature / 4  # by Hertz, of the curvature in g_0 per squared spacing
+    crests = np.stack([spacing * (node - slope / curvature), spacing * half_width, force])
+    return crests[:, overlap > 0]
 
 
 def _make_guess(
