@@ -134,7 +134,7 @@ def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Ver
     """The infinite series lies within [h_k, h_k + 2 G_k], and below full contact."""
     kept, (found, seconds) = _longest(profile), _planned(profile, loads, tolerance)
     points = bem.error_model.MIN_MEASURED_POINTS * kept.waves_per_period[-1]
-    h = bem.curve(kept, loads, points=points, tolerance=1e-8, resistance=False, edges="nodes").compliance
+    h = bem.curve(kept, loads, points=points, tolerance=1e-8, with_resistance=False, staircase="kept").compliance
     low, high = complete_bounds(h, kept.tail_amplitude, profile.total_amplitude)
     slack = (high - low) / 2 + bem.error_model.compliance_error(kept, points)
     check = _check(found.compliance - (low + high) / 2, found.compliance_error, slack)

@@ -10,7 +10,7 @@ import pytest
 import weier
 from tests.profiles import THREE_WAVES
 from weier import Profile, plan, random_phases
-from weier.methods import patches
+from weier.methods import bem, patches
 from weier.methods.errors import NotApplicableError, OutOfReachError
 from weier.methods.planned.plan import cheapest
 
@@ -65,14 +65,14 @@ def test_each_load_takes_the_method_of_least_seconds_that_does():
         assert all(one.method != other.method for one, other in itertools.pairwise(parts))
 
 
-def test_light_loads_are_a_coarse_grid_and_contacts_that_bear_on_each_other_a_finer_one_or_their_exact_edges():
+def test_a_compliance_takes_the_coarsest_grid_whose_bound_is_within_it_or_exact_edges():
     profile, loads = Profile(1.25, 5, 4, random_phases(1)), np.geomspace(1e-6, 2, 20)
-    parts = plan(profile, loads, 1e-3, "resistance").segments
-    points = [part.settings["points"] / 125 for part in parts if part.method == "bem"]
-    assert points[0] == 16
-    assert max(points) >= 2 * points[0]
-    exact = plan(profile, loads, 1e-8).segments
-    assert [part.method for part in exact] == ["bem", "patches"]
+    (part,) = plan(profile, loads, 1e-3).segments
+    assert part.method == "bem"
+    assert bem.error_model.compliance_error(profile, part.settings["points"]) < 1e-3
+    assert bem.error_model.compliance_error(profile, 0.8 * part.settings["points"]) > 1e-3
+    for tolerance, quantity in ((1e-8, "compliance"), (1e-2, "resistance")):
+        assert {part.method for part in plan(profile, loads, tolerance, quantity).segments} == {"patches"}
 
 
 def test_one_contact_is_not_too_many_however_many_the_waves():

@@ -43,7 +43,7 @@ def compliance_of_many_terms(D, gamma):
     """Around each of the loads below, and within which error."""
     profile = Profile(D, gamma, MANY_TERMS[gamma], math.pi)
     points, around = 16 * profile.waves_per_period[-1], np.sort(np.outer([0.3, 1.0, 2.0], AROUND).ravel())
-    h = bem.curve(profile, around, points=points, resistance=False, edges="nodes").compliance
+    h = bem.curve(profile, around, points=points, with_resistance=False, staircase="kept").compliance
     return around, h, bem.error_model.compliance_error(profile, points)
 
 

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
-from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import error_model, many_contacts, newton
@@ -24,12 +23,10 @@ from weier.methods.patches.surface import (
     CosineSeries,
     Surface,
     evaluate_at,
-    evaluate_series,
     nearest_crests,
 )
 from weier.methods.progress import count_load
 from weier.methods.segment import RESISTANCE
-from weier.theory.halfplane import displacement_of_punch
 from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
@@ -212,40 +209,26 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
 
 
 def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
-    """How far the resistance may be off, in g_0/p_0*, by contacts so light that heights tell little of them."""
-    origin, centre, half_width = contacts_of(state.segments.extent, state.dual, series.period)
-    at = nearest_crests(series, origin + centre)
-    known = state.error, EPS * total_amplitude, -TWIN_HEIGHT * total_amplitude
-    return _sum_over_contacts(*at, half_width, state.share, state.resistance, series, *known)
-
-
-@kernel
-def _sum_over_contacts(
-    crest: Indices, y: Array, half_width: Array, shares: Array, resistance: float, series: CosineSeries,
-    error: float, of_lower: float, lower: float,
-) -> float:  # fmt: skip
-    """How far contacts at distances y from crests make the resistance be off.
+    """How far the resistance may be off, in g_0/p_0*, by contacts so light that heights say little of them.
 
     The half-width a = 2 (F/kappa)^(1/2) follows from the force F and the curvature kappa. Heights that are off by e
     here and by -e elsewhere change F by 2 e/c, with c = -2 ln(pi a/L), and where they are off by e at the edges, not
     between them, kappa changes by 2 e/a^2. For each e-fold of a, the resistance falls by 2 L f^2, where f is the
     share of a new load that the contact takes. Where gaps are solved for, f is at most (R/L + 2 ln 2)/c, since a
     force lowers the surface nowhere by more than 2 ln 2 times itself. Crests other than the highest and its twins are
-    known to a unit in the last place of the amplitudes, and curvatures to one in that of the waves' curvatures. That
-    of a contact is its mean, as a crest may be flat.
+    known to a unit in the last place of the amplitudes, and curvatures to one in that of the waves' curvatures. The
+    force follows from the pressure at the edges of the contact, as if that were Hertz's.
     """
-    period, rounding, total = series.period, 0.0, 0.0
-    for n in range(series.amplitude.size):
-        rounding += EPS * abs(series.amplitude[n]) * series.wavenumber[n] ** 2
-    for j in range(crest.size):
-        r, k = half_width[j], crest[j]
-        fall = evaluate_series(series, k, y[j] - r)[1] - evaluate_series(series, k, y[j] + r)[1]
-        curvature = fall / (2 * r) if fall > 0 else np.inf
-        of_height, force = error + (of_lower if series.crest_offset[k] < lower else 0.0), r * r * curvature / 4
-        c = max(displacement_of_punch(r, period), 1.0)
-        share = shares[j] if shares.size > 0 else (resistance / period + 2 * np.log(2.0)) / c
-        total += period * share * share * ((2 / c + 0.5) * of_height / force + rounding / curvature)
-    return total
+    period, (origin, centre, r) = series.period, contacts_of(state.extent, state.dual, series.period)
+    force = np.pi / np.sqrt(8) * r**1.5 * np.maximum(_edge_strengths(state).mean(axis=1), 1e-300)
+    crest, _ = nearest_crests(series, origin + centre)
+    lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
+    of_height = state.error + EPS * total_amplitude * lower
+    c = np.maximum(-2 * np.log(np.pi * r / period), 1.0)
+    share = (state.resistance / period + 2 * np.log(2.0)) / c if state.dual else state.share[state.pieces[0]]
+    rounding = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
+    of_width = (2 / c + 0.5) * of_height / force + rounding * r**2 / (4 * force)
+    return float(period * np.sum(share**2 * of_width))
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
