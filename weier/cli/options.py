@@ -12,7 +12,7 @@ import numpy as np
 from weier.data.files import check_target
 from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
-from weier.methods.registry import DEFAULT, METHODS, PLOTTED, infinite_names, names
+from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import described
 from weier.theory.loads import MAX_LOADS, checked_loads
 from weier.theory.trace import ENDS, UNITS
@@ -135,7 +135,7 @@ OF_SOLUTION = (
     click.Option(
         ["--method", "methods"], multiple=True, type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
-        f"[default: {DEFAULT}; for plot: {', '.join(PLOTTED)}].",
+        f"[default: patches, or bem for a trace; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(
         ["--set", "settings"], multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),

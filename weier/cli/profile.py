@@ -10,7 +10,7 @@ import click
 
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
 from weier.kernels.arrays import Array
-from weier.methods.registry import DEFAULT, PLOTTED
+from weier.methods.registry import PLOTTED
 from weier.methods.segment import QUANTITIES
 from weier.scene import Figure
 
@@ -46,7 +46,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
 
-    data = _solve((DEFAULT,), **options)
+    data = _solve((), **options)
     if output is None:
         click.echo(result.as_csv(data) if csv else result.as_json(data))
     else:

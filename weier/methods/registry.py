@@ -9,9 +9,11 @@ import math
 from collections.abc import Iterable
 
 from weier.methods import archard, bem, demelio, hybrid, layer, patches, planned, westergaard
+from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
 from weier.theory.arguments import checked_word
 from weier.theory.profile import Profile
+from weier.theory.waves import Waves
 
 METHODS: tuple[Method, ...] = (
     westergaard.METHOD,
@@ -24,8 +26,21 @@ METHODS: tuple[Method, ...] = (
     planned.planning_method(among=lambda: METHODS),
 )
 PLANNED = next(method.name for method in METHODS if method.runs_others)
-DEFAULT = bem.METHOD.name  # where no method is given
-PLOTTED = tuple(each.METHOD.name for each in (archard, demelio, layer, bem))  # as in the paper's figures
+PLOTTED = tuple(each.METHOD.name for each in (archard, demelio, layer, patches))  # as in the paper's figures
+
+
+def default_method(*surfaces: Waves) -> str:
+    """The method of some surfaces where none is given: contact patches, or boundary elements if one is a trace.
+
+    A trace has so many waves that contact patches would take a second a load. NotApplicableError is raised for the
+    infinite series, which no method solves exactly: its method is to be chosen.
+    """
+    if any(math.isinf(surface.m) for surface in surfaces):
+        raise NotApplicableError(
+            f"method must be given where m = inf: choose one of {', '.join(infinite_names())}, or take a finite m"
+        )
+    series = all(isinstance(surface, Profile) for surface in surfaces)
+    return (patches if series else bem).METHOD.name
 
 
 def names() -> list[str]:

@@ -13,7 +13,7 @@ import yaml
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.registry import find_method
+from weier.methods.registry import default_method, find_method
 from weier.pipeline.batch import solve_batch
 from weier.pipeline.forecast import forecast
 from weier.pipeline.progress import TERMINAL_SECONDS, waiting
@@ -57,8 +57,13 @@ def solve_one(
 
 
 def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
-    """The methods that apply to a profile; all that are given where none does, so that they say why."""
+    """The methods that apply to a profile, or the default one where none are given.
+
+    If none of those that are given apply, they are all returned, so that they say why.
+    """
     surface = Case(_parameters(profile), (), {}).profile
+    if not methods:
+        return [default_method(surface)]
     return [method for method in methods if find_method(method).takes(surface)] or list(methods)
 
 
