@@ -9,8 +9,8 @@ from scipy.integrate import quad
 import weier
 from benchmarks.problem import Problem, examine
 from benchmarks.programs import PROGRAMS
-from weier.methods.bem import error_model, subgrid_solver
-from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.bem import error_model
+from weier.methods.errors import NotApplicableError
 from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
 from weier.theory.trace import Trace
@@ -152,6 +152,4 @@ def test_contact_patches_refuse_more_waves_than_a_computer_holds_at_all_crests()
     trace = Trace(rough(4001, 8004), 1e-3, ends="periodic")
     with pytest.raises(NotApplicableError, match=r"contact patches hold each wave at each crest, at most 1\.6e\+07"):
         weier.solve(trace, [0.1], "patches")
-    with pytest.raises(ConvergenceError, match=r"neither boundary elements nor contact patches .* at most 1\.6e\+07"):
-        subgrid_solver._solve_by_patches(trace, 0.1)
     check_crests(Profile(1.2, 2, 17))  # 65 536 waves, of 17 kinds

@@ -127,12 +127,3 @@ def derivative_expansion(a: Array) -> Array:
         total, total_of_next = total_of_next + a[k], total
         b[k - 1] = 2 * k * total
     return b
-
-
-@kernel
-def second_kind(coefficients: Array) -> Array:
-    """Coefficients of U_0, U_1, ... from those of T_0, T_1, ...: 2 T_k = U_k - U_(k-2)."""
-    converted = coefficients / 2
-    converted[0] = coefficients[0]
-    converted[:-2] -= coefficients[2:] / 2
-    return converted

@@ -11,15 +11,15 @@ LOADS = np.geomspace(1e-3, 10, 12)
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1.6, "3/2", 4), (1.9, 3, 3)])
-def test_a_crest_between_two_nodes_is_within_the_error_of_edges_on_nodes(D, gamma, m):
-    """The worst that they can miss, whatever the phases."""
+def test_a_crest_between_two_nodes_is_within_the_error(D, gamma, m):
+    """The worst that a grid can miss, whatever the phases."""
     loads, series = np.geomspace(1e-9, 1, 10), Profile(D, gamma, m)
     points = bem.error_model.fewest_points(series, 1e-3)
     profile = half_a_node_off(series, points)
-    found = bem.curve(profile, loads, points=points, edges="nodes")
+    found = bem.curve(profile, loads, points=points, staircase="kept")
     deviation = np.abs(found.compliance - patches.curve(profile, loads).compliance)
     error = bem.error_model.compliance_error(profile, points)
-    assert deviation[0] > 0.99 * error
+    assert deviation[0] > 0.97 * error  # which samples of the curvature leave 2 % too large
     assert np.all(deviation <= error)
     assert error <= 1e-3
 
@@ -33,29 +33,34 @@ def test_points_are_the_fewest_that_do(error):
     assert points == 12 * waves or bem.error_model.compliance_error(THREE_WAVES, int(points * 0.75)) > error
 
 
-@pytest.mark.parametrize("per_wave", [16, 48, 192])
-@pytest.mark.parametrize("quantity", ["compliance", "resistance"])
-def test_most_loads_state_what_plans_expect_of_them_and_not_by_far_less(per_wave, quantity):
-    expected, stated, lone = [], [], []
-    for D, gamma, m in ((1.15, 2, 5), (1.5, 3, 4), (1.8, "5/2", 3)):
-        profile = Profile(D, gamma, m, random_phases(2))
-        points, loads = (
-            per_wave * profile.waves_per_period[-1],
-            profile.full_contact_load * np.geomspace(1e-9, 0.9, 50),
-        )
-        found = bem.curve(profile, loads, points=points, edges="subgrid")
-        scale = np.maximum(found.resistance, 1) if quantity == "resistance" else 1
-        stated += list(getattr(found, f"{quantity}_error") / scale)
-        expected += list(bem.error_model.stated_error(profile, points, quantity, found.patch_count.astype(float)))
-        lone += list(found.patch_count == 1)
-    share, lone = np.array(stated) / expected, np.array(lone)
-    assert np.mean(share <= 1) > 0.85
-    assert 0.05 < np.median(share[~lone]) < 1  # what solutions state at one load and another differs a hundredfold
-    assert np.mean(share[lone] <= 1) > 0.85
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_a_plan_for_a_compliance_takes_the_fewest_points_whose_bound_is_within_it(tolerance):
+    (part,) = plan(THREE_WAVES, [1e-6, 0.01, 0.1, 1], tolerance).segments
+    assert part.method == "bem"
+    assert bem.error_model.compliance_error(THREE_WAVES, part.settings["points"]) <= tolerance
+    assert bem.error_model.compliance_error(THREE_WAVES, part.settings["points"] * 0.75) > tolerance or part.settings["points"] == 12 * 25
 
 
-@pytest.mark.parametrize(("tolerance", "fewest", "most"), [(1e-4, 16, 16), (1e-5, 16, 24), (1e-6, 16, 48)])
-def test_a_compliance_takes_few_points(tolerance, fewest, most):
-    """With edges on nodes, 1e-5 g_0 took 384 points a wave."""
-    points = [part.settings["points"] // 25 for part in plan(THREE_WAVES, [1e-6, 0.01, 0.1, 1], tolerance).segments]
-    assert (min(points), max(points)) == (fewest, most)
+@pytest.mark.parametrize("profile", [Profile(1.4, "5/2", 4, random_phases(3)), Profile(1.1, 2, 5, 0.0)])
+def test_the_largest_curvature_is_bounded_by_samples(profile):
+    """In radians of the finest wave, by samples that are far denser."""
+    waves = profile.waves_per_period[-1]
+    x = np.linspace(0, float(profile.period), 2000 * waves + 1)
+    largest = np.abs(profile.curvature(x)).max() * (float(profile.period) / (2 * np.pi * waves)) ** 2
+    assert largest <= bem.error_model.curvature(profile) * (1 + 1e-12) <= 1.021 * largest
+
+
+def test_chords_hold_the_resistance_where_one_node_carries_all():
+    """It grows as -ln p, and that of a single node does not: the error says so."""
+    profile, loads = half_a_node_off(Profile(1.25, 5, 2), 160), np.geomspace(1e-9, 1e-3, 7)
+    found, exact = bem.curve(profile, loads, points=160), patches.curve(profile, loads)
+    off = np.abs(found.resistance - exact.resistance)
+    assert off[0] > 0.3 * exact.resistance[0]
+    assert np.all(off <= found.resistance_error)
+
+
+def test_more_loads_hold_the_resistance_more_closely():
+    few, many = np.geomspace(1e-2, 1, 5), np.geomspace(1e-2, 1, 81)
+    of_few, of_many = (bem.curve(THREE_WAVES, loads).resistance_error for loads in (few, many))
+    assert np.all(of_many[::20] <= of_few * (1 + 1e-9))
+    assert of_many[40] < 0.5 * of_few[2]

@@ -43,7 +43,7 @@ def test_any_number_of_nodes_has_coarser_grids(points):
     assert grids.points[-1] == points
     assert 128 <= grids.points[0] < 256
     assert np.all(np.diff(grids.points) >= 0.45 * grids.points[1:])
-    loads, settings = np.geomspace(1e-3, 2, 40), {"tolerance": 1e-8, "resistance": False, "edges": "nodes"}
+    loads, settings = np.geomspace(1e-3, 2, 40), {"tolerance": 1e-8, "with_resistance": False, "staircase": "kept"}
     found = curve(THREE_WAVES, loads, points=points, **settings)
     assert found.work.mean() < 25
 

@@ -37,8 +37,13 @@ def test_contacts_that_nearly_merge_need_no_sums():
 def test_a_resistance_beside_a_merger_takes_more_corrections():
     """Two of them are of one size; the value is that of a dense solution on all nodes."""
     phases = 4.574169531099157, 4.748128995525145, 0.2278665173120248
-    curve = patches.curve(Profile(1.0693689688036165, 8, 3, phases), 0.2503344663826191, 1e-12)
-    assert abs(curve.resistance - 1.71034873840) < curve.resistance_error < 1e-10
+    profile, load = Profile(1.0693689688036165, 8, 3, phases), 0.2503344663826191
+    surface, before = surface_of(profile), patches.solve_load(profile, load * (1 - 1e-7), 1e-12).state
+    start = on_few_nodes(before, surface.series(before.dual))._replace(load=load)
+    state, _ = newton.solve_few_contacts(surface, start, 1e-12)
+    assert abs(state.resistance - 1.71034873840) < 1e-10
+    curve = patches.curve(profile, load, 1e-12)  # for which the gap may count as a crack
+    assert abs(curve.resistance - 1.71034873840) < curve.resistance_error < 1e-7
 
 
 @pytest.mark.parametrize("fault", ["unknowns", "residual", "inequalities"])

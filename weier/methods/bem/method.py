@@ -96,7 +96,13 @@ def _candidates(task: Task) -> Iterator[Segment]:
 
 def _solve_segment(profile: Waves, points: int, residual: float, loads: Array) -> SegmentSolution:
     grid = curve(profile, loads, points=points, tolerance=residual)
-    return SegmentSolution(grid.compliance, grid.resistance, grid.compliance_error, grid.resistance_error)
+    # The errors of a plan depend on no other load, so that no chord leads from one of them to another.
+    alone = [
+        error_model.errors(profile, loads[i : i + 1], points, (grid.compliance[i : i + 1], grid.resistance[i : i + 1]),
+                           grid.residual[i : i + 1])[1]
+        for i in range(loads.size)
+    ]
+    return SegmentSolution(grid.compliance, grid.resistance, grid.compliance_error, np.concatenate(alone))
 
 
 METHOD = Method(

@@ -1,0 +1,175 @@
+"""The staircase of boundary elements: its constants, what is left of it, and where edges are in their steps."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import zeta
+
+from tests.reference import REFERENCES
+from weier import Profile, random_phases, solve
+from weier.methods import patches, westergaard
+from weier.methods.bem import curve, staircase
+from weier.methods.bem.active_set import NestedSolver
+from weier.theory.halfplane import eigenvalues, influence_coefficients
+
+
+def relative(found, resistance):
+    """Errors of a resistance, relative from 1e-3 on, absolute below."""
+    return np.abs(found - resistance) / np.where(resistance > 1e-3, resistance, 1)
+
+
+def errors_of_references(per_wave, **settings):
+    """Errors of h and R where a grid can see the contact, which a lighter load has on a single node."""
+    h, R = [], []
+    for reference in REFERENCES:
+        seen = reference.above(1e-3)
+        found = curve(seen.profile, seen.mean_pressure, points_per_wave=per_wave, **settings)
+        assert np.all(np.abs(found.compliance - seen.compliance) <= found.compliance_error)
+        assert np.all(np.abs(found.resistance - seen.resistance) <= found.resistance_error)
+        h += list(np.abs(found.compliance - seen.compliance))
+        R += list(relative(found.resistance, seen.resistance))
+    return np.array(h), np.array(R)
+
+
+@pytest.mark.parametrize(
+    ("per_wave", "h", "R"), [(16, 5e-4, 2e-2), (32, 8e-5, 5e-3), (64, 1.2e-5, 1.2e-3), (128, 2e-6, 3e-4)]
+)
+def test_the_accuracy_is_what_was_measured(per_wave, h, R):
+    """Medians, of which the limits are about twice, for other machines."""
+    compliance, resistance = errors_of_references(per_wave)
+    print(f"{per_wave}: h {np.median(compliance):.1e}, R {np.median(resistance):.1e}")
+    assert np.median(compliance) < h
+    assert np.median(resistance) < R
+
+
+def test_without_its_staircase_a_grid_is_ten_times_as_accurate():
+    removed, kept = (errors_of_references(64, staircase=each) for each in ("removed", "kept"))
+    assert np.median(removed[0]) < np.median(kept[0]) / 10
+    assert np.median(removed[1]) < np.median(kept[1]) / 5
+    assert removed[0].max() < kept[0].max()
+
+
+def test_the_edge_of_a_punch_is_that_of_wiener_and_hopf():
+    """The factor of 2 sin(theta/2) times the symbol: 1/4 - 1/2 of an integral."""
+
+    def symbol(kappa):
+        return np.sin(np.pi * kappa) ** 2 / np.pi**2 * (zeta(3, kappa) + zeta(3, 1 - kappa))
+
+    def integrand(kappa):
+        return np.log(symbol(kappa) * np.sin(np.pi * kappa) / np.pi) / np.sin(np.pi * kappa) ** 2
+
+    assert pytest.approx(0.25 - quad(integrand, 1e-6, 0.5)[0] / 2, abs=1e-6) == staircase.EDGE
+
+
+def test_constants_of_single_nodes_are_those_of_the_influence_matrix():
+    points = 2**14
+    stiffness = np.fft.irfft(np.concatenate([[0], 1 / eigenvalues(points, points)[1:]]), points)
+    assert -stiffness[1] / stiffness[0] == pytest.approx(staircase.NEIGHBOUR_STIFFNESS, abs=1e-7)
+    influence = influence_coefficients(points) * points  # of a unit force on the nodes of a period
+    assert 2 / (influence[0] - influence[1]) == pytest.approx(staircase.LONE_CONTACT, abs=1e-6)
+
+
+def test_one_wave_has_no_staircase_left():
+    """The compliance is off by O(N^-3), and the resistance by O(N^-2) at least, where the contact has many nodes."""
+    loads = np.linspace(0.2, 0.8, 61)
+    errors = []
+    for points in (64, 128):
+        found = curve(Profile(1.25, 5, 1, (0.3,)), loads, points=points, tolerance=1e-13)
+        of_h = np.abs(found.compliance - westergaard.compliance(loads)).max()
+        of_R = np.abs(found.resistance - westergaard.resistance(loads)).max()
+        errors.append((of_h, of_R))
+    (h, R), (finer_h, finer_R) = errors
+    print(f"h {h:.1e}, {finer_h:.1e}; R {R:.1e}, {finer_R:.1e}")
+    assert finer_h < h / 6
+    assert finer_R < R / 3
+    assert finer_h < 2e-6
+
+
+def edge_deviation(profile, found, exact):
+    """Largest distance between edges of the same load, in the finest waves."""
+    period = float(profile.period)
+    apart = (found[~np.isnan(found)] - exact[~np.isnan(exact)] + period / 2) % period - period / 2
+    return np.abs(apart).max(initial=0.0) * profile.waves_per_period[-1] / period
+
+
+@pytest.mark.parametrize(("per_wave", "deviation"), [(32, 1e-2), (128, 1.5e-3)])
+def test_edges_of_contact_are_a_fraction_of_a_node_from_those_of_the_continuum(per_wave, deviation):
+    """At four of five loads: beside births and mergers they move as a root."""
+    profile, loads = Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.geomspace(1e-3, 1.5, 20)
+    exact, found = patches.curve(profile, loads), curve(profile, loads, points_per_wave=per_wave)
+    assert found.patch_count.tolist() == exact.patch_count.tolist()
+    pairs = zip(found.contact_edge, exact.contact_edge, strict=True)
+    assert np.quantile([edge_deviation(profile, *pair) for pair in pairs], 0.8) < deviation
+    assert np.abs(found.contact_fraction - exact.contact_fraction).max() < deviation
+
+
+def test_a_gap_of_a_node_that_the_continuum_has_not_is_closed():
+    """Where two contacts merge, the grid keeps the last node apart for too long."""
+    profile, load = Profile(1.23663, "3/2", 2, (np.pi, np.pi)), np.array([0.82839])
+    exact, found = patches.curve(profile, load), curve(profile, load, points=96)
+    assert curve(profile, load, points=96, staircase="kept").patch_count.tolist() == [3]
+    assert found.patch_count.tolist() == exact.patch_count.tolist() == [1]
+    assert edge_deviation(profile, found.contact_edge[0], exact.contact_edge[0]) < 1e-2
+
+
+@pytest.mark.parametrize("share", [0.1, 0.4, 0.7])
+@pytest.mark.parametrize("shift", [0.0, 0.25])
+def test_a_contact_of_one_node_is_hertzs(share, shift):
+    """Width and middle, from a load that is this share of the one at which the next node touches."""
+    points = 64
+    profile = Profile(1.25, 5, 1, (-2 * np.pi * shift / points,))
+    grid = NestedSolver(profile, points, 1e-12)
+    load = share * np.pi**2 / (2 * np.log(2) * points**2) / 2
+    point = staircase.remove_staircase(grid.solve_discrete(load, True))
+    assert point.first.tolist() == point.last.tolist() == [0]
+    left, right = point.edge
+    half_width = np.arcsin(np.sqrt(load)) / np.pi * points
+    assert 0.5 * (right - left) == pytest.approx(half_width, rel=0.02 + shift**2)
+    assert 0.5 * (right + left) == pytest.approx(shift, abs=0.01)
+
+
+def test_in_full_contact_all_is_known():
+    found = curve(Profile(1.25, 5, 2, 1.0), [0.01, 0.3, 10.0])
+    assert np.all(found.compliance_error[:2] > 1e-6)
+    assert np.all(found.resistance_error[:2] > 1e-3)
+    assert found.compliance_error[2] < 1e-13
+    assert found.resistance_error[2] == found.resistance[2] == found.patch_count[2] == 0
+    assert found.contact_fraction[2] == 1
+
+
+@pytest.mark.parametrize("solver", ["fft", "direct"])
+def test_both_solvers_have_the_same_staircase(solver):
+    profile, loads = Profile(1.5, 3, 3, random_phases(4)), np.geomspace(1e-3, 3, 12)
+    found, other = (curve(profile, loads, points=288, solver=each) for each in (solver, "fft"))
+    np.testing.assert_allclose(found.compliance, other.compliance, atol=1e-9)
+    np.testing.assert_allclose(found.resistance, other.resistance, rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(found.contact_edge, other.contact_edge, atol=1e-5)
+
+
+@pytest.mark.parametrize("staircase", ["kept", "removed"])
+def test_without_resistance_no_work_is_done_for_it(staircase):
+    """The derivative of the solution is not solved for where the staircase is kept, and needed where it is removed."""
+    profile, loads = Profile(1.25, 5, 2, 1.0), np.array([0.01, 0.3])
+    one, other = (curve(profile, loads, with_resistance=wanted, staircase=staircase) for wanted in (True, False))
+    assert other.compliance.tolist() == one.compliance.tolist()
+    assert np.all(np.isfinite(one.resistance))
+    assert np.all(np.isnan(other.resistance))
+    assert np.all(np.isnan(other.resistance_error))
+    assert np.all(other.work < one.work) if staircase == "kept" else np.all(other.work == one.work)
+
+
+@pytest.mark.parametrize("staircase", ["kept", "removed"])
+def test_points_may_be_given_for_each_of_the_finest_waves(staircase):
+    """The finest of 5/2 and m = 3 fits 25 times into the period, which is 4."""
+    profile, loads = Profile(1.25, "5/2", 3, 1.0), [0.01, 0.3]
+    given = solve(profile, loads, "bem", points_per_wave=16, staircase=staircase)
+    named = solve(profile, loads, "bem", points=400, staircase=staircase)
+    assert (given.points, given.points_per_wave) == (400, 16)
+    np.testing.assert_array_equal(given.compliance, named.compliance)
+
+
+def test_both_numbers_cost_45_pairs():
+    """Pairs of FFTs a load on 1600 nodes, to a residual of 1e-8."""
+    found = curve(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.geomspace(1e-3, 2, 40), tolerance=1e-8)
+    print(f"{found.work.mean():.1f} pairs")
+    assert found.work.mean() <= 45
