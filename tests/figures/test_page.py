@@ -227,10 +227,10 @@ def test_errors_of_different_settings_stand_in_different_rows():
     data["status"].values[:, 1] = Status.solved
     data["compliance_error"].values[:, 1] = np.array([1e-6, 3e-2, 2e-6])[:, None]
     labelled = data.assign_coords(
-        bem_points=("case", [np.nan, 12, np.nan]), bem_edges=("case", ["between", "nodes", "between"])
+        bem_points=("case", [np.nan, 12, np.nan]), bem_staircase=("case", ["removed", "kept", "removed"])
     )
     table = page._errors(labelled)
-    assert [row[0] for row in table.rows] == ["bem, edges between", "bem, points 12, edges nodes"]
+    assert [row[0] for row in table.rows] == ["bem, staircase removed", "bem, points 12, staircase kept"]
     assert [row[4] for row in table.rows] == ["2.0e-06", "3.0e-02"]
 
 

@@ -33,8 +33,8 @@ def of(method):
     return lambda: weier.solve(profile(1), LOADS, method.name)
 
 calls = {method.name: of(method) for method in METHODS}
-calls["nodes"] = lambda: weier.solve(profile(), LOADS, "bem", edges="nodes")
-calls["direct"] = lambda: weier.solve(profile(3), LOADS, "bem", solver="direct", points=200, edges="nodes")
+calls["nodes"] = lambda: weier.solve(profile(), LOADS, "bem", staircase="kept")
+calls["direct"] = lambda: weier.solve(profile(3), LOADS, "bem", solver="direct", points=200)
 calls["fields"] = lambda: weier.fields(profile(), 0.1)
 calls["events"] = lambda: weier.events(profile(3), 0.05, 0.5)
 calls["plan"] = lambda: weier.plan(profile(5), LOADS, 1e-4)

@@ -14,7 +14,7 @@ BETWEEN_NODES = """
 title: crests of all waves at one place, half a node off the grid
 loads: [1.0e-9, 1.0e-6]
 methods: [bem]
-settings: {bem: {edges: nodes}}
+settings: {bem: {staircase: kept}}
 studies:
   one: {product: {D: 1.25, gamma: 5, m: 2, phases: [[%r, %r]]}}
 """

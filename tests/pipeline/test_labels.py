@@ -17,10 +17,10 @@ title: Grids
 loads: [0.1, 1.0]
 methods: [bem]
 studies:
-  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 40, edges: nodes}}}
-  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: nodes}}}
-  between: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: subgrid}}}
-  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, edges: nodes}}}
+  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 40, staircase: kept}}}
+  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, staircase: kept}}}
+  between: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, staircase: removed}}}
+  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, staircase: kept}}}
   drawn: {product: {D: 1.25, gamma: 5, m: 2, seed: [7, 8]}, methods: [demelio]}
 """
 
@@ -37,7 +37,7 @@ def test_a_file_labels_its_cases(path):
     with xr.open_dataset(path) as data:
         assert data.study.values.tolist() == ["coarse", "fine, alike", "between", "drawn", "drawn"]
         np.testing.assert_array_equal(data.bem_points, [40, 80, 80, np.nan, np.nan])
-        assert data.bem_edges.values.tolist() == ["nodes", "nodes", "subgrid", "", ""]
+        assert data.bem_staircase.values.tolist() == ["kept", "kept", "removed", "", ""]
         np.testing.assert_array_equal(data.seed, [np.nan, np.nan, np.nan, 7, 8])
         assert "bem_residual_tolerance" not in data.coords  # is left out only by a method that is not run
         assert data.bem_points.attrs["long_name"] == "setting points of method bem"
@@ -49,8 +49,8 @@ def test_a_file_labels_its_cases(path):
     [
         ({"study": "alike"}, ["fine, alike"]),
         ({"bem_points": 40}, ["coarse"]),
-        ({"bem_points": 80, "bem_edges": "subgrid"}, ["between"]),
-        ({"bem_points": [40, 80], "bem_edges": "nodes"}, ["coarse", "fine, alike"]),
+        ({"bem_points": 80, "bem_staircase": "removed"}, ["between"]),
+        ({"bem_points": [40, 80], "bem_staircase": "kept"}, ["coarse", "fine, alike"]),
         ({"seed": 8}, ["drawn"]),
     ],
 )
@@ -75,9 +75,9 @@ def test_a_label_that_no_case_has_is_refused_with_the_choice(path, labels, messa
 def test_each_case_has_a_name_that_tells_it_from_the_others(path):
     with weier.open(path) as data:
         names = [
-            "coarse: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 40, bem_edges = nodes",
-            "fine, alike: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_edges = nodes",
-            "between: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_edges = subgrid",
+            "coarse: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 40, bem_staircase = kept",
+            "fine, alike: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_staircase = kept",
+            "between: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_staircase = removed",
             "drawn: D = 1.25, gamma = 5, m = 2, seed = 7",
             "drawn: D = 1.25, gamma = 5, m = 2, seed = 8",
         ]
@@ -90,14 +90,14 @@ def test_each_case_has_a_name_that_tells_it_from_the_others(path):
 def test_the_page_offers_cases_by_their_labels(path):
     data = dataset.read(path)
     first, second, _, *drawn = explorer._labels(data, "case")
-    assert first == "coarse: bem_points = 40, bem_edges = nodes"
-    assert second == "fine, alike: bem_points = 80, bem_edges = nodes"
+    assert first == "coarse: bem_points = 40, bem_staircase = kept"
+    assert second == "fine, alike: bem_points = 80, bem_staircase = kept"
     assert drawn == ["drawn", "drawn"]
     assert [label.partition(":")[0] for label in explorer._labels(data, "phase")[3:]] == ["seed 7", "seed 8"]
-    assert explorer._labels(data.drop_vars(["study", "bem_points", "bem_edges", "seed"]), "case") == ["case"] * 5
+    assert explorer._labels(data.drop_vars(["study", "bem_points", "bem_staircase", "seed"]), "case") == ["case"] * 5
 
 
 def test_labels_come_from_the_scene_alone(path):
     """So a file of ten thousand cases gets them in no time, and no batch is solved again for a new name."""
     labels = case_labels(scene.load(path.parent / "scene.yaml"))
-    assert list(labels.coords) == ["study", "bem_points", "bem_edges"]
+    assert list(labels.coords) == ["study", "bem_points", "bem_staircase"]

@@ -24,7 +24,7 @@ def test_every_method_meets_what_it_applies_to():
 
 def test_a_second_algorithm_is_tried_on_the_coarsest_grid_of_the_trade():
     """The paper's 12 points for each of the finest waves; not at all where its dense matrices are too large."""
-    assert names(Profile(1.25, 5, 3))["bem direct"] == {"solver": "direct", "points": 12 * 25, "edges": "nodes"}
+    assert names(Profile(1.25, 5, 3))["bem direct"] == {"solver": "direct", "points": 12 * 25, "staircase": "kept"}
     assert "bem direct" not in names(Profile(1.25, 1000, 2))
 
 

@@ -156,7 +156,7 @@ EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
     ("waves that cancel to 1 %", _case(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
 )
 GRIDS = (
-    ("3 nodes", ONE_WAVE, {"points": MIN_NODES, "edges": "nodes"}),
+    ("3 nodes", ONE_WAVE, {"points": MIN_NODES}),
     ("2^20 nodes, one wave", ONE_WAVE, {"points": MAX_NODES}),
     ("2^20 nodes, three waves", THREE_WAVES, {"points": MAX_NODES}),
 )
