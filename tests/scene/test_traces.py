@@ -17,7 +17,7 @@ from weier.scene import BY_DEFAULT, Case
 
 X = 1e-6 * np.arange(64)
 HEIGHTS = 1e-6 * np.cos(2 * np.pi * X / 64e-6) + 2e-7 * np.sin(2 * np.pi * X / 16e-6)
-OPTIONS = {"file": "shaft.csv", "shortest": "8e-6", "ends": "periodic"}
+OPTIONS = {"file": "shaft.csv", "shortest": "8e-6", "ends": "periodic", "unit": "m"}
 BODIES = dict.fromkeys(("mu_1", "mu_2"), 8.0e10) | dict.fromkeys(("nu_1", "nu_2"), 0.3)
 BODIES |= dict.fromkeys(("rho_1", "rho_2"), 2e-7)
 SCENE = {
@@ -48,7 +48,7 @@ def folder(tmp_path):
 
 def test_a_trace_is_read_as_by_the_library_and_is_the_same_case_in_memory(folder):
     (case,) = load(folder).studies["mine"]
-    expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic")
+    expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic", unit="m")
     assert case.profile.labels == expected.labels
     same = Case.of(expected, ("bem",), {})
     assert (same.key, same.curve_keys) == (case.key, case.curve_keys)

@@ -16,7 +16,7 @@ def trace_of(profile, waves, start, ends="mirrored"):
     """So many of the coarsest waves, from a place that is no crest, on ten samples for each of the finest."""
     samples = math.ceil(10 * waves * float(profile.gamma) ** (profile.terms - 1))
     x = start + waves * np.arange(samples) / samples
-    return Trace(HEIGHT * profile.height(x), waves * LAMBDA, ends=ends)
+    return Trace(HEIGHT * profile.height(x), waves * LAMBDA, ends=ends, unit="m")
 
 
 def band(profile):
@@ -61,7 +61,7 @@ def test_random_surfaces_show_no_bias_and_scatter_as_stated(D):
     for _ in range(pieces):
         wave = root * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
         z = np.fft.irfft(np.concatenate([[0], wave]), 2 * k.size)[: k.size // 4]
-        found.append(fit(Trace(z, length, 1 / finest), longest=1.0))
+        found.append(fit(Trace(z, length, 1 / finest, unit="m"), longest=1.0))
     off = np.array([each.D for each in found]) - D
     stated = np.array([each.D_error for each in found])
     assert abs(off.mean()) < 0.006 + 2 * off.std() / math.sqrt(pieces)  # 0.006 was the largest bias of 200 pieces
@@ -95,4 +95,4 @@ def test_bands_that_tell_no_slope_are_refused(more, says):
 def test_what_is_no_power_law_is_refused():
     noise = np.random.default_rng(0).normal(size=2000)
     with pytest.raises(ValueError, match="the spectrum must fall as k\\^-beta with beta between 1 and 3, got"):
-        fit(Trace(noise, 1.0))
+        fit(Trace(noise, 1.0, unit="m"))

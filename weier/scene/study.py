@@ -53,7 +53,11 @@ def distinct_values(name: str, values: Any) -> list[Any]:
 def check_count(studies: Mapping[str, Any], most: int) -> None:
     """Refuse too many cases, before any is made."""
     every = [product for study in studies.values() for _, product in products(study)]
-    count = sum(math.prod(_count(name, values) for name, values in product.items()) for product in every)
+    check_number(sum(math.prod(_count(name, values) for name, values in product.items()) for product in every), most)
+
+
+def check_number(count: int, most: int) -> None:
+    """Refuse so many cases, if they are too many."""
     if count > most:
         raise ValueError(
             f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
