@@ -126,14 +126,15 @@ numbers = (
 anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
 
 NOT_NUMBERS = {
-    *("profile", "subject", "method", "quantity", "path", "data", "contact_edges", "study", "ends", "source", "trace"),
-    *("unit", "x_unit", "height_unit", "detrend", "missing", "across", "topography"),
+    *("profile", "subject", "method", "quantity", "path", "data", "contact_edges", "study", "ends", "source"),
+    *("trace", "unit", "x_unit", "height_unit", "detrend", "missing", "across", "topography"),
 }
 TEXT_TOO = {"gamma"}
 TEXTS = {"fft", "direct", "compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {
     "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"},
-    "Trace": {"shortest", "missing_value"}, "Trace.of": {"line"}, "Trace.sampled_height": {"terms"}, "fit": {"longest", "shortest"},
+    "Trace": {"shortest", "missing_value"}, "Trace.of": {"line"}, "Trace.sampled_height": {"terms"},
+    "fit": {"longest", "shortest"},
     "plan": {"tolerance", "quantity"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }  # fmt: skip

@@ -128,7 +128,8 @@ def test_other_programs_agree_within_their_grid_error(program):
 def test_waves_that_fall_to_rounding_are_solved():
     """Two smooth bumps: the finest of their waves is as low as rounding leaves it."""
     x = np.arange(600) / 600 - 0.5
-    trace = Trace(UNIT * (np.exp(-((x / 0.05) ** 2)) + np.exp(-(((x - 0.3) / 0.03) ** 2))), 1e-3, ends="periodic", unit="m")
+    bumps = np.exp(-((x / 0.05) ** 2)) + np.exp(-(((x - 0.3) / 0.03) ** 2))
+    trace = Trace(UNIT * bumps, 1e-3, ends="periodic", unit="m")
     assert trace.amplitude[-1] < 1e-12
     exact, grid = (weier.solve(trace, [1e-3, 0.1, 3.0], method) for method in ("patches", "bem"))
     assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error + 1e-9)

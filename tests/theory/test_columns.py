@@ -152,16 +152,12 @@ def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file, written
 
 def test_positions_that_are_rounded_need_a_length(file):
     path = file("x (um),z (um)\n" + "\n".join(f"{x:.1f},{z}" for x, z in zip(N / 6, Z, strict=True)))
-    with pytest.raises(
-        ValueError, match=r"ones that are rounded to 0.1: give the length, which is 200 steps, or"
-    ):
+    with pytest.raises(ValueError, match=r"ones that are rounded to 0.1: give the length, which is 200 steps, or"):
         Trace.read(path)
     trace = Trace.read(path, length=200 / 6, x_unit="um")
     assert trace.lambda_0 == pytest.approx(1e-6 * 200 / 6)
     assert trace.m == RIGHT.m
-    with pytest.raises(
-        ValueError, match=r"length must be that of 200 steps where positions go from 0 to 33.2"
-    ):
+    with pytest.raises(ValueError, match=r"length must be that of 200 steps where positions go from 0 to 33.2"):
         Trace.read(path, length=40, x_unit="um")
 
 
