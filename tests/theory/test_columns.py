@@ -123,12 +123,12 @@ GONE = np.isin(N, [60, 61, 90])
 def test_what_is_missing_between_heights_closes_no_gap(file, written):
     """In one column: an empty line, a height behind #, or what programs write for a missing one."""
     path = file(rows(np.where(GONE, written, Z.astype(str))) + "\n# the end\n\n")
-    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, at most 2 beside each other, the first is"):
+    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 beside"):
         Trace.read(path, length=1e-3, height_unit="um")
     filled = Trace.read(path, length=1e-3, height_unit="um", missing="interpolate")
     straight = Trace(np.interp(N, N[~GONE], Z[~GONE]), 1e-3, height_unit="um")
     np.testing.assert_allclose(filled.amplitude, straight.amplitude, rtol=1e-9, atol=1e-12)
-    assert tuple(filled.filled) == (3, 2)
+    assert tuple(filled.filled) == (3, 2, 0)
 
 
 def test_remarks_between_heights_are_no_heights(file):
@@ -143,11 +143,11 @@ def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file, written
     if written is None:
         lines = [line for line, gone in zip(lines, GONE, strict=True) if not gone]
     path = file("x (mm);z (um)\n" + "\n".join(lines))
-    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, at most 2 beside each other"):
+    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 beside"):
         Trace.read(path)
     filled = Trace.read(path, missing="interpolate")
     assert filled.lambda_0 == pytest.approx(1e-3, rel=1e-12)
-    assert tuple(filled.filled) == (3, 2)
+    assert tuple(filled.filled) == (3, 2, 0)
 
 
 def test_positions_that_are_rounded_need_a_length(file):
@@ -221,6 +221,7 @@ TEXT = f"x (mm),z (um)\n{rows(Z, X)}\n"
         (b"\x89HDF\r\n\x1a\n", "is an HDF5 or netCDF file"),
         (b"\x93NUMPY\x01\x00", "is an array of NumPy, .*: take weier.Trace of what numpy.load returns"),
         (b"1.0\n\x00\x01\x02", "is no text"),
+        (b"\x01\x00\x02\x00" * 100, "is no text"),
     ],
 )
 def test_what_is_no_text_is_named_by_its_first_bytes(file, content, says):

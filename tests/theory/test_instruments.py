@@ -78,8 +78,17 @@ def test_masked_heights_are_missing_and_a_line_that_is_wrong_is_named():
     masked[30:32, 7] = np.ma.masked
     topography = Topography(masked, (400.0, 160.0), "um")
     assert_same(Trace.of(topography, line=6), MAP[:, 6], 4e-4)
-    with pytest.raises(ValueError, match=r"^line x 7: 2 of 80 heights are missing, at most 2 beside each other"):
-        Trace.of(topography, across="x")
+    with pytest.raises(
+        ValueError, match=r"^line x 7: 2 of 80 heights are missing, the first is height 31, at most 2"
+    ):
+        Trace.of(topography, line=7)
+    with pytest.warns(
+        UserWarning, match="1 of 40 lines are left out, for reasons such as: line x 7: 2 of 80 heights"
+    ):
+        lines = Trace.of(topography, across="x")
+    assert [line.line for line in lines] == [*range(7), *range(8, 40)]
+    with pytest.raises(ValueError, match="line y 0: heights must have a unit"):
+        Trace.of(Topography(MAP, (400.0, 160.0), None), across="y")
     lines = Trace.of(topography, across="x", missing="interpolate")
     assert [line.filled.heights for line in lines] == [2 if number == 7 else 0 for number in Y]
 

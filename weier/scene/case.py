@@ -45,11 +45,8 @@ class Case:
 
     @property
     def _identity(self) -> Mapping[str, Any]:
-        """The parameters; of a trace its name and what it holds, not where its file is."""
-        if "trace" not in self.parameters:
-            return self.parameters
-        trace = self.parameters["trace"]
-        return {"trace": [trace.get("name", trace["file"]), trace["digest"]]}
+        """The parameters, in short."""
+        return {name: identity(name, value) for name, value in self.parameters.items()}
 
     @cached_property
     def key(self) -> str:
@@ -110,6 +107,11 @@ class Case:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
 
 
+def identity(name: str, value: Any) -> Any:
+    """All that tells a parameter from others: of a trace its name and what it holds, not where its file is."""
+    return [value.get("name", value["file"]), value["digest"]] if name == "trace" else value
+
+
 def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     """The traces of a file of a scene in this folder, as parameters of a case each: with digests of their heights.
 
@@ -120,9 +122,10 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
     source = values["file"] if len(values["file"].encode()) <= MAX_SOURCE else Path(values["file"]).name
     parameters = {"source": source} | dict(values) | numbers | {"file": str(folder / values["file"])}
     found = Trace.read(**_arguments(parameters))
-    lines = [parameters] if isinstance(found, Trace) else [parameters | {"line": line} for line in range(len(found))]
     traces = [found] if isinstance(found, Trace) else found
-    return [own | {"name": trace.source, "digest": trace.digest} for own, trace in zip(lines, traces, strict=True)]
+    lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
+    names = [{"name": trace.source, "digest": trace.digest} for trace in traces]
+    return [parameters | line | name for line, name in zip(lines, names, strict=True)]
 
 
 def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:

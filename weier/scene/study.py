@@ -18,7 +18,7 @@ import numpy as np
 
 from weier.data.yaml import number
 from weier.kernels.arrays import Indices
-from weier.scene.case import Case
+from weier.scene.case import Case, identity
 from weier.theory.profile import random_phases
 
 MAX_CASES = 10_000  # by default
@@ -124,7 +124,9 @@ class CaseProduct:
     def identities(self) -> Iterator[tuple[str, ...]]:
         """What tells each case from others, in turn: parameters by name and value, methods and settings, as texts."""
         solved_by = json.dumps([self.methods, self.settings], sort_keys=True)
-        texts = [[json.dumps([name, value]) for value in values] for name, values in self.axes.items()]
+        texts = [
+            [json.dumps([name, identity(name, value)]) for value in values] for name, values in self.axes.items()
+        ]
         return (tuple(sorted(row)) for row in itertools.product([solved_by], *texts))
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:

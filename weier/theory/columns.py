@@ -144,11 +144,20 @@ def _check_text(path: Path, head: bytes) -> None:
             members = archive.namelist()
             known = next((told for member, told in ARCHIVES.items() if member in members), known)
     if known is None and b"\0" in head:
-        zeros = max(head[::2].count(0), head[1::2].count(0))
-        known = ("UTF-16 text", "save it as UTF-8") if zeros > len(head) / 3 else ("no text", SAVE_AS_TEXT)
+        known = ("UTF-16 text", "save it as UTF-8") if _is_utf_16(head) else ("no text", SAVE_AS_TEXT)
     if known is not None:
         kind = ValueError if known[0].startswith("UTF") else NoTableError
         raise kind(f"{path} is {known[0]}, not a table of heights as text: {known[1]}")
+
+
+def _is_utf_16(head: bytes) -> bool:
+    """Whether every other byte is 0, and the others can be read: UTF-16 without a mark, in a language of Europe."""
+    halves = head[::2], head[1::2]
+    readable = [half.decode("cp1252", "replace").split() for half in halves]
+    return any(
+        not any(zeros) and all(map(str.isprintable, words))
+        for zeros, words in zip(halves, reversed(readable), strict=True)
+    )
 
 
 def _encoding(head: bytes) -> str:

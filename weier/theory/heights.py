@@ -38,10 +38,11 @@ DOMINANT = 5.0  # times the root mean square of the roughness: a form that is me
 
 
 class Filled(NamedTuple):
-    """What was interpolated: so many heights, and at most so many beside each other."""
+    """What became of missing heights: how many were interpolated, at most how many beside each other, and cut off."""
 
     heights: int = 0
     longest: int = 0
+    cut: int = 0
 
 
 def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
@@ -68,36 +69,41 @@ def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
 
 
 def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tuple[Array, Filled]:
-    """The heights with short runs of missing ones interpolated on a straight line, and what was filled.
+    """The heights with short runs of missing ones interpolated on straight lines, and what was filled.
+
+    Missing heights at the ends have nothing beyond them: there, the trace is cut off.
 
     Raises
     ------
     ValueError
-        If some are missing and `missing` is "refuse", if more than `max_gap` are missing beside each other, or if
-        the first or last ones are: the message has their number, the longest run, and what to do.
+        If some are missing and `missing` is "refuse", or if more than `max_gap` are missing beside each other inside
+        the trace: the message has their number, the longest run, and what to do.
     """
     checked_word("missing", missing, MISSING)
     checked_count("max_gap", max_gap, 1)
     gaps = np.isnan(z)
     if not gaps.any():
         return z, Filled()
-    starts, lengths = _runs(gaps)
-    longest = int(lengths.max())
-    told = f"{gaps.sum()} of {z.size} heights are missing, at most {longest} beside each other, the first is height "
-    told += str(starts[0] + 1)
     if gaps.all():
         raise ValueError(f"all {z.size} heights are missing")
-    if gaps[0] or gaps[-1]:
-        where = "beginning" if gaps[0] else "end"
-        raise ValueError(f"{told}; those at the {where} of the trace have nothing beyond them: cut them off")
+    known = np.flatnonzero(~gaps)
+    starts, lengths = _runs(gaps[known[0] : known[-1] + 1])
+    inside = int(lengths.sum())
+    longest = int(lengths.max(initial=0))
+    cut = int(gaps.sum()) - inside
+    told = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
+    told += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
     if missing == REFUSE:
         need = f", max_gap={longest}" if longest > MAX_GAP else ""
-        raise ValueError(f'{told}: say missing="interpolate"{need} to fill them on straight lines, or cut the trace')
+        remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
+        raise ValueError(f'{told}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
     if longest > max_gap:
-        at = int(starts[lengths.argmax()]) + 1
-        raise ValueError(f"{told}; the longest run begins at height {at}: cut the trace there, or raise max_gap")
-    known = np.flatnonzero(~gaps)
-    return np.interp(np.arange(z.size), known, z[known]), Filled(int(gaps.sum()), longest)
+        at = int(known[0] + starts[lengths.argmax()]) + 1
+        raise ValueError(
+            f"{told}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
+        )
+    within = np.arange(known[0], known[-1] + 1)
+    return np.interp(within, known, z[known]), Filled(inside, longest, cut)
 
 
 def check_sentinels(z: Array) -> None:

@@ -111,7 +111,7 @@ def lines_of(topography: Any, line: int | None, across: str | None, sized: bool 
     numbers = range(len(along)) if line is None else [checked_count("line", line, 0, len(along) - 1)]
     for number in numbers:
         length = None if sizes is None else float(sizes[axis])
-        yield Line(along[number], None, length, units, units, periodic, f"{AXES[axis]} {number}")
+        yield Line(along[number], None, length, units, units, periodic, AXES[axis], number)
 
 
 def _channel(path: Path, channels: Any, wanted: int | str | None) -> Any:
@@ -120,7 +120,7 @@ def _channel(path: Path, channels: Any, wanted: int | str | None) -> Any:
     of_heights = [getattr(channel, "is_height_channel", True) for channel in channels]
     if wanted is None:
         if not any(of_heights):
-            raise ChannelError(f"{path} has no channel of heights, only {', '.join(names)}")
+            raise ChannelError(f"{path} has no channel of heights, only {', '.join(names) or 'none'}")
         return channels[of_heights.index(True)]
     if wanted not in (names if isinstance(wanted, str) else range(len(channels))):
         raise ChannelError(f"channel must be one of {', '.join(names)}, or a number from 0, got {shown(wanted)}")

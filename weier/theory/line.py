@@ -15,7 +15,7 @@ class Line(NamedTuple):
     length : of the line, as many steps as there are heights; None if nobody knows it
     x_units, height_units : the units that are named for positions and length, and for heights: none or more
     periodic : whether the surface is known to repeat
-    name : what tells the line from others of a map
+    axis, number : of a line of a map, the axis that it runs along, and which of these lines it is
     """
 
     heights: Any
@@ -24,7 +24,13 @@ class Line(NamedTuple):
     x_units: tuple[str, ...] = ()
     height_units: tuple[str, ...] = ()
     periodic: bool = False
-    name: str = ""
+    axis: str = ""
+    number: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What tells the line from others of a map, as in "x 120"; empty where there are no others."""
+        return f"{self.axis} {self.number}" if self.axis else ""
 
 
 def line_of_array(heights: Any, with_positions: bool) -> Line:

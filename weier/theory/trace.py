@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -67,7 +68,8 @@ class Trace(Waves):
         What least squares remove from the heights: their mean; a straight line, which is the default; or a parabola,
         the form of a cylinder that is measured around. A periodic trace has neither tilt nor form.
     missing : "refuse" or "interpolate"
-        What to do with missing heights: by default they are refused, with their number and the longest run.
+        What to do with missing heights: by default they are refused, with their number and the longest run. Else
+        they are interpolated, and where they are at the ends, the trace is cut off.
     max_gap : int
         The most heights beside each other that are interpolated, on a straight line.
     missing_value : float, optional
@@ -79,8 +81,11 @@ class Trace(Waves):
         The units of lengths and heights, in m: the length of the trace, and the root mean square of its waves.
     samples, digest : int, str
         The number of heights, and twelve letters that differ where heights or waves do.
+    line : int or None
+        Which line of a map this is.
     filled : Filled
-        How many heights were interpolated, `heights`, and how many beside each other, `longest`.
+        How many heights were interpolated, `heights`, how many at most beside each other, `longest`, and how many
+        were missing at the ends, which are cut off, `cut`.
     amplitude, phase : ndarray, shape (m,)
         Of the waves, in g_0 and in radians; x = 0 is the first height.
     waves_per_period, period : list of int, int
@@ -116,6 +121,7 @@ class Trace(Waves):
     detrend: str
     filled: Filled
     source: str
+    line: int | None
     digest: str
     period: int
     m: int
@@ -148,7 +154,11 @@ class Trace(Waves):
         of_heights = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
         z, length = _located(one, z, length, {"unit": unit, "x_unit": x_unit})
+        given = z.size
         z, filled = measured.without_gaps(z, missing, max_gap)
+        if filled.cut and ends == PERIODIC:
+            raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
+        length *= z.size / given
         measured.check_sentinels(z)
         z = z * of_heights
         step = length / z.size
@@ -195,6 +205,7 @@ class Trace(Waves):
             detrend=detrend,
             filled=filled,
             source=source,
+            line=one.number,
             digest=hashlib.sha256(told.encode() + z.tobytes()).hexdigest()[:12],
             period=period,
             m=int(rough.sum()),
@@ -265,7 +276,8 @@ class Trace(Waves):
         Returns
         -------
         Trace or list of Trace
-            A list where `across` is given without `line`: `weier.solve` takes it as an ensemble.
+            A list where `across` is given without `line`: `weier.solve` takes it as an ensemble. Lines that are refused
+        are left out of it, with a warning that says how many and why, unless they are half of all.
 
         Raises
         ------
@@ -283,8 +295,7 @@ class Trace(Waves):
             "x_unit": x_unit,
             "height_unit": height_unit,
         }
-        traces = [cls._of_line(one, {"source": Path(path).name} | options) for one in lines]
-        return traces if across is not None and line is None else traces[0]
+        return cls._of_lines(lines, across is not None and line is None, {"source": Path(path).name} | options)
 
     @classmethod
     def of(cls, topography: Any, line: int | None = None, across: str | None = None, **options: Any) -> Any:
@@ -302,7 +313,7 @@ class Trace(Waves):
         Returns
         -------
         Trace or list of Trace
-            A list where `across` is given without `line`.
+            A list where `across` is given without `line`, as of `read`.
 
         Raises
         ------
@@ -311,18 +322,26 @@ class Trace(Waves):
             if its heights are no roughness.
         """
         lines = lines_of(topography, line, across)
-        traces = [cls._of_line(one, ({"ends": PERIODIC} if one.periodic else {}) | options) for one in lines]
-        return traces if across is not None and line is None else traces[0]
+        return cls._of_lines(lines, across is not None and line is None, options)
 
     @classmethod
-    def _of_line(cls, one: Line, options: Mapping[str, Any]) -> Trace:
-        """The trace of a line of a file or a map; what is wrong with a line of a map is told with its name."""
-        if not one.name:
-            return cls(one, **options)
-        try:
-            return cls(one, **{**options, "source": ", ".join(filter(None, (options.get("source", ""), one.name)))})
-        except ValueError as error:
-            raise ValueError(f"line {one.name}: {error}") from None
+    def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
+        """The trace of a line, or the list of those of several; the ones that are no roughness are left out of it."""
+        traces: list[Trace] = []
+        refused: list[ValueError] = []
+        for one in lines:
+            ends = {"ends": PERIODIC} if one.periodic else {}
+            source = ", ".join(filter(None, (options.get("source", ""), one.name)))
+            try:
+                traces.append(cls(one, **{**ends, **options, "source": source}))
+            except ValueError as error:
+                refused.append(ValueError(f"line {one.name}: {error}") if one.name else error)
+        if refused and len(refused) >= len(traces):
+            raise refused[0] from None
+        if refused:
+            of_all = f"{len(refused)} of {len(refused) + len(traces)} lines"
+            warnings.warn(f"{of_all} are left out, for reasons such as: {refused[0]}", stacklevel=3)
+        return traces if several else traces[0]
 
     @cached_property
     def total_amplitude(self) -> float:
