@@ -131,6 +131,17 @@ def test_what_is_missing_between_heights_closes_no_gap(file, written):
     assert tuple(filled.filled) == (3, 2, 0)
 
 
+def test_heights_behind_a_sign_at_the_end_are_missing_too(file):
+    lines = rows(Z).split("\n")
+    path = file("\n".join([*lines[:197], *(f"# {line}" for line in lines[197:]), "# the end", "", ""]))
+    with pytest.raises(
+        ValueError, match=r"^3 of 200 heights are missing, the first is height 198, 3 of them at the ends"
+    ):
+        Trace.read(path, length=1e-3, height_unit="um")
+    cut = Trace.read(path, length=1e-3, height_unit="um", missing="interpolate")
+    assert cut.lambda_0 == pytest.approx(1e-3 * 197 / 200)
+
+
 def test_remarks_between_heights_are_no_heights(file):
     lines = rows(Z).split("\n")
     lines.insert(100, "# the lamp was changed")

@@ -78,13 +78,9 @@ def test_masked_heights_are_missing_and_a_line_that_is_wrong_is_named():
     masked[30:32, 7] = np.ma.masked
     topography = Topography(masked, (400.0, 160.0), "um")
     assert_same(Trace.of(topography, line=6), MAP[:, 6], 4e-4)
-    with pytest.raises(
-        ValueError, match=r"^line x 7: 2 of 80 heights are missing, the first is height 31, at most 2"
-    ):
+    with pytest.raises(ValueError, match=r"^line x 7: 2 of 80 heights are missing, the first is height 31, at"):
         Trace.of(topography, line=7)
-    with pytest.warns(
-        UserWarning, match="1 of 40 lines are left out, for reasons such as: line x 7: 2 of 80 heights"
-    ):
+    with pytest.warns(UserWarning, match="1 of 40 lines are left out, for reasons such as: line x 7: 2 of 80"):
         lines = Trace.of(topography, across="x")
     assert [line.line for line in lines] == [*range(7), *range(8, 40)]
     with pytest.raises(ValueError, match="line y 0: heights must have a unit"):

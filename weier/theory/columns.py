@@ -173,7 +173,7 @@ def _table(path: Path, lines: Iterator[str]) -> tuple[list[str], list[list[float
     """The lines before the first number, and the rows from there to the last one."""
     headings: list[str] = []
     rows: list[list[float]] = []
-    gap = 0  # missing heights since the last row of one column
+    gap, commented = 0, 0  # missing heights since the last row of one column, and those up to the last one behind #
     for number, line in enumerate(map(str.strip, lines), 1):
         found = _numbers(line.lstrip("#"))
         if not rows and (not found or line.startswith("#") or not any(map(str.isalnum, line))):
@@ -182,6 +182,7 @@ def _table(path: Path, lines: Iterator[str]) -> tuple[list[str], list[list[float
         columns = len(rows[0]) if rows else len(found)
         if not line or line.startswith("#"):
             gap += columns == 1 and (not line or bool(found))
+            commented = gap if found else commented
             continue
         if DECIMAL_COMMA.search(line) and "." not in line:
             raise ValueError(f"{path}, line {number}, must have decimal points, got {shown(line)}")
@@ -191,7 +192,7 @@ def _table(path: Path, lines: Iterator[str]) -> tuple[list[str], list[list[float
                 f"before, or begin with #, got {shown(line)}"
             )
         rows += [[np.nan]] * gap + [found]
-        gap = 0
+        gap, commented = 0, 0
         if len(rows) > MAX_HEIGHTS:
             break  # no trace has so many
     if not rows:
@@ -199,7 +200,7 @@ def _table(path: Path, lines: Iterator[str]) -> tuple[list[str], list[list[float
         raise NoTableError(
             f"{path} must have one or two columns of numbers, got none{words and f', but {shown(words)}'}"
         )
-    return headings, rows
+    return headings, rows + [[np.nan]] * commented
 
 
 def _numbers(line: str) -> list[float]:

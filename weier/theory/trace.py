@@ -276,8 +276,8 @@ class Trace(Waves):
         Returns
         -------
         Trace or list of Trace
-            A list where `across` is given without `line`: `weier.solve` takes it as an ensemble. Lines that are refused
-        are left out of it, with a warning that says how many and why, unless they are half of all.
+            A list where `across` is given without `line`: `weier.solve` takes it as an ensemble. Lines that are
+            refused are left out of it, with a warning that says how many and why, unless they are half of all.
 
         Raises
         ------
