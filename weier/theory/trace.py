@@ -62,8 +62,9 @@ class Trace(Waves):
         the last tenth of the length at either end.
     source : str
         Where the heights come from: a name for the results.
-    unit : "m", "mm", "um" (also with the letter mu), "nm" or another of `UNITS`
-        What heights and length are in; `height_unit` and `x_unit` say it of one of them. Heights need one.
+    unit, x_unit, height_unit : str, optional
+        What length and heights are in, or one of them: "m", "cm", "mm", "um" (also with the letter mu), "nm", "pm",
+        "angstrom", "inch", "mil" or "uin". Heights need one.
     detrend : "mean", "tilt" or "form", optional
         What least squares remove from the heights: their mean; a straight line, which is the default; or a parabola,
         the form of a cylinder that is measured around. A periodic trace has neither tilt nor form.
@@ -261,7 +262,7 @@ class Trace(Waves):
             Of the trace, if the file does not say it: in m, or in `x_unit` or `unit` where one is given.
         shortest, ends
             As of a trace.
-        x_unit, height_unit : "m", "mm", "um" (also with the letter mu), "nm" or another of `UNITS`
+        x_unit, height_unit : str, optional
             What the file has positions and heights in, if it does not say so itself; `unit` says it of both.
         line : int, optional
             Which line of a map, from 0.
