@@ -103,6 +103,8 @@ def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tup
             f"{told}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
         )
     within = np.arange(known[0], known[-1] + 1)
+    if within.size < MIN_HEIGHTS:
+        raise ValueError(f"{told}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
     return np.interp(within, known, z[known]), Filled(inside, longest, cut)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Indices
 from weier.theory import heights as measured
 from weier.theory.arguments import checked_file, checked_number, checked_word, shown
 from weier.theory.columns import on_grid
@@ -159,42 +159,14 @@ class Trace(Waves):
         z, filled = measured.without_gaps(z, missing, max_gap)
         if filled.cut and ends == PERIODIC:
             raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
-        length *= z.size / given
         measured.check_sentinels(z)
-        z = z * of_heights
-        step = length / z.size
-        condition = f"lie between two steps and the length of the trace, {2 * step:g} and {length:g} m"
-        shortest = checked_number(
-            "shortest",
-            2 * step if shortest is None else shortest,
-            condition,
-            lambda x: 2 * step <= x * NEAR and x <= length * NEAR,
-        )
-        level = measured.detrended(z, detrend)
-        if np.ptp(level) <= ROUNDING * z.size * np.abs(z).max():
-            raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
-        measured.check_jumps(level if ends != PERIODIC else np.append(level, level[0]), step)
-        if {unit, x_unit, height_unit} - {None, "m"}:
-            _check_slope(level, step)
-        if ends == PERIODIC:
-            measured.check_end_of_period(level)
-        else:
-            measured.warn_of_form(level)
-        z_of_period = _continued(level, ends)
-        period = z_of_period.size // z.size  # 2 if it is mirrored
-        # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
-        most = min(math.floor(period * length / shortest * NEAR), (z_of_period.size - 1) // 2)
-        waves = np.arange(1, most + 1)
-        coefficient = 2 * np.fft.rfft(z_of_period)[waves] / z_of_period.size
+        z, length = z * of_heights, length * z.size / given
+        shortest = _checked_shortest(shortest, length, z.size)
+        level = _checked_level(z, length / z.size, detrend, ends)
+        if {unit, x_unit, height_unit, *one.x_units, *one.height_units} - {None, "m"}:
+            _check_slope(level, length / z.size)
+        period, waves, coefficient = _waves(level, ends, length, shortest)
         g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
-        if not g_0 > ROUNDING * np.abs(z).max():
-            raise ValueError(f"heights must be rough, got none with waves of {shortest:g} m or longer")
-        rough = np.abs(coefficient) > ROUNDING * g_0
-        if (finest := int(waves[rough][-1])) > MAX_WAVES:
-            raise ValueError(
-                f"shortest must leave at most {MAX_WAVES} of the finest waves in a period, got {shortest:g} m, "
-                f"which leaves {finest}: take a larger one, or a part of the trace"
-            )
         told = repr([length, shortest, ends, detrend, *filled])
         # Written at once, past the lock of a frozen dataclass.
         vars(self).update(
@@ -209,10 +181,10 @@ class Trace(Waves):
             line=one.number,
             digest=hashlib.sha256(told.encode() + z.tobytes()).hexdigest()[:12],
             period=period,
-            m=int(rough.sum()),
-            _waves=tuple(waves[rough].tolist()),
-            _amplitude=np.abs(coefficient[rough]) / g_0,
-            _phase=np.angle(coefficient[rough]),
+            m=waves.size,
+            _waves=tuple(waves.tolist()),
+            _amplitude=np.abs(coefficient) / g_0,
+            _phase=np.angle(coefficient),
         )
 
     # Copies, so that whoever changes one does not change the trace.
@@ -404,6 +376,51 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
     if length is not None and abs(length / own - 1) > SAME_LENGTH:
         raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
     return z, own
+
+
+def _checked_shortest(shortest: float | None, length: float, samples: int) -> float:
+    """The shortest wavelength that is kept, in m."""
+    least = 2 * length / samples
+    return checked_number(
+        "shortest",
+        least if shortest is None else shortest,
+        f"lie between two steps and the length of the trace, {least:g} and {length:g} m",
+        lambda x: least <= x * NEAR and x <= length * NEAR,
+    )
+
+
+def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
+    """The heights without what is removed from them, in m, if they are roughness."""
+    level = measured.detrended(z, detrend)
+    if np.ptp(level) <= ROUNDING * z.size * np.abs(z).max():
+        raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
+    if ends == PERIODIC:
+        measured.check_jumps(np.append(level, level[0]), step)
+        measured.check_end_of_period(level)
+    else:
+        measured.check_jumps(level, step)
+        measured.warn_of_form(level)
+    return level
+
+
+def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int, Indices, Any]:
+    """The period in lengths of the trace, the waves in it that are above rounding, and their coefficients, in m."""
+    z = _continued(level, ends)
+    period = z.size // level.size  # 2 if it is mirrored
+    # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
+    most = min(math.floor(period * length / shortest * NEAR), (z.size - 1) // 2)
+    waves = np.arange(1, most + 1)
+    coefficient = 2 * np.fft.rfft(z)[waves] / z.size
+    size = np.abs(coefficient)
+    rough = size > ROUNDING * np.linalg.norm(size) / math.sqrt(2)
+    if not size.max(initial=0) > ROUNDING * np.abs(level).max():
+        raise ValueError(f"heights must be rough, got none with waves of {shortest:g} m or longer")
+    if (finest := int(waves[rough][-1])) > MAX_WAVES:
+        raise ValueError(
+            f"shortest must leave at most {MAX_WAVES} of the finest waves in a period, got {shortest:g} m, "
+            f"which leaves {finest}: take a larger one, or a part of the trace"
+        )
+    return period, waves[rough], coefficient[rough]
 
 
 def _check_slope(level: Array, step: float) -> None:
