@@ -43,9 +43,10 @@ SIGNATURES = {
     b"II*\0": ("a TIFF picture", SAVE_AS_TEXT),
     b"MM\0*": ("a TIFF picture", SAVE_AS_TEXT),
     b"\x89HDF": ("an HDF5 or netCDF file", "take its heights by xarray or h5py, and weier.Trace"),
-    b"CDF": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
+    b"CDF\x01": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
+    b"CDF\x02": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
     b"\x93NUMPY": ("an array of NumPy", "take weier.Trace of what numpy.load returns"),
-    b"MATLAB": ("a file of MATLAB", SAVE_AS_TEXT),
+    b"MATLAB 5.0 MAT-file": ("a file of MATLAB", SAVE_AS_TEXT),
 }
 # The members of zip archives that tell what they are.
 ARCHIVES = {
