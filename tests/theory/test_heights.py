@@ -91,6 +91,20 @@ def test_zeros_far_below_are_a_value_that_stands_for_missing_heights():
         trace(z)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_zeros_among_heights_about_zero_are_a_value_that_stands_for_missing_heights(seed):
+    gone = np.random.default_rng(seed).random(200) < 0.05
+    gone[[20, 70, 120, 170]] = True
+    with pytest.raises(ValueError, match=rf"got 0 at {gone.sum()} of 200 places, .*missing_value=0"):
+        trace(np.where(gone, 0.0, BASE))
+
+
+@pytest.mark.parametrize("value", [-9999.0, 1e10])
+def test_a_long_run_of_a_value_that_stands_for_missing_heights_is_named(value):
+    with pytest.raises(ValueError, match=r"at 50 of 200 places, first at height 151, .*missing_value="):
+        trace(np.where(N >= 150, value, BASE))
+
+
 @pytest.mark.parametrize("dust", [12.0, -12.0, 2.0, 1.5])
 @pytest.mark.parametrize(
     "places", [[100], [0], [199], [100, 102], [100, 101], [0, 1], [5, 9, 14], [100, 102, 104, 106]]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.theory.arguments import checked_count, checked_number, checked_numbers, checked_word
 
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
@@ -25,6 +25,9 @@ MEDIAN = 0.6745
 # A value that stands for a missing height recurs exactly, is ten standard deviations from the median of all values,
 # and has nothing within 0.6 of this distance: the flanks of a groove have.
 FAR, VOID = 10.0, 0.6
+# Or it recurs three times and more among heights of which nine in ten do not, and is three standard deviations of
+# their changes from those beside it. A few values that recur most often are looked at.
+RECURRING, FINE, OFF, CANDIDATES = 3, 0.9, 3.0, 8
 # From one height to the next, normal roughness changes by at most five standard deviations. Larger changes that are
 # no jumps have a neighbour that goes the same way and is alike within a factor of three: those of the flank of a
 # groove. A jump is more than a tenth of all heights, too, and twice as large as all changes that are none.
@@ -109,20 +112,39 @@ def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tup
 
 
 def check_sentinels(z: Array) -> None:
-    """Refuse a value that recurs exactly, far from all others: it stands for heights that are missing."""
+    """Refuse a value that recurs exactly where it does not belong: it stands for heights that are missing."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
-    levelled = (z - _tilt(z) * np.arange(z.size))[first]
-    low, middle, high = np.quantile(levelled, (0.25, 0.5, 0.75))
-    distance = np.abs(levelled - middle)
-    far = (count > 1) & (distance > FAR * (high - low) / (2 * MEDIAN))
-    for at in np.flatnonzero(far).tolist():
-        nearest = np.abs(np.delete(values, at) - values[at]).min(initial=math.inf)
-        if nearest > VOID * distance[at]:
+    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:CANDIDATES].tolist():
+        if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
             raise ValueError(
                 f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
-                f"{first[at] + 1}, far from all others: if it stands for missing heights, say "
-                f"missing_value={values[at]:.9g}"
+                f"{first[at] + 1}, far from all others or from those beside it: if it stands for missing heights, "
+                f"say missing_value={values[at]:.9g}"
             )
+
+
+def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
+    """Whether a value is far from all others, with nothing between, as they are or without the tilt of the line."""
+    for heights in (values, values - tilt * first):
+        low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
+        distance = abs(heights[at] - middle)
+        nearest = np.abs(np.delete(values, at) - values[at]).min(initial=math.inf)
+        if distance > FAR * (high - low) / (2 * MEDIAN) and nearest > VOID * distance:
+            return True
+    return False
+
+
+def _is_out_of_line(z: Array, value: float, count: int) -> bool:
+    """Whether a value that is neither the lowest nor the highest one recurs away from the heights beside it."""
+    if count < RECURRING or not z.min() < value < z.max():
+        return False
+    here = z == value
+    known = np.flatnonzero(~here)
+    rest = z[known]
+    if np.unique(rest).size < FINE * rest.size:  # heights of few digits, which recur by chance
+        return False
+    off = np.abs(np.interp(np.flatnonzero(here), known, rest) - value)
+    return bool(np.median(off) > OFF * np.median(np.abs(np.diff(rest))) / MEDIAN)
 
 
 def check_jumps(z: Array, step: float) -> None:
