@@ -97,7 +97,7 @@ rule solve:
     message:
         "{wildcards.scene}: solve {params.title}, in about {params.seconds} s"
     shell:
-        "python -m weier batch {input.batch} {output} 2>&1 | tee -i {log}"
+        "python -m weier batch {input.batch:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
 # All figures of a scene in one job, since most of it is to start; one that is asked for by its name is drawn alone.
@@ -123,7 +123,7 @@ for name in drawn_together():
         message:
             f"{name}: draw all figures"
         shell:
-            "python -m weier figures {params.scene} {params.folder}/batches {params.folder}/figures 2>&1 | tee -i {log}"
+            "python -m weier figures {params.scene:q} {params.folder}/batches {params.folder}/figures 2>&1 | tee -i {log:q}"
 
     workflow.ruleorder("figure", f"figures_{name}")
 
@@ -155,8 +155,8 @@ rule figure:
     message:
         "{wildcards.scene}: draw {wildcards.figure}"
     shell:
-        "python -m weier figures {params.scene} results/{wildcards.scene}/batches"
-        " results/{wildcards.scene}/figures {wildcards.figure} 2>&1 | tee -i {log}"
+        "python -m weier figures {params.scene:q} results/{wildcards.scene}/batches"
+        " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
 
 
 rule claims:
@@ -181,7 +181,7 @@ rule claims:
     message:
         "{wildcards.scene}: gather all curves and check the claims"
     shell:
-        "python -m weier claims {params.scene} results/{wildcards.scene}/batches {output} 2>&1 | tee -i {log}"
+        "python -m weier claims {params.scene:q} results/{wildcards.scene}/batches {output:q} 2>&1 | tee -i {log:q}"
 
 
 # A job for each method, so that they are compiled side by side, before any batch waits for them.
@@ -195,7 +195,7 @@ rule compile:
     message:
         "compile {wildcards.method}, once for all later runs"
     shell:
-        "python -m weier compile {wildcards.method} 2>&1 | tee -i {log}"
+        "python -m weier compile {wildcards.method:q} 2>&1 | tee -i {log:q}"
 
 
 include: "rules/accuracy.smk"

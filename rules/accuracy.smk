@@ -27,7 +27,7 @@ for study, figure in {
             figure=figure,
             program=digest_of_program(*PICTURES),
         shell:
-            "python -m weier draw {params.figure} {output.png} {input.data} 2>&1 | tee -i {log}"
+            "python -m weier draw {params.figure:q} {output.png:q} {input.data:q} 2>&1 | tee -i {log:q}"
 
 
 # On its own, since other jobs beside it would disturb the seconds.
@@ -46,7 +46,7 @@ rule measure_tradeoff:
     params:
         program=digest_of_program(*MEASURED),
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene} {output} 2>&1 | tee -i {log}"
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
 rule measure_convergence:
@@ -62,7 +62,7 @@ rule measure_convergence:
     params:
         program=digest_of_program(*MEASURED),
     shell:
-        "python -m weier convergence {input.scene} {output} 2>&1 | tee -i {log}"
+        "python -m weier convergence {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
 rule measure_extremes:
@@ -78,7 +78,7 @@ rule measure_extremes:
     params:
         program=digest_of_program(*MEASURED),
     shell:
-        "python -m weier extremes {output} 2>&1 | tee -i {log}"
+        "python -m weier extremes {output:q} 2>&1 | tee -i {log:q}"
 
 
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
@@ -90,4 +90,4 @@ rule plan:
     conda:
         "environment.yaml"
     shell:
-        "for scene in {input.scenes}; do python -m weier plan $scene; done 2>&1 | tee -i {log}"
+        'for scene in {input.scenes:q}; do python -m weier plan "$scene"; done 2>&1 | tee -i {log:q}'

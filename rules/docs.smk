@@ -24,7 +24,7 @@ if "paper" in drawn_together():
             install="pip install --require-hashes -r requirements/dev.txt",
             program=digest_of_program(""),
         shell:
-            "(python -c 'import {params.needed}' 2>{log}"
-            " || (echo 'weier: the documentation needs {params.needed}: {params.install}' | tee -a {log} >&2; exit 1))"
+            "(python -c 'import {params.needed}' 2>{log:q}"
+            " || (echo 'weier: the documentation needs {params.needed}: {params.install}' | tee -a {log:q} >&2; exit 1))"
             " && sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
-            " -D scene_figures=$PWD/results/paper/figures {params.docs} results/docs 2>&1 | tee -i {log}"
+            ' -D scene_figures="$PWD"/results/paper/figures {params.docs:q} results/docs 2>&1 | tee -i {log:q}'

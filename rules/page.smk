@@ -26,5 +26,5 @@ for name in scene_names():
         message:
             f"{name}: write the page"
         shell:
-            "python -m weier page {params.scene} {params.folder}/batches {input.contact} {output} {params.folder}/figures"
-            " 2>&1 | tee -i {log}"
+            "python -m weier page {params.scene:q} {params.folder}/batches {input.contact:q} {output:q} {params.folder}/figures"
+            " 2>&1 | tee -i {log:q}"

@@ -114,7 +114,7 @@ def kernels(*names):
     if not names or any(method.runs_others for method in used):
         used = METHODS
     try:
-        check_target(compiled("any"))
+        check_target(cache_folder() / "compiled" / "any")
     except OSError:
         return []
     numerical = [method.name for method in used if method.numerical]
@@ -124,9 +124,14 @@ def kernels(*names):
 def compiled(method):
     """The file that says that a method is compiled: in the cache, so that it serves runs in all folders.
 
-    Since numba compiles again what is called from a file of another date, the newest one is in its name.
+    Since numba compiles again what is called from a file of another date, the newest one is in its name. Without a
+    home directory there is no cache, and nothing asks for this file.
     """
-    return str(cache_folder() / "compiled" / f"{method}-{newest_source()}")
+    try:
+        cache = cache_folder()
+    except OSError:
+        cache = Path("results")
+    return str(cache / "compiled" / f"{method}-{newest_source()}")
 
 
 @cache

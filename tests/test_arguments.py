@@ -30,7 +30,7 @@ INTERFACE = weier.Interface(
     mu_1=45e9, mu_2=45e9, nu_1=0.34, nu_2=0.34, rho_1=1.7e-8, rho_2=1.7e-8, lambda_0=1e-3, g_0=1e-6
 )
 HEIGHTS = np.fft.irfft(np.r_[0, np.exp(1j * np.arange(1, 26) ** 2) / np.arange(1, 26)], 64)
-TRACE = weier.Trace(HEIGHTS, 1e-3)
+TRACE = weier.Trace(HEIGHTS, 1e-3, unit="m")
 
 
 def contact():
@@ -41,6 +41,16 @@ def contact():
     return data
 
 
+class Map:
+    """What Trace.of asks of a topography."""
+
+    physical_sizes, unit = (1e-3, 1e-3), "m"
+
+    def heights(self):
+        """Heights of two lines along x."""
+        return np.column_stack([HEIGHTS, HEIGHTS])
+
+
 # Sound values of the arguments, by their names; a function may have others.
 SOUND = {
     "profile": PROFILE, "subject": PROFILE, "mean_pressure": [0.1, 1.0], "D": 1.25, "gamma": 5, "m": 2,
@@ -48,6 +58,8 @@ SOUND = {
     "path": "there/is/none.nc", "x": [0.1, 0.2], "terms": 1, "normalised": [0.1, 0.2],
     "radii": [1e-6], "contour_radius": 1e-5, "modulus": 1e9, "compliance_slope": 1e-9,
     "heights": HEIGHTS, "length": 1e-3, "shortest": 1e-4, "ends": "mirrored", "source": "", "trace": TRACE,
+    "unit": "m", "x_unit": "m", "height_unit": "m", "detrend": "tilt", "missing": "refuse", "max_gap": 5,
+    "missing_value": -9999.0, "line": 1, "across": "x", "topography": Map(),
     "longest": 9e-4, "contact_edges": True, "data": contact(), **vars(INTERFACE),
 }  # fmt: skip
 OWN = {
@@ -114,13 +126,15 @@ numbers = (
 anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
 
 NOT_NUMBERS = {
-    *("profile", "subject", "method", "quantity", "path", "data", "contact_edges", "study", "ends", "source", "trace")
+    *("profile", "subject", "method", "quantity", "path", "data", "contact_edges", "study", "ends", "source"),
+    *("trace", "unit", "x_unit", "height_unit", "detrend", "missing", "across", "topography"),
 }
 TEXT_TOO = {"gamma"}
 TEXTS = {"fft", "direct", "compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {
     "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"},
-    "Trace": {"shortest"}, "Trace.sampled_height": {"terms"}, "fit": {"longest", "shortest"},
+    "Trace": {"shortest", "missing_value"}, "Trace.of": {"line"}, "Trace.sampled_height": {"terms"},
+    "fit": {"longest", "shortest"},
     "plan": {"tolerance", "quantity"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }  # fmt: skip

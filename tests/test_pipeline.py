@@ -29,7 +29,9 @@ figures:
 
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("checkout")
+    """A folder whose name a shell would take apart."""
+    folder = tmp_path_factory.mktemp("checkout") / "o'neil lab (2)"
+    folder.mkdir()
     shutil.copy("Snakefile", folder)
     for name in ("config", "rules"):
         shutil.copytree(name, folder / name)

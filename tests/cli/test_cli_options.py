@@ -22,6 +22,7 @@ WRONG_USAGE = [
     ([*SOLVE, "--lods", "1"], "No such option"),
     (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
     (["solve", "--length", "1e-3"], "--length is of a trace: name its file by --trace"),
+    (["solve", "--trace", "map.x3p", "--across", "x"], "--across names the axis of a line: say which one by --line"),
     (["solve", "-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
     (["plan"], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
     (["plan", "--tolerance", "1e-3"], "got neither"),

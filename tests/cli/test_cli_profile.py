@@ -1,6 +1,7 @@
 """`weier solve` and `weier plot`: one profile from the command line."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -124,3 +125,60 @@ def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
         assert one.trace_digest.item() == trace.digest
         assert one.trace_length.item() == pytest.approx(1e-3)
         assert "trace = shaft.csv" in str(data.case.values[0])
+
+
+def test_a_file_that_names_its_units_needs_no_others(run, shaft):
+    code, out, errors = run("solve", "--trace", shaft, *UNITS[4:], "--loads", "0.1")
+    assert code == 0, errors
+    with_units, out = out, run("solve", "--trace", shaft, *UNITS, "--loads", "0.1")[1]
+    assert json.loads(with_units)["methods"]["bem"]["compliance"] == json.loads(out)["methods"]["bem"]["compliance"]
+    code, _, errors = run("solve", "--trace", shaft, "--height-unit", "nm", "--loads", "0.1")
+    assert code == 1
+    assert "heights must have one unit, got height_unit='nm' and 'um' by itself" in errors
+
+
+@pytest.fixture
+def column(tmp_path):
+    """Heights in um, in one column, of which two are missing."""
+    path = tmp_path / "column.txt"
+    z = np.cos(np.arange(200) / 8) + 0.2 * np.cos(np.arange(200))
+    path.write_text("\n".join("-9999" if at in (50, 51) else f"{height:.9f}" for at, height in enumerate(z)))
+    return path
+
+
+def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
+    """And values that stand for missing heights are filled and counted, if both are asked for."""
+    of_column = ["solve", "--trace", column, "--length", "1.0", "--x-unit", "mm", "--loads", "0.1"]
+    code, _, errors = run(*of_column)
+    assert code == 1
+    assert "heights must have a unit: name it, as in height_unit" in errors
+    code, _, errors = run(*of_column, "--height-unit", "um")
+    assert code == 1
+    assert "got -9999 at 2 of 200 places, first at height 51, far from all others" in errors
+    filled = ["--missing-value", "-9999", "--missing", "interpolate", "--max-gap", "2", "--detrend", "form"]
+    code, out, errors = run(*of_column, "--height-unit", "um", *filled)
+    assert code == 0, errors
+    told = json.loads(out)
+    assert told["trace_length"] == pytest.approx(1e-3)
+    assert told["trace_filled"] == 2
+    assert told["trace_detrend"] == "form"
+    assert "2 of them interpolated" in told["title"]
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_form_is_told_of_in_one_line(run, tmp_path):
+    x = np.linspace(-1, 1, 200)
+    np.savetxt(tmp_path / "round.txt", 100 * x**2 + np.cos(30 * x) + 0.2 * np.cos(80 * x))
+    of_form = ["--length", "1e-3", "--height-unit", "um", "--loads", "0.1"]
+    code, _, errors = run("solve", "--trace", tmp_path / "round.txt", *of_form)
+    assert code == 0, errors
+    (line,) = [line for line in errors.splitlines() if "form" in line]
+    assert line.startswith("weier: the form of the trace, a parabola or tilt of")
+
+
+def test_a_file_of_an_instrument_says_what_to_install(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "map.x3p").write_bytes(b"PK\x03\x04")
+    code, _, errors = run("solve", "--trace", tmp_path / "map.x3p", "--line", "120", "--loads", "0.1")
+    assert code == 1
+    assert errors.strip().endswith("to read the formats of instruments, pip install 'weier[instruments]'")

@@ -63,7 +63,7 @@ def test_a_table_in_si_units_names_them(run):
 def test_a_trace_in_si_units_has_its_own_scale(run, folder):
     """Beside a series, which has that of the file of bodies."""
     z = np.cos(2 * np.pi * np.arange(100) / 100)
-    traces = [weier.Trace(height * z, 3e-3, ends="periodic", source="t") for height in (1e-6, 2e-6)]
+    traces = [weier.Trace(height * z, 3e-3, ends="periodic", source="t", unit="m") for height in (1e-6, 2e-6)]
     for name, surfaces in {"alone": traces, "all": [PROFILE, *traces]}.items():
         weier.solve(surfaces, [0.1, 1.0], "bem").to_netcdf(folder / f"{name}.nc")
     bare = {name: value for name, value in BODIES.items() if name not in ("lambda_0", "g_0")}

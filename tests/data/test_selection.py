@@ -1,8 +1,12 @@
 """Opened files: labelled selection, read where asked for, and joined without being held in memory."""
 
+import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -101,6 +105,28 @@ def test_nothing_is_read_before_it_is_asked_for(path):
         bem = data.sel(solution_method="bem").compliance
         assert not bem.variable._in_memory
         assert bem.values.shape == (5, 40)
+
+
+def test_a_file_is_closed_and_what_is_copied_over_it_is_read(path, tmp_path):
+    """Its handle is what a process would keep, and netCDF refuses to write what is open."""
+    mine = tmp_path / "mine.nc"
+    shutil.copyfile(path, mine)
+    with weier.open(mine) as data:
+        before = data["compliance"].values
+    opened = weier.open(mine)
+    opened.close()
+    with netCDF4.Dataset(mine, "a") as file:
+        file["compliance"][:] = 2 * before
+    with weier.open(mine) as data:
+        np.testing.assert_array_equal(data["compliance"].values, 2 * before)
+    shutil.copyfile(path, mine)
+    with weier.open(mine) as data:
+        np.testing.assert_array_equal(data["compliance"].values, before)
+    if sys.platform == "linux":
+        held = [
+            link for each in Path("/proc/self/fd").iterdir() if (link := os.path.realpath(each)).endswith("mine.nc")
+        ]
+        assert held == []
 
 
 @pytest.mark.parametrize(

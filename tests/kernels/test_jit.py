@@ -226,6 +226,25 @@ def test_a_closed_or_torn_cache_is_told_of_and_stops_nothing(cache, load, damage
 
 
 @compiled
+def test_without_a_home_directory_it_compiles_for_this_run_and_says_how_to_keep_it(load, monkeypatch):
+    """As in a container that runs for a user whom it does not know."""
+
+    def home():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(jit.Path, "home", home)
+    monkeypatch.setattr(jit, "cache_folder", jit.cache_folder.__wrapped__)
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(OSError, match="there is no home directory for the cache"):
+        jit.cache_folder()
+    with pytest.warns(RuntimeWarning, match=r"for this run alone \(there is no home .*NUMBA_CACHE_DIR name a folder"):
+        assert call(load()) == 4.0
+    monkeypatch.setenv("XDG_CACHE_HOME", "/tmp")
+    assert str(jit.cache_folder()).startswith("/tmp/weier/weier-")
+
+
+@compiled
 def test_an_error_of_a_kernel_is_no_damage_of_the_cache(cache, load, recwarn):
     with pytest.raises(Exception, match="neither"):
         call(load(), "wrong")

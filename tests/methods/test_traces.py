@@ -21,7 +21,7 @@ UNIT = 1e-6  # m
 def trace_of(profile, samples=8):
     """The heights of a series at so many samples for each of its finest waves."""
     heights = profile.sampled_height(samples * profile.waves_per_period[-1])
-    return Trace(UNIT * heights, profile.period * 1e-3, ends="periodic")
+    return Trace(UNIT * heights, profile.period * 1e-3, ends="periodic", unit="m")
 
 
 @pytest.mark.parametrize("method", ["bem", "patches"])
@@ -65,7 +65,7 @@ def test_a_parabola_and_a_flat_punch_with_rounded_edges(method, inner):
     n, waves = 1200, 60
     x = np.abs((np.arange(n) / n + 0.5) % 1 - 0.5)
     z = -(np.maximum(x - inner, 0) ** 2) / 2
-    trace = Trace(z, 1.0, shortest=1 / waves, ends="periodic")
+    trace = Trace(z, 1.0, shortest=1 / waves, ends="periodic", unit="m")
     widths = [0.18, 0.25, 0.32]
     loads = np.array([load_of(lambda x: x - inner, inner, a) for a in widths])
     if inner == 0:
@@ -86,7 +86,7 @@ def rough(waves, samples, seed=1):
 
 
 def test_fields_and_events_of_a_trace():
-    trace = Trace(rough(8, 100), 1e-3, ends="periodic")
+    trace = Trace(rough(8, 100), 1e-3, ends="periodic", unit="m")
     field = weier.fields(trace, 1.0)
     assert float(field.pressure.mean()) == pytest.approx(1.0, rel=0.01)  # the sum over 512 positions
     grid = weier.fields(trace, 1.0, method="bem")
@@ -99,7 +99,7 @@ def test_fields_and_events_of_a_trace():
 
 @pytest.mark.parametrize("method", ["westergaard", "archard", "demelio", "layer", "hybrid", "planned"])
 def test_what_rests_on_the_series_refuses_a_trace_and_names_the_fit(method):
-    trace = Trace(rough(1, 200), 1e-3, ends="periodic")  # one wave, which Westergaard's solution is for
+    trace = Trace(rough(1, 200), 1e-3, ends="periodic", unit="m")  # one wave, which Westergaard's solution is for
     with pytest.raises(NotApplicableError, match=r"for the Weierstrass series, got a trace of 200 .* weier\.fit"):
         weier.solve(trace, [0.1], method)
 
@@ -108,7 +108,7 @@ def test_what_rests_on_the_series_refuses_a_trace_and_names_the_fit(method):
 def test_other_programs_agree_within_their_grid_error(program):
     """On the same heights: a crest between two nodes is missed by the curvature over eight at most."""
     pytest.importorskip(PROGRAMS[program].package)
-    trace = Trace(rough(40, 400), 1e-3, ends="periodic")
+    trace = Trace(rough(40, 400), 1e-3, ends="periodic", unit="m")
     loads = np.array([0.02, 0.2, 2.0])
     exact = weier.solve(trace, loads, "patches").compliance.values
     eigenvalue = PROGRAMS[program].eigenvalue
@@ -128,7 +128,8 @@ def test_other_programs_agree_within_their_grid_error(program):
 def test_waves_that_fall_to_rounding_are_solved():
     """Two smooth bumps: the finest of their waves is as low as rounding leaves it."""
     x = np.arange(600) / 600 - 0.5
-    trace = Trace(UNIT * (np.exp(-((x / 0.05) ** 2)) + np.exp(-(((x - 0.3) / 0.03) ** 2))), 1e-3, ends="periodic")
+    bumps = np.exp(-((x / 0.05) ** 2)) + np.exp(-(((x - 0.3) / 0.03) ** 2))
+    trace = Trace(UNIT * bumps, 1e-3, ends="periodic", unit="m")
     assert trace.amplitude[-1] < 1e-12
     exact, grid = (weier.solve(trace, [1e-3, 0.1, 3.0], method) for method in ("patches", "bem"))
     assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error + 1e-9)
@@ -137,7 +138,7 @@ def test_waves_that_fall_to_rounding_are_solved():
 
 def test_traces_and_series_are_cases_beside_each_other():
     """What a method says nothing about is told, and two traces of one file name are two cases."""
-    traces = [Trace(rough(10, 100, seed), 1e-3, ends="periodic", source="shaft.csv") for seed in (1, 2)]
+    traces = [Trace(rough(10, 100, seed), 1e-3, ends="periodic", source="shaft.csv", unit="m") for seed in (1, 2)]
     with pytest.warns(UserWarning, match=r"weier\.fit"):
         both = weier.solve([*traces, Profile(1.5, 5, 2)], [0.1, 1.0], ["demelio", "bem"])
     alone = weier.solve(traces[1], [0.1, 1.0], "bem")
@@ -149,7 +150,7 @@ def test_traces_and_series_are_cases_beside_each_other():
 
 
 def test_contact_patches_refuse_more_waves_than_a_computer_holds_at_all_crests():
-    trace = Trace(rough(4001, 8004), 1e-3, ends="periodic")
+    trace = Trace(rough(4001, 8004), 1e-3, ends="periodic", unit="m")
     with pytest.raises(NotApplicableError, match=r"contact patches hold each wave at each crest, at most 1\.6e\+07"):
         weier.solve(trace, [0.1], "patches")
     check_crests(Profile(1.2, 2, 17))  # 65 536 waves, of 17 kinds

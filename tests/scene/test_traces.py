@@ -4,20 +4,22 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
 from weier import Interface, Trace, plan, scene
 from weier import open as open_file
 from weier.data import dataset
 from weier.data.variables import Status
-from weier.figures import checks, comparison, page
+from weier.figures import checks, comparison, page, traces
 from weier.figures.page import explorer
 from weier.pipeline.gather import gather, read_cost, read_study
 from weier.scene import BY_DEFAULT, Case
+from weier.theory import instruments
 
 X = 1e-6 * np.arange(64)
 HEIGHTS = 1e-6 * np.cos(2 * np.pi * X / 64e-6) + 2e-7 * np.sin(2 * np.pi * X / 16e-6)
-OPTIONS = {"file": "shaft.csv", "shortest": "8e-6", "ends": "periodic"}
+OPTIONS = {"file": "shaft.csv", "shortest": "8e-6", "ends": "periodic", "unit": "m"}
 BODIES = dict.fromkeys(("mu_1", "mu_2"), 8.0e10) | dict.fromkeys(("nu_1", "nu_2"), 0.3)
 BODIES |= dict.fromkeys(("rho_1", "rho_2"), 2e-7)
 SCENE = {
@@ -48,7 +50,7 @@ def folder(tmp_path):
 
 def test_a_trace_is_read_as_by_the_library_and_is_the_same_case_in_memory(folder):
     (case,) = load(folder).studies["mine"]
-    expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic")
+    expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic", unit="m")
     assert case.profile.labels == expected.labels
     same = Case.of(expected, ("bem",), {})
     assert (same.key, same.curve_keys) == (case.key, case.curve_keys)
@@ -93,6 +95,119 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     with open_file(folder / "contact.nc") as data:
         assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
         assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
+
+
+def test_one_column_has_its_length_in_the_unit_that_is_given(folder):
+    np.savetxt(folder / "one.csv", 1e6 * HEIGHTS)
+    one = {"file": "one.csv", "length": "6.4e-2", "x_unit": "mm", "height_unit": "um"}
+    (case,) = load(folder, studies={"one": {"trace": one, "methods": ["bem"]}}, figures={}).studies["one"]
+    assert case.profile.lambda_0 == pytest.approx(64e-6)
+    assert case.profile.g_0 == pytest.approx(Trace(HEIGHTS, 64e-6, unit="m").g_0, rel=1e-6)
+
+
+def test_missing_heights_and_a_form_are_told_of_in_the_results(folder):
+    heights = HEIGHTS + 1e-4 * (X / X[-1] - 0.5) ** 2
+    heights[[20, 21]] = -9999
+    write_heights(folder / "shaft.csv", heights)
+    options = {"ends": "mirrored", "missing_value": "-9999", "missing": "interpolate", "detrend": "form"}
+    loaded = load(folder, **mine(**options))
+    solutions = solve_scene(loaded, folder / "batches")
+    gather(solutions, folder / "contact.nc")
+    data = dataset.read(folder / "contact.nc")
+    assert data["trace_filled"].values.tolist() == [2]
+    assert data["trace_detrend"].values.tolist() == ["form"]
+
+
+class Map:
+    """What Trace asks of a topography: three lines along x."""
+
+    physical_sizes, unit = (64e-6, 3e-6), "m"
+
+    def heights(self):
+        """Of each line, its own."""
+        return np.column_stack([HEIGHTS, 2 * HEIGHTS, 3 * HEIGHTS])
+
+
+def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
+    (folder / "map.x3p").touch()
+    monkeypatch.setattr(instruments, "_read_once", lambda *_: (Map(), True))
+    of_map = {"file": "map.x3p", "ends": "periodic"}
+    all_lines = {"trace": of_map | {"across": "x"}, "methods": ["bem"]}
+    one_line = {"trace": of_map | {"line": 1}, "methods": ["bem"]}
+    loaded = load(folder, studies={"all": all_lines, "one": one_line}, figures={})
+    names = [case.profile.source for case in loaded.studies["all"]]
+    assert names == ["map.x3p, x 0", "map.x3p, x 1", "map.x3p, x 2"]
+    assert [case.profile.source for case in loaded.studies["one"]] == ["map.x3p, x 1"]
+    assert len(loaded.distinct) == 3
+    with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 3"):
+        load(folder, studies={"all": all_lines}, figures={}, max_cases=2)
+    with pytest.raises(scene.SceneError, match=r"trace\.file: a map of 64 by 3 heights has many lines: say line=0"):
+        load(folder, studies={"all": {"trace": of_map, "methods": ["bem"]}}, figures={})
+
+
+def drawn_traces(folder, loaded):
+    study = read_study(solve_scene(loaded, folder / "batches"), "both")
+    one = loaded.figures["f"]
+    _, (axes,), _ = comparison.compare([study], "", "compliance", one.grouping)
+    return axes
+
+
+def both_in(folder, first, second):
+    studies = {"both": {"trace": OPTIONS | {"file": [first, second]}}}
+    figure = {"draw": "compliance", "studies": ["both"], "colour": "trace"}
+    return load(folder, methods=["bem"], studies=studies, figures={"f": figure})
+
+
+def test_two_files_of_one_name_are_two_lines_with_their_folders(folder):
+    for name, heights in (("a", HEIGHTS), ("b", HEIGHTS + 1e-7 * np.cos(2 * np.pi * X / 32e-6))):
+        (folder / "lab" / name).mkdir(parents=True)
+        write_heights(folder / "lab" / name / "profile.csv", heights)
+    axes = drawn_traces(folder, both_in(folder, "lab/a/profile.csv", "lab/b/profile.csv"))
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["a/profile.csv", "b/profile.csv"]
+    assert len(axes.get_lines()) == 2
+    assert not axes.collections  # no band
+
+
+def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
+    studies = {
+        name: {"trace": OPTIONS | {"shortest": shortest}, "methods": ["bem"]}
+        for name, shortest in (("fine", "8e-6"), ("coarse", "3.2e-5"))
+    }
+    figure = {"draw": "compliance", "studies": ["fine", "coarse"], "colour": "trace"}
+    loaded = load(folder, methods=["bem"], studies=studies, figures={"f": figure})
+    solutions = solve_scene(loaded, folder / "batches")
+    read = [read_study(solutions, name) for name in studies]
+    one = loaded.figures["f"]
+    figure, (axes,), _ = comparison.compare(read, "", "compliance", one.grouping)
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert texts == ["shaft.csv, shortest 8 \u00b5m", "shaft.csv, shortest 32 \u00b5m"]
+    assert not axes.collections
+    gather(solutions, folder / "contact.nc")
+    with dataset.reading(folder / "contact.nc") as data:
+        assert sorted(explorer._labels(data, "trace")) == sorted(texts)
+
+
+def test_copies_of_one_file_are_one_line(folder):
+    write_heights(folder / "copy.csv")
+    axes = drawn_traces(folder, both_in(folder, "shaft.csv", "copy.csv"))
+    assert len(axes.get_lines()) == 1
+
+
+def named(**columns):
+    """Cases as figures get them, with these labels of their traces."""
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return [xr.Dataset(coords={f"trace{name and '_'}{name}": value for name, value in row.items()}) for row in rows]
+
+
+def test_traces_are_named_by_as_little_as_tells_them_apart():
+    names = traces.names_of_traces
+    one = {"": ["a/p.csv", "b/p.csv", "b/q.csv"], "digest": ["1", "2", "3"], "ends": ["tapered"] * 3}
+    assert names(named(**one)) == ["a/p.csv", "b/p.csv", "b/q.csv"]
+    assert names(named(**{"": ["a/p.csv", "b/q.csv"], "digest": ["1", "2"]})) == ["p.csv", "q.csv"]
+    same = {"": ["p"] * 3, "digest": ["1", "2", "3"], "ends": ["tapered", "tapered", "mirrored"]}
+    assert names(named(**same)) == ["p, tapered, 1", "p, tapered, 2", "p, mirrored"]
+    assert names(named(**{"": ["$p$", ""], "digest": ["1", ""]})) == [r"\$p\$", ""]
+    assert names([xr.Dataset(coords={"D": 1.5})]) == [""]
 
 
 def test_a_file_that_has_changed_since_is_not_solved_under_a_wrong_name(folder):

@@ -150,7 +150,7 @@ def test_scalars_of_numpy_neither_overflow_nor_round():
 
 def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
     heights = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
-    trace = Trace(heights, 1e-3, ends="periodic")
+    trace = Trace(heights, 1e-3, ends="periodic", unit="m")
     curve = solve(trace, [0.1, 1.0], "bem", staircase="kept")
     own = {"lambda_0": trace.lambda_0, "g_0": trace.g_0}
     assert interface(**own).in_si(curve).mean_pressure.units == "Pa"

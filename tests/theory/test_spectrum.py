@@ -16,7 +16,7 @@ def trace_of(profile, waves, start, ends="mirrored"):
     """So many of the coarsest waves, from a place that is no crest, on ten samples for each of the finest."""
     samples = math.ceil(10 * waves * float(profile.gamma) ** (profile.terms - 1))
     x = start + waves * np.arange(samples) / samples
-    return Trace(HEIGHT * profile.height(x), waves * LAMBDA, ends=ends)
+    return Trace(HEIGHT * profile.height(x), waves * LAMBDA, ends=ends, unit="m")
 
 
 def band(profile):
@@ -61,7 +61,7 @@ def test_random_surfaces_show_no_bias_and_scatter_as_stated(D):
     for _ in range(pieces):
         wave = root * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
         z = np.fft.irfft(np.concatenate([[0], wave]), 2 * k.size)[: k.size // 4]
-        found.append(fit(Trace(z, length, 1 / finest), longest=1.0))
+        found.append(fit(Trace(z, length, 1 / finest, unit="m"), longest=1.0))
     off = np.array([each.D for each in found]) - D
     stated = np.array([each.D_error for each in found])
     assert abs(off.mean()) < 0.006 + 2 * off.std() / math.sqrt(pieces)  # 0.006 was the largest bias of 200 pieces
@@ -92,7 +92,47 @@ def test_bands_that_tell_no_slope_are_refused(more, says):
         fit(trace, **more)
 
 
+def power_law(D, longest, shortest, seed=3, samples=4000):
+    """Heights of a random surface, in m at steps of 1 um, that has no waves below or beyond two wavelengths."""
+    k = np.arange(1, samples // 2)
+    wavelength = 1e-6 * samples / k
+    random = np.random.default_rng(seed)
+    waves = k ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    return 1e-4 * np.fft.irfft(
+        np.append(0, np.where((wavelength >= shortest) & (wavelength <= longest), waves, 0)), samples
+    )
+
+
+def test_the_shortest_wavelength_that_a_trace_was_cut_off_at_is_in_its_band():
+    """No whole number of waves has just this length."""
+    z = power_law(1.4, 1, 0)
+    cut = Trace(z, 4e-3, shortest=1.7e-5, unit="m")
+    assert cut.lambda_0 * cut.period / cut.finest > 1.7e-5
+    found = fit(cut, longest=4e-4, shortest=1.7e-5)
+    assert pytest.approx(fit(cut, longest=4e-4).D, abs=0.01) == found.D
+    assert pytest.approx(fit(Trace(z, 4e-3, unit="m"), longest=4e-4, shortest=1.7e-5).D, abs=0.01) == found.D
+    with pytest.raises(ValueError, match=r"shortest must be at least that of the trace, 1.7e-05 m, got 1.6e-05"):
+        fit(cut, longest=4e-4, shortest=1.6e-5)
+
+
+@pytest.mark.parametrize("ends", ["mirrored", "tapered"])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_band_without_power_is_refused_and_the_right_one_is_named(ends, seed):
+    trace = Trace(power_law(1.4, 4e-4, 2e-5, seed), 4e-3, ends=ends, unit="m")
+    right = fit(trace, longest=4e-4, shortest=2e-5)
+    assert abs(right.D - 1.4) < 3 * right.D_error
+    with pytest.raises(ValueError, match=r"got none of waves shorter than .* m: take shortest=") as short:
+        fit(trace, longest=4e-4)
+    assert float(str(short.value).partition("shortest=")[2]) == pytest.approx(2e-5, rel=0.2)
+    with pytest.raises(ValueError, match=r"got none of waves longer than .* m: take longest=") as long:
+        fit(trace, longest=4e-3, shortest=2e-5)
+    # What leaks out of the waves of a trace that does not repeat blurs the longest ones.
+    assert 3e-4 < float(str(long.value).partition("longest=")[2]) < 2e-3
+    with pytest.raises(ValueError, match=r"got none of waves shorter than"):
+        fit(trace, longest=1.4e-5, shortest=2.5e-6)
+
+
 def test_what_is_no_power_law_is_refused():
     noise = np.random.default_rng(0).normal(size=2000)
     with pytest.raises(ValueError, match="the spectrum must fall as k\\^-beta with beta between 1 and 3, got"):
-        fit(Trace(noise, 1.0))
+        fit(Trace(noise, 1.0, unit="m"))

@@ -1,9 +1,12 @@
-"""A trace: its waves against the heights they come from, its units, files, and what it refuses."""
+"""A trace: its waves against the heights they come from, its units, and what it refuses."""
 
-import re
+import pickle
+from dataclasses import FrozenInstanceError
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 from weier.theory.profile import Profile
 from weier.theory.trace import Trace
@@ -19,22 +22,12 @@ def rough(samples, seed=0, D=1.4):
     return 1e-4 * np.fft.irfft(np.concatenate([[0], wave]), samples)
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(text):
-        path = tmp_path / "shaft.csv"
-        path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return path
-
-    return write
-
-
 @pytest.mark.parametrize("ends", ["periodic", "mirrored"])
 @pytest.mark.parametrize("samples", [200, 333])
 def test_all_waves_are_the_heights(ends, samples):
     """But for the wave of two samples, which a periodic trace of an even number has."""
     z = rough(samples)
-    trace = Trace(z, LENGTH, ends=ends)
+    trace = Trace(z, LENGTH, ends=ends, unit="m")
     x = np.arange(samples) / samples
     line = np.polynomial.Polynomial.fit(x, z, 0 if ends == "periodic" else 1)(x)
     dropped = 0 if ends == "mirrored" or samples % 2 else abs(np.fft.rfft(z)[-1]) / samples
@@ -46,8 +39,8 @@ def test_all_waves_are_the_heights(ends, samples):
 
 def test_a_tapered_trace_is_whole_in_its_middle_and_smooth_at_its_ends():
     z = rough(400, seed=3)
-    trace = Trace(z, LENGTH, ends="tapered")
-    level = Trace(z, LENGTH).height(np.arange(400) / 400) * Trace(z, LENGTH).g_0
+    trace = Trace(z, LENGTH, ends="tapered", unit="m")
+    level = Trace(z, LENGTH, unit="m").height(np.arange(400) / 400) * Trace(z, LENGTH, unit="m").g_0
     off = trace.height(np.arange(400) / 400) * trace.g_0 - level
     assert np.ptp(off[50:350]) < 1e-3 * np.ptp(z)  # the mean, and the wave of two samples
     assert np.ptp(trace.height([0.0, 1 - 1 / 400])) < 1e-2
@@ -55,7 +48,7 @@ def test_a_tapered_trace_is_whole_in_its_middle_and_smooth_at_its_ends():
 
 def test_units_are_the_length_and_the_root_mean_square_height():
     z = rough(300)
-    trace = Trace(z, LENGTH, ends="periodic", shortest=LENGTH / 40)
+    trace = Trace(z, LENGTH, ends="periodic", shortest=LENGTH / 40, unit="m")
     assert trace.lambda_0 == LENGTH
     assert trace.waves_per_period[-1] == 40
     assert trace.m == trace.terms == 40
@@ -67,7 +60,7 @@ def test_units_are_the_length_and_the_root_mean_square_height():
 @pytest.mark.parametrize("profile", [Profile(1.5, 5, 3, (0.3, 1.0, 2.0)), Profile(1.2, "5/2", 4, seed=3)])
 def test_the_trace_of_a_series_has_its_waves(profile):
     points = 5 * profile.waves_per_period[-1]
-    trace = Trace(1e-6 * profile.sampled_height(points), profile.period * 1e-3, ends="periodic")
+    trace = Trace(1e-6 * profile.sampled_height(points), profile.period * 1e-3, ends="periodic", unit="m")
     unit = trace.g_0 / 1e-6
     assert trace.waves_per_period == profile.waves_per_period
     rounding = 40 * EPS * profile.total_amplitude
@@ -79,29 +72,14 @@ def test_the_trace_of_a_series_has_its_waves(profile):
     assert load == pytest.approx(profile.full_contact_load, rel=1e-12)
 
 
-def test_files_of_one_and_two_columns(file):
-    z = rough(64)
-    x = np.arange(64) * 2.5
-    heading = "x in um;z in um\n# of a shaft\n"
-    path = file(heading + "\n".join(f"{a};{1e6 * b!r}" for a, b in zip(x.tolist(), z.tolist(), strict=True)) + "\n\n")
-    two = Trace.read(path, x_unit="um", height_unit="\u00b5m")
-    one = Trace.read(file("\n".join(map(repr, z.tolist()))), length=64 * 2.5e-6)
-    same = Trace(z, 64 * 2.5e-6)
-    assert two.lambda_0 == pytest.approx(same.lambda_0, rel=1e-14)
-    np.testing.assert_allclose(two.amplitude * two.g_0, same.amplitude * same.g_0, atol=1e-19, rtol=1e-12)
-    assert one.digest == same.digest
-    assert one.source == two.source == "shaft.csv"
-    assert "trace shaft.csv of 64 heights" in two.describe()
-
-
 def test_the_digest_tells_heights_and_waves():
     z = rough(64)
     other = z.copy()
     other[7] += 1e-12
     changed = [(other, 1e-3), (z, 2e-3), (z, 1e-3, 1e-4), (z, 1e-3, None, "tapered")]
-    traces = [Trace(z, 1e-3), *(Trace(*arguments) for arguments in changed)]
+    traces = [Trace(z, 1e-3, unit="m"), *(Trace(*arguments, unit="m") for arguments in changed)]
     assert len({each.digest for each in traces}) == len(traces)
-    assert Trace(z, 1e-3, source="elsewhere").digest == traces[0].digest
+    assert Trace(z, 1e-3, source="elsewhere", unit="m").digest == traces[0].digest
 
 
 COS = np.cos(2 * np.pi * np.arange(100) / 50)
@@ -112,124 +90,112 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
     ("heights", "length", "more", "says"),
     [
         ([0.0, 1.0, 0.0], 1.0, {}, "heights must be 16 to 1000000 numbers, got 3"),
-        (np.where(np.arange(100) == 7, np.nan, COS), 1.0, {}, "heights must be finite, in m, got nan at position 7"),
-        (np.ones(50), 1.0, {}, "heights must be rough, got 50 times 1 m"),
-        (np.arange(50.0), 1.0, {}, "heights must be rough, got none with waves of 0.04 m or longer"),
+        (
+            np.where(np.arange(100) == 7, np.inf, COS),
+            1.0,
+            {},
+            "heights must be finite or missing, got inf at position 7",
+        ),
+        (np.ones(50), 1.0, {}, "heights must be rough, got 50 without any but their tilt, from 1 m"),
+        (np.arange(50.0), 1.0, {}, "heights must be rough, got 50 without any but their tilt, from 0 m"),
         (COS, 1.0, {"shortest": 0.9, "ends": "periodic"}, "heights must be rough, got none with waves of 0.9 m"),
         ("shaft.csv", 1.0, {}, r"heights must be numbers, got 'shaft.csv': weier.Trace.read takes a file"),
         (COS / 10 + np.arange(100) // 34, 1.0, {}, "heights must not jump, got a step of"),
         (STEP, 1.0, {}, r"got a step of .* m between heights 60 and 61, behind x = 0.59 m: cut the trace there"),
         (np.arange(50.0), 1.0, {"ends": "periodic"}, "step of 49 m between heights 50 and 51, behind x = 0.98 m"),
         (np.broadcast_to(0.0, 10**7), 1.0, {}, "heights must be 16 to 1000000 numbers, got 10000000"),
-        (COS[None], 1.0, {}, r"heights must be one list, in m, got an array of shape \(1, 100\)"),
-        (COS, 0.0, {}, "length must be positive and finite, in m, got 0.0"),
+        (COS[None], 1.0, {}, r"heights must be one list, got an array of shape \(1, 100\)"),
+        (COS, 0.0, {}, "length must be positive and finite, got 0.0"),
         (COS, 1.0, {"shortest": 0.01}, "must lie between two steps and the length of the trace, 0.02 and 1 m"),
         (COS, 1.0, {"shortest": 2.0}, "shortest must lie between two steps"),
+        (COS, None, {}, "length must be given where heights have no positions: in m, or in x_unit beside it"),
+        (COS, 1.0, {"unit": None}, 'heights must have a unit: name it, as in height_unit="um", or unit="m" for'),
+        (
+            COS,
+            1.0,
+            {"unit": "mm", "height_unit": "m"},
+            "heights must have one unit, got unit='mm' and height_unit='m'",
+        ),
+        (COS, 1.0, {"unit": "furlong"}, "unit must be one of m, cm, mm, um, .*, got 'furlong'"),
+        (1e6 * COS, 1.0, {"unit": "um"}, "root mean square slope of at most 10, got .* is a unit wrong?"),
+        (COS, 1.0, {"detrend": "parabola"}, "detrend must be one of mean, tilt, form, got 'parabola'"),
         (COS, 1.0, {"ends": "cut"}, "ends must be one of mirrored, periodic, tapered, got 'cut'"),
         (rough(10**6), 1.0, {}, "shortest must leave at most 100000 of the finest waves in a period"),
     ],
 )
 def test_what_is_no_roughness_is_refused_in_one_sentence(heights, length, more, says):
     with pytest.raises(ValueError, match=says) as refused:
-        Trace(heights, length, **more)
+        Trace(heights, length, **{"unit": "m"} | more)
     assert "\n" not in str(refused.value)
 
 
-def rows(z, x=None):
-    return "\n".join(map(str, z) if x is None else (f"{a},{b}" for a, b in zip(x, z, strict=True)))
+@pytest.mark.parametrize("name", ["shortest", "g_0", "ends", "amplitude", "digest", "another"])
+def test_a_trace_does_not_change_after_it_is_made(name):
+    trace = Trace(rough(64), LENGTH, unit="m")
+    with pytest.raises(FrozenInstanceError):
+        setattr(trace, name, 1e-4)
+    with pytest.raises(FrozenInstanceError):
+        delattr(trace, name)
 
 
-EVEN = np.arange(100.0)
-NUMBERS = "must have one or two finite numbers"
+def test_what_is_done_to_its_waves_or_its_heights_does_not_reach_a_trace():
+    z = rough(64)
+    trace = Trace(z, LENGTH, unit="m")
+    before = trace.height(0.3)
+    z[:] = 0
+    trace.amplitude[:] = 0
+    trace.phase[0] += 1
+    trace.waves_per_period.append(7)
+    assert trace.height(0.3) == before
+    assert len(trace.waves_per_period) == trace.m
+    assert pickle.loads(pickle.dumps(trace)).height(0.3) == before
 
 
-@pytest.mark.parametrize(
-    ("text", "more", "says"),
-    [
-        ("It is rough,\nin places.\n", {}, f"line 2, {NUMBERS}, with decimal points .*, got 'in places.'"),
-        ("\n\n", {}, "shaft.csv must have one or two columns of numbers, got none"),
-        (b"\x89PNG\n\xff\xfe\x00", {}, f"line 2, {NUMBERS}"),
-        ("1 2 3\n", {}, f"line 1, {NUMBERS}"),
-        ("1 2\n3\n", {}, "shaft.csv, line 2, must have .* as many as the lines before, .* got '3'"),
-        (rows(COS), {}, "shaft.csv has one column: its length must be given"),
-        (rows(COS, EVEN), {"length": 1.0}, "shaft.csv has two columns, with positions: length must be left out"),
-        (rows(COS, EVEN**2), {}, "positions must rise in equal steps .*, got"),
-        (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps .*, got"),
-        (rows(COS, EVEN[::-1]), {}, "positions must rise in equal steps .*, got 99.0 at position 0"),
-        ("x,z\nmm,um\n1,2\n", {}, r"line 2, .* or begin with #, got 'mm,um'"),
-        ("0,5;1,25\n", {}, "shaft.csv, line 1, must have .* decimal points .* got '0,5;1,25'"),
-        ("x z\n0,5\t-1,25\n", {}, r"shaft.csv, line 2, must have .* decimal points .* got '0,5\\t-1,25'"),
-        ("0,5\n0,7\n", {}, "in equal steps .* decimals with points.*, got 0.0 at position 0"),
-        ("0,5\n0,7\n", {"length": 1.0}, "length must be left out, and decimals must have points"),
-        ("1,\n2,\n", {"length": 1.0}, "shaft.csv, line 1, must have one or two finite numbers, .* got '1,'"),
-        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, f"line 51, {NUMBERS}"),
-        (rows(np.where(EVEN == 9, np.nan, COS), EVEN), {}, f"line 10, {NUMBERS}"),
-        ("1\n" * (10**6 + 1), {"length": 1.0}, "heights must be 16 to 1000000 numbers, got 1000001"),
-        (rows(COS, EVEN), {"x_unit": "inch"}, "x_unit must be one of m, mm, um, .*nm, got 'inch'"),
-        (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, mm, um, .*nm, got 'A'"),
-    ],
-)
-def test_a_file_that_is_no_trace_is_refused_in_one_sentence(file, text, more, says):
-    with pytest.raises(ValueError, match=says) as refused:
-        Trace.read(file(text), **more)
-    assert "\n" not in str(refused.value)
+def test_a_unit_is_of_heights_and_length_or_of_one_of_them():
+    z = rough(64)
+    same = [
+        Trace(z, LENGTH, unit="m"),
+        Trace(1e3 * z, 1e3 * LENGTH, unit="mm"),
+        Trace(1e6 * z, LENGTH, height_unit="um"),
+        Trace(1e6 * z, 1e3 * LENGTH, height_unit="\u00b5m", x_unit="mm"),
+    ]
+    for trace in same:
+        assert trace.lambda_0 == pytest.approx(LENGTH, rel=1e-14)
+        assert trace.g_0 == pytest.approx(same[0].g_0, rel=1e-12)
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"^there is no file .*nowhere\.csv$"):
-        Trace.read(tmp_path / "nowhere.csv")
-    with pytest.raises(FileNotFoundError, match=rf"^there is no file {re.escape(str(tmp_path))}: that is a folder$"):
-        Trace.read(tmp_path)
-    with pytest.raises(ValueError, match=r"^path must be the name of a file, got 5$"):
-        Trace.read(5)
+def test_an_array_that_names_its_units_needs_no_others():
+    z, x = 1e6 * rough(64), 1e3 * LENGTH / 64 * np.arange(64)
+    same = Trace(z, LENGTH, height_unit="um")
+    heights = xr.DataArray(z, {"x": ("x", x, {"units": "mm"})}, "x", attrs={"units": "micrometer"})
+    assert Trace(heights).g_0 == same.g_0
+    assert Trace(heights).lambda_0 == pytest.approx(LENGTH, rel=1e-12)
+    assert Trace(heights, unit=None, height_unit="um", x_unit="mm").g_0 == same.g_0
+    assert Trace(heights.drop_vars("x"), LENGTH).digest == same.digest
+    assert Trace(pd.Series(z), LENGTH, height_unit="um").digest == same.digest
+    with pytest.raises(ValueError, match="heights must have one unit, got unit='m' and 'um' by itself"):
+        Trace(heights, unit="m")
+    with pytest.raises(ValueError, match="positions must have one unit, got x_unit='um' and 'mm' by itself"):
+        Trace(heights, x_unit="um")
+    with pytest.raises(ValueError, match="length must be that of 64 steps where positions go from 0 to"):
+        Trace(heights, length=1.0)
+    with pytest.raises(ValueError, match=r"the unit of heights and positions must be one of m, .*, got 'V'"):
+        Trace(heights.assign_attrs(units="V"))
+    with pytest.raises(ValueError, match='positions must have a unit: name it, as in x_unit="um"'):
+        Trace(heights.assign_coords(x=x))
 
 
-def self_affine(samples, D, random):
-    k = np.arange(1, samples // 2)
-    wave = np.maximum(k, samples // 100) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
-    z = np.fft.irfft(np.append(0, wave), samples)
-    return z / z.std()
-
-
-def surfaces(random, samples=1000):
-    """Roughness of many kinds that has no jumps."""
-    x = np.arange(samples)
-    for D in (1.02, 1.3, 1.6, 1.99):
-        z = self_affine(samples, D, random)
-        yield from (z, np.minimum(z, np.quantile(z, 0.6)), np.round(10 * z))
-    yield from (random.normal(size=samples), random.laplace(size=samples).cumsum())
-    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(samples, 1.4, random)  # turned
-    yield np.clip(2 * np.sin(2 * np.pi * x / 60), -1, 1)  # flat tops and flanks of several steps
-    grooves = [np.exp(-(((x - random.uniform(0, samples)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
-    yield -np.maximum.reduce(grooves)  # honed
-
-
-def test_roughness_of_many_kinds_has_no_jumps():
-    random = np.random.default_rng(0)
-    count = sum(Trace(z, 1.0).samples == 1000 for _ in range(10) for z in surfaces(random))
-    assert count == 170
-
-
-@pytest.mark.parametrize("size", [1.0, 3.0])  # of the range of heights
-@pytest.mark.parametrize("D", [1.05, 1.5, 1.7])
-@pytest.mark.parametrize(
-    ("kind", "shape"),
-    [("step", [0, 1]), ("step", [0, 0.4, 1]), ("spike", [0, 1, 0]), ("spike", [0, -1, 0]), ("spike", [0, 1, 0.7, 0])],
-)
-def test_a_step_or_a_spike_is_refused_where_it_stands(kind, shape, D, size):
-    random = np.random.default_rng(3)
-    z = self_affine(1000, D, random)
-    at, n = int(random.integers(10, 900)), len(shape)
-    z[at : at + n] += size * np.ptp(z) * np.array(shape)
-    if kind == "step":
-        z[at + n :] += size * np.ptp(self_affine(1000, D, np.random.default_rng(3)))
-    with pytest.raises(ValueError, match=rf"got a {kind} of .* between heights (\d+) and (\d+)") as refused:
-        Trace(z, 1.0)
-    first, last = map(int, re.search(r"heights (\d+) and (\d+)", str(refused.value)).groups())
-    assert at + 1 <= first < last <= at + n
-
-
-def test_several_steps_are_no_roughness_either():
-    x = np.arange(400) + 0.5
-    with pytest.raises(ValueError, match="got a step of 2 m between heights 10 and 11"):
-        Trace(np.sign(np.sin(2 * np.pi * x / 20)), 1.0)
+def test_the_form_of_a_body_is_removed_if_that_is_asked_for_and_else_mentioned():
+    """A parabola of a hundred times the roughness; the trace has as many heights as the fit has digits."""
+    z, x = rough(400), np.linspace(-1, 1, 400)
+    form = 100 * np.std(z) * x**2
+    with pytest.warns(UserWarning, match='form of the trace, .* times as high as its roughness, .*detrend="form"'):
+        curved = Trace(z + form, LENGTH, unit="m")
+    assert curved.g_0 > 20 * np.std(z)
+    plane, flat = (Trace(each, LENGTH, unit="m", detrend="form") for each in (z, z + form))
+    np.testing.assert_allclose(flat.amplitude * flat.g_0, plane.amplitude * plane.g_0, atol=1e-12 * form.max())
+    with pytest.warns(UserWarning, match="tilt"):
+        Trace(z + 100 * np.std(z) * x, LENGTH, unit="m", detrend="mean")
+    assert Trace(z, LENGTH, unit="m").detrend == "tilt"
+    with pytest.raises(ValueError, match="detrend must be mean where the ends are periodic, got 'form'"):
+        Trace(z, LENGTH, ends="periodic", unit="m", detrend="form")

@@ -6,6 +6,7 @@ May use all other folders of weier, and none of them uses it.
 from __future__ import annotations
 
 import sys
+import warnings
 from functools import cache
 from typing import NoReturn
 
@@ -59,6 +60,7 @@ for _command in (
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
+    warnings.showwarning = lambda message, *_: _say(str(message))
     jit.LISTENERS.append(lambda module: _say_compiling(module.removeprefix("weier.methods.").partition(".")[0]))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
@@ -84,6 +86,12 @@ def _told(error: Exception) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename} cannot be read or written: {error.strerror}"
     return str(error) if isinstance(error, SceneError) else one_line(error)
+
+
+@cache
+def _say(warning: str) -> None:
+    """Tell a warning once, without the line of the program that gave it."""
+    click.echo(f"weier: {warning}", err=True)
 
 
 @cache

@@ -14,8 +14,11 @@ from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import described
+from weier.theory.heights import DETREND, MAX_GAP, MISSING
+from weier.theory.instruments import AXES
 from weier.theory.loads import MAX_LOADS, checked_loads
-from weier.theory.trace import ENDS, UNITS
+from weier.theory.trace import ENDS
+from weier.theory.units import UNITS
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
@@ -153,19 +156,40 @@ class SolvingCommand(click.Command):
             formatter.write_dl(described(METHODS))
 
 
+UNIT = click.Choice(list(UNITS))
 OF_TRACE = (
     click.Option(
-        ["--trace", "trace_file"], type=FILE, help="Instead of a series: a file with one or two columns of heights."
+        ["--trace", "trace_file"],
+        type=FILE,
+        help="Instead of a series: a file with one or two columns of heights, or one of an instrument.",
     ),
     click.Option(
         ["--shortest"], type=float, help="Shortest wavelength kept of the trace, in m  [default: two steps]."
     ),
-    click.Option(["--length"], type=float, help="Length of the trace in m, if the file has no positions."),
+    click.Option(
+        ["--length"],
+        type=float,
+        help="Length of the trace if the file does not say it, in m, or in the unit of --x-unit or --unit.",
+    ),
     click.Option(
         ["--ends"], type=click.Choice(ENDS), help=f"How the trace goes on behind its ends  [default: {ENDS[0]}]."
     ),
-    click.Option(["--x-unit"], type=click.Choice(list(UNITS)), help="Unit of the positions  [default: m]."),
-    click.Option(["--height-unit"], type=click.Choice(list(UNITS)), help="Unit of the heights  [default: m]."),
+    click.Option(["--unit"], type=UNIT, help="Unit of positions or length and heights, if the file names none."),
+    click.Option(["--x-unit"], type=UNIT, help="Unit of the positions or the length alone."),
+    click.Option(["--height-unit"], type=UNIT, help="Unit of the heights alone."),
+    click.Option(
+        ["--detrend"], type=click.Choice(DETREND), help="What is removed from the heights  [default: their tilt]."
+    ),
+    click.Option(
+        ["--missing"], type=click.Choice(MISSING), help=f"What to do with missing heights  [default: {MISSING[0]}]."
+    ),
+    click.Option(
+        ["--max-gap"], type=int, help=f"Most heights beside each other that are interpolated  [default: {MAX_GAP}]."
+    ),
+    click.Option(["--missing-value"], type=float, help="A number that stands for missing heights."),
+    click.Option(["--line"], type=int, help="Which line of a map, from 0."),
+    click.Option(["--across"], type=click.Choice(AXES), help="Axis of the line of a map  [default: x]."),
+    click.Option(["--channel"], help="Channel of a file with several, by its name."),
 )
 
 
@@ -182,6 +206,8 @@ def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
     if trace_file is None and given:
         raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
     if trace_file is not None:
+        if "across" in given and "line" not in given:
+            raise click.UsageError("--across names the axis of a line: say which one by --line")
         if foreign := [name for name, value in series.items() if value is not None]:
             raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
         return {"trace": {"file": str(trace_file), **given}}

@@ -164,7 +164,13 @@ def open(path: str | Path) -> xr.Dataset:
     data = open_lazily(path)
     if not set(NEEDED) <= data.variables.keys():  # of other measurements than curves
         return data
-    return name_cases(as_cases(data))
+    try:
+        named = name_cases(as_cases(data))
+    except BaseException:
+        data.close()
+        raise
+    named.set_close(data.close)  # xarray lets go of the file where it makes one dataset of another
+    return named
 
 
 def _over_loads(name: str) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from matplotlib.patches import Patch
 
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
+from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
 from weier.methods import curves
 from weier.methods.registry import names, numerical_names
@@ -107,11 +108,12 @@ def _curves(
 ) -> list[Curve]:
     """All curves there are, in the units of their bodies and in the order in which they are drawn."""
     numerical, found = numerical_names(), []
-    for position, case in enumerate(cases):
+    traces = names_of_traces(cases)
+    for position, (case, trace) in enumerate(zip(cases, traces, strict=True)):
         of = interface and at_scale_of(case, interface)
         units = (of.pressure(1.0), getattr(of, quantity)(1.0)) if of else (1.0, 1.0)
         shown = of.in_si(case) if of else case
-        parameters = _parameters(case, position)
+        parameters = _parameters(case, position, trace)
         for method in case["solution_method"].values.tolist():
             beside = method in numerical and method != curves.numerical_method(case)
             points = beside and "method" not in grouping.facet
@@ -126,14 +128,13 @@ def _curves(
     return sorted(found, key=lambda each: order.get(each.method, order[""]))
 
 
-def _parameters(case: xr.Dataset, position: int) -> dict[str, Hashable]:
+def _parameters(case: xr.Dataset, position: int, trace: str) -> dict[str, Hashable]:
     """What a case may be grouped by: numbers, the phases (one number if they are equal), the seed or else phases."""
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)].round(9)
     phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
     seed = float(case.get("seed", np.nan))
     numbers = {name: float(case[name]) for name in PARAMETERS}
-    trace = style.trace_name(case)
     known = {name: None if trace else value for name, value in numbers.items()} | {"trace": trace}
     return {"": None, "case": position, **known, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
 
@@ -150,9 +151,9 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     if name == "method":
         return str(style.line(first.method)["label"])
     if name in ("case", "trace"):
-        return style.describe(first.case)
+        return str(first.parameters["trace"]) or style.describe(first.case)
     if name in PARAMETERS:
-        return style.describe(first.case, name)
+        return "" if first.parameters["trace"] else style.describe(first.case, name)
     if isinstance(value, float):
         return rf"$\phi={value:.3g}$" if value == first.parameters["phases"] else f"seed {value:g}"
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""

@@ -236,8 +236,6 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
 
 def describe(case: xr.Dataset, *names: str) -> str:
     """What tells a case from others, in the paper's symbols: the coordinates that are named, or all."""
-    if trace := trace_name(case):
-        return trace if not names or "trace" in names else ""
     values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
@@ -247,12 +245,6 @@ def describe(case: xr.Dataset, *names: str) -> str:
     elif phase.size and np.ptp(phase) == 0:
         values["phases"] = rf"$\phi={phase[0]:.3g}$"
     return r",  ".join(text for name, text in values.items() if not names or name in names)
-
-
-def trace_name(case: xr.Dataset) -> str:
-    """The file of a trace, or else its digest; empty for a series."""
-    digest = str(case["trace_digest"].values) if "trace_digest" in case.coords else ""
-    return digest and (str(case["trace"].values).replace("$", r"\$") or f"trace {digest}")
 
 
 def symbol(name: str) -> str:

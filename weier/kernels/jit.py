@@ -24,6 +24,7 @@ from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 DISABLED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")  # kernels run as plain Python
+TOLD = "kernels are compiled for this run alone ({}): let NUMBA_CACHE_DIR name a folder that keeps them"
 LOCK = RLock()
 # What a thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve.
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
@@ -40,12 +41,23 @@ def cache_folder() -> Path:
     numba alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
     It compiles again for sources in another place, whose folder has another name then, too.
     What a process has imported stays as it is, whatever is edited meanwhile.
+
+    Raises
+    ------
+    OSError
+        If the user has no home directory, as in a container that knows no such user, and no variable names a cache.
     """
     from importlib.metadata import version  # which takes longer than all that is imported above
 
     made_of = digest_of_program(*KERNELS), str(PACKAGE), version("numba"), version("rocket-fft")
-    caches = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(os.environ.get("NUMBA_CACHE_DIR") or Path(caches, "weier"), f"weier-{digest(made_of)[:16]}")
+    own = os.environ.get("NUMBA_CACHE_DIR")
+    caches = os.environ.get("XDG_CACHE_HOME")
+    if not own and not caches:
+        try:
+            caches = str(Path.home() / ".cache")
+        except RuntimeError:
+            raise OSError("there is no home directory for the cache") from None
+    return Path(own or Path(str(caches), "weier"), f"weier-{digest(made_of)[:16]}")
 
 
 class Kernel:
@@ -74,7 +86,7 @@ class Kernel:
             raise cause from None
 
     def _compile(self, arguments: tuple[Any, ...]) -> Any:
-        """The kernel from its own folder in the cache, or compiled for it, by one process at a time.
+        """The kernel from its own folder in the cache, or compiled for it.
 
         Where the cache cannot be used, it is compiled for this process alone, and a torn folder is removed.
         Ctrl-C may come while LLVM calls Python. No exception passes through C, so that Python only reports it, and it
@@ -83,35 +95,52 @@ class Kernel:
         import numba
 
         _introduce_kernels()
-        types, folder = tuple(map(numba.typeof, arguments)), cache_folder() / self.name
-        make = functools.partial(numba.njit, nogil=True, error_model="numpy")
+        types = tuple(map(numba.typeof, arguments))
         base, hook, lost = numba.config.CACHE_DIR, sys.unraisablehook, list[Any]()
+        folder: Path | None = None
         try:
             sys.unraisablehook = lambda it: lost.append(it) if it.exc_type is KeyboardInterrupt else hook(it)
-            folder.mkdir(parents=True, exist_ok=True)
-            with (folder / "lock").open("w") as file:
-                fcntl.flock(file, fcntl.LOCK_EX)
-                os.utime(cache_folder())
-                if not any(folder.rglob("*.nbi")):
-                    with suppress(OSError):  # another process may be at it; the three that were used last stay
-                        for earlier in sorted(folder.parent.parent.glob("weier-*"), key=os.path.getmtime)[:-3]:
-                            shutil.rmtree(earlier, ignore_errors=True)
-                    for say in LISTENERS:
-                        say(self.function.__module__)
-                numba.config.CACHE_DIR = str(folder)
-                compiled = make(cache=True)(self.function)
-                compiled.compile(types)
+            try:
+                folder = cache_folder() / self.name
+            except OSError as error:
+                warnings.warn(TOLD.format(error), RuntimeWarning, stacklevel=1)
+                return self._compiled(types)
+            return self._compiled_into(folder, types)
         except Exception as error:  # a folder or disk that takes no files, or what pickle makes of torn ones
-            if lost:
+            if lost or folder is None:
                 raise
             shutil.rmtree(folder, ignore_errors=True)
-            compiled = make()(self.function)
-            compiled.compile(types)  # which raises what is wrong with the kernel, if that was it
-            warnings.warn(f"kernels are compiled for this run alone: {error!r}", RuntimeWarning, stacklevel=3)
+            compiled = self._compiled(types)  # which raises what is wrong with the kernel, if that was it
+            warnings.warn(TOLD.format(repr(error)), RuntimeWarning, stacklevel=1)
+            return compiled
         finally:
             numba.config.CACHE_DIR, sys.unraisablehook = base, hook
             if lost:
                 raise KeyboardInterrupt
+
+    def _compiled_into(self, folder: Path, types: tuple[Any, ...]) -> Any:
+        """The kernel from its folder in the cache, or compiled into it, by one process at a time."""
+        import numba
+
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / "lock").open("w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            os.utime(folder.parent)
+            if not any(folder.rglob("*.nbi")):
+                with suppress(OSError):  # another process may be at it; the three that were used last stay
+                    for earlier in sorted(folder.parent.parent.glob("weier-*"), key=os.path.getmtime)[:-3]:
+                        shutil.rmtree(earlier, ignore_errors=True)
+                for say in LISTENERS:
+                    say(self.function.__module__)
+            numba.config.CACHE_DIR = str(folder)
+            return self._compiled(types, cache=True)
+
+    def _compiled(self, types: tuple[Any, ...], **options: Any) -> Any:
+        """The kernel, compiled for arguments of these types."""
+        import numba
+
+        compiled = numba.njit(nogil=True, error_model="numpy", **options)(self.function)
+        compiled.compile(types)
         return compiled
 
 

@@ -22,6 +22,8 @@ from weier.scene import Case
 from weier.scene.case import trace_parameters
 from weier.theory.loads import check_range
 
+OF_CASES = ("source", "name", "digest")  # what a case says of a trace, and no scene
+
 
 def solve_one(
     profile: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
@@ -68,15 +70,21 @@ def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
 
 
 def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The parameters of a case: of a trace with a digest of its heights."""
-    return {"trace": trace_parameters(profile["trace"], Path())} if "trace" in profile else profile
+    """The parameters of a case: of a trace with its name and a digest of its heights."""
+    if "trace" not in profile:
+        return profile
+    trace = {"source": Path(profile["trace"]["file"]).name} | profile["trace"]
+    traces = trace_parameters(trace, Path())
+    if len(traces) > 1:
+        raise ValueError(f"one line is solved at a time, got a map with {len(traces)}: name one by --line")
+    return {"trace": traces[0]}
 
 
 def _text(title: str, case: Case, loads: Array) -> str:
     """A scene file that gives the same curves."""
     # Lists of phases are one to a profile in a scene.
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
-    trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name != "digest"}
+    trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
     studies = {"one": {"trace": trace} if trace else {"product": product}}

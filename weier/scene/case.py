@@ -24,6 +24,8 @@ from weier.theory.waves import Waves
 MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
 MAX_GAMMA = 10**6
 MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
+NUMBERS_OF_TRACE = ("shortest", "length", "missing_value")
+MAX_SOURCE = 200  # bytes of the name of a file in results, which has the line of a map behind it
 KEPT_TRACES = 16  # in memory: each method of a case asks for its trace
 
 
@@ -43,11 +45,8 @@ class Case:
 
     @property
     def _identity(self) -> Mapping[str, Any]:
-        """The parameters; of a trace what its file holds, not where it is."""
-        if "trace" not in self.parameters:
-            return self.parameters
-        trace = self.parameters["trace"]
-        return {"trace": [Path(trace["file"]).name, trace["digest"]]}
+        """The parameters, in short."""
+        return {name: identity(name, value) for name, value in self.parameters.items()}
 
     @cached_property
     def key(self) -> str:
@@ -74,7 +73,7 @@ class Case:
             return self.surface
         p = self.parameters
         if "trace" in p:
-            return _kept_trace(**p["trace"])
+            return _kept_trace(tuple(p["trace"].items()))
         phases = p.get("phases", 0.0)
         if "seed" in p:
             phases = random_phases(p["seed"])
@@ -108,19 +107,38 @@ class Case:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
 
 
-def trace_parameters(values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """A trace of a scene in this folder, as a parameter of a case: with a digest of its heights."""
-    numbers = {name: number(name, values[name]) for name in ("shortest", "length") if name in values}
-    parameters = dict(values) | numbers | {"file": str(folder / values["file"])}
-    return parameters | {"digest": _read_trace(**parameters).digest}
+def identity(name: str, value: Any) -> Any:
+    """All that tells a parameter from others: of a trace its name and what it holds, not where its file is."""
+    return [value.get("name", value["file"]), value["digest"]] if name == "trace" else value
 
 
-def _read_trace(file: str, digest: str | None = None, **options: Any) -> Trace:
+def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
+    """The traces of a file of a scene in this folder, as parameters of a case each: with digests of their heights.
+
+    There are several where all lines of a map are asked for. Their name is the file as the scene has it, so that two
+    files of one name in two folders are told apart.
+    """
+    numbers = {name: number(name, values[name]) for name in NUMBERS_OF_TRACE if name in values}
+    source = values["file"] if len(values["file"].encode()) <= MAX_SOURCE else Path(values["file"]).name
+    parameters = {"source": source} | dict(values) | numbers | {"file": str(folder / values["file"])}
+    found = Trace.read(**_arguments(parameters))
+    traces = [found] if isinstance(found, Trace) else found
+    lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
+    names = [{"name": trace.source, "digest": trace.digest} for trace in traces]
+    return [parameters | line | name for line, name in zip(lines, names, strict=True)]
+
+
+def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters of a trace as arguments of `Trace.read`."""
+    given = {name: value for name, value in parameters.items() if name not in ("file", "name", "digest")}
+    return {"path": parameters["file"], **given}
+
+
+@lru_cache(maxsize=KEPT_TRACES)
+def _kept_trace(parameters: tuple[tuple[str, Any], ...]) -> Trace:
     """The trace of a file, which still holds what it did when its digest was taken."""
-    trace = Trace.read(file, **options)
-    if digest not in (None, trace.digest):
-        raise ValueError(f"{file} has changed since its scene was read: run snakemake again")
+    known = dict(parameters)
+    trace: Trace = Trace.read(**_arguments(known))
+    if known["digest"] != trace.digest:
+        raise ValueError(f"{known['file']} has changed since its scene was read: run snakemake again")
     return trace
-
-
-_kept_trace = lru_cache(maxsize=KEPT_TRACES)(_read_trace)

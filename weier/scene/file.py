@@ -22,7 +22,17 @@ from weier.scene.cases import MAX_BATCH_CASES, Scene
 from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.schema import mistakes_of_form
-from weier.scene.study import MAX_CASES, CaseProduct, Study, axis, check_count, check_value, distinct_values, products
+from weier.scene.study import (
+    MAX_CASES,
+    CaseProduct,
+    Study,
+    axis,
+    check_count,
+    check_number,
+    check_value,
+    distinct_values,
+    products,
+)
 from weier.theory.arguments import checked_file, shown, suggestion
 from weier.theory.conduction import Interface
 from weier.theory.loads import check_range, checked_loads
@@ -94,6 +104,8 @@ def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
         mistakes.attempt(("max_cases",), partial(check_count, known, int(most)), None)
     wanted = {} if mistakes.within("max_cases") else known
     read = {study: _study(study, raw, plan, path.parent, mistakes) for study in wanted}
+    lines = sum(map(len, filter(None, read.values())))  # of maps, too, which are counted when they are read
+    mistakes.attempt(("max_cases",), partial(check_number, lines, int(most)), None)
     interface = mistakes.attempt(("interface",), partial(_interface, raw), None)
     scene = Scene(
         name=path.stem,
@@ -206,7 +218,7 @@ def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[st
     if trace := product.get("trace"):  # whose file is found whatever else is wrong, and read where nothing is
         mistakes.attempt(keys, lambda: checked_file(folder / trace["file"]), None)
         wrong = mistakes.within(*keys[:2])  # in its study
-        return {"trace": [] if wrong else [mistakes.attempt(keys, partial(trace_parameters, trace, folder), {})]}
+        return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
     axes: dict[str, list[Any]] = {
         name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
         for name, values in product.items()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from weier.methods.registry import names
 from weier.scene.mistakes import Keys, Mistake
 from weier.theory.arguments import shown, suggestion
+from weier.theory.units import UNITS
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -32,6 +33,7 @@ def schema() -> dict[str, Any]:
     loaded = json.loads(files("weier.scene").joinpath("schema.json").read_text(encoding="utf-8"))
     loaded["$defs"]["method"]["enum"] = names()
     loaded["$defs"]["parameter"]["enum"] = ["method", *loaded["$defs"]["profile"]["properties"], "trace"]
+    loaded["$defs"]["unit"]["enum"] = list(UNITS)
     return loaded
 
 

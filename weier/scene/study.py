@@ -18,7 +18,7 @@ import numpy as np
 
 from weier.data.yaml import number
 from weier.kernels.arrays import Indices
-from weier.scene.case import Case
+from weier.scene.case import Case, identity
 from weier.theory.profile import random_phases
 
 MAX_CASES = 10_000  # by default
@@ -53,7 +53,11 @@ def distinct_values(name: str, values: Any) -> list[Any]:
 def check_count(studies: Mapping[str, Any], most: int) -> None:
     """Refuse too many cases, before any is made."""
     every = [product for study in studies.values() for _, product in products(study)]
-    count = sum(math.prod(_count(name, values) for name, values in product.items()) for product in every)
+    check_number(sum(math.prod(_count(name, values) for name, values in product.items()) for product in every), most)
+
+
+def check_number(count: int, most: int) -> None:
+    """Refuse so many cases, if they are too many."""
     if count > most:
         raise ValueError(
             f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
@@ -120,7 +124,9 @@ class CaseProduct:
     def identities(self) -> Iterator[tuple[str, ...]]:
         """What tells each case from others, in turn: parameters by name and value, methods and settings, as texts."""
         solved_by = json.dumps([self.methods, self.settings], sort_keys=True)
-        texts = [[json.dumps([name, value]) for value in values] for name, values in self.axes.items()]
+        texts = [
+            [json.dumps([name, identity(name, value)]) for value in values] for name, values in self.axes.items()
+        ]
         return (tuple(sorted(row)) for row in itertools.product([solved_by], *texts))
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy  # its parts load when they are used
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.theory.arguments import checked_number, shown
 from weier.theory.profile import Profile, checked_ratio
 from weier.theory.series import amplitude
@@ -23,6 +23,8 @@ from weier.theory.trace import NEAR, Trace
 
 WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say little about a surface
 MIN_RATIO = 4.0  # of the longest wavelength to the shortest one: the slope of less than two octaves is not known
+EMPTY = 0.01  # of the power that waves beside it let expect: there, nothing was measured
+AROUND = math.sqrt(2)  # times a wavelength on either side: an octave
 STEEPEST = 40.0  # of the exponents that are looked for; 1 to 3 are those of a series
 
 
@@ -81,8 +83,8 @@ def fit(
     Raises
     ------
     ValueError
-        If the wavelengths are less than two octaves or gamma apart or not in the trace, or if its spectrum falls as
-        that of no series, with 1 < D < 2.
+        If the wavelengths are less than two octaves or gamma apart or not in the trace, if the trace has no waves at
+        an end of the band, or if its spectrum falls as that of no series, with 1 < D < 2.
 
     Notes
     -----
@@ -100,7 +102,7 @@ def fit(
     >>> import weier
     >>> series = weier.Profile(D=1.4, gamma=1.5, m=11, seed=1)
     >>> heights = 1e-6 * series.height([i / 200 for i in range(8000)])
-    >>> trace = weier.Trace(heights, length=40e-3)
+    >>> trace = weier.Trace(heights, length=40e-3, unit="m")
     >>> found = weier.fit(trace, longest=1e-3 * 1.5**0.5, shortest=1e-3 / 1.5**10.5, gamma=1.5)
     >>> print(f"D = {found.D:.2f}, m = {found.m}, g_0 = {found.g_0:.2e} m")
     D = 1.40, m = 11, g_0 = 1.00e-06 m
@@ -110,9 +112,13 @@ def fit(
     ratio = checked_ratio(gamma)
     first, m = _band(trace, longest, shortest, ratio)
     last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
-    k = np.arange(math.ceil(period / first / NEAR), math.floor(period / last * NEAR) + 1)
+    finest = min(math.floor(period / last * NEAR), trace.waves_per_period[-1])
+    every = np.arange(1, trace.waves_per_period[-1] + 1)
     variance = (trace.g_0 * trace.amplitude) ** 2 / 2  # m^2
-    power = np.asarray(np.bincount(trace.waves_per_period, variance, k[-1] + 1)[k], float)  # 0 for waves not there
+    of_every = np.asarray(np.bincount(trace.waves_per_period, variance)[every], float)  # 0 for waves not there
+    band = slice(math.ceil(period / first / NEAR) - 1, finest)
+    k, power = every[band], of_every[band]
+    _check_power(k, every[_has_power(every, of_every)], period)
     beta, beta_error = _exponent(k, power)
     D, D_error = (5 - beta) / 2, beta_error / 2
     if not 1 < D < 2:
@@ -131,10 +137,13 @@ def fit(
 def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
     """The longest wavelength that is compared, in m, and the waves down to the shortest one."""
     finest = trace.lambda_0 * trace.period / trace.finest
+    least = min(finest, trace.shortest)  # the second was asked for, and lies within a wave of the first
     last = checked_number(
-        "shortest", finest if shortest is None else shortest, f"be at least that of the trace, {finest:.6g} m",
-        lambda x: finest <= x * NEAR,
-    )  # fmt: skip
+        "shortest",
+        finest if shortest is None else shortest,
+        f"be at least that of the trace, {least:.6g} m",
+        lambda x: least <= x * NEAR,
+    )
     fewest = max(MIN_RATIO, float(ratio)) * last
     first = checked_number(
         "longest", trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
@@ -142,6 +151,36 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         f"trace, {trace.lambda_0:.6g} m", lambda x: fewest <= x * NEAR and x <= trace.lambda_0 * NEAR,
     )  # fmt: skip
     return first, math.floor(math.log(first / last * NEAR) / math.log(ratio))
+
+
+def _has_power(k: Indices, power: Array) -> Flags:
+    """Whether each wave has the power that others let expect, and no filter or tip of a stylus has removed it.
+
+    The mean power of an octave around a wave may fall as k^-3 from that of longer waves, and be as low as that of
+    shorter ones, but not a hundredth of these.
+    """
+    sums = np.append(0, np.cumsum(power))
+    low, high = np.searchsorted(k, k / AROUND, "left"), np.searchsorted(k, k * AROUND, "right")
+    mean = (sums[high] - sums[low]) / (high - low)
+    falling, rising = mean * k**3.0, mean[::-1]
+    known = falling > EMPTY * np.maximum.accumulate(falling)
+    return np.asarray(known & (rising > EMPTY * np.maximum.accumulate(rising))[::-1])
+
+
+def _check_power(k: Indices, known: Indices, period: float) -> None:
+    """Refuse a band at whose ends there are no waves: `known` are those that have power, also outside the band.
+
+    A series has gaps between its waves, too: a gap at an end of the band must be wider than all others.
+    """
+    told = "the spectrum must have power in the whole band, got none of waves"
+    within = known[(known >= k[0]) & (known <= k[-1])]
+    widest = np.diff(np.log(within)).max(initial=math.log(1 + 1 / k[0]))
+    if not within.size or math.log(k[-1] / within[-1]) > widest:
+        last = period / (within if within.size else known)[-1] * AROUND
+        raise ValueError(f"{told} shorter than {last:.3g} m: take shortest={last:.3g}")
+    if math.log(within[0] / k[0]) > widest:
+        first = period / within[0] / AROUND
+        raise ValueError(f"{told} longer than {first:.3g} m: take longest={first:.3g}")
 
 
 def _exponent(k: Indices, power: Array) -> tuple[float, float]:

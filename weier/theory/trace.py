@@ -8,55 +8,73 @@ from __future__ import annotations
 
 import hashlib
 import math
-import re
+import warnings
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
-from weier.theory.arguments import checked_file, checked_number, checked_numbers, checked_word, shown
+from weier.kernels.arrays import Array, Indices
+from weier.theory import heights as measured
+from weier.theory.arguments import checked_file, checked_number, checked_word, shown
+from weier.theory.columns import on_grid
+from weier.theory.heights import Filled
+from weier.theory.instruments import lines_of, read_lines
 from weier.theory.limits import MAX_WAVES
+from weier.theory.line import Line, line_of_array
 from weier.theory.profile import PARAMETERS
+from weier.theory.units import UNITS, agreed_unit, known_unit
 from weier.theory.waves import Waves
 
-MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
 ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
-# A jump within one to three steps is more than a tenth of all heights, five times as large as the three differences
-# on either side, and has one that is twice as large as all outside jumps: roughness has none, with D near 2 and with
-# flat tops, either.
-JUMP_STEPS, JUMP_SHARE, JUMP_RATIO, JUMP_NEIGHBOURS, JUMP_OUTLIER = (1, 2, 3), 0.1, 5.0, 3, 2.0
 NEAR = 1 + 1e-9  # what quotients of decimal numbers are off
-UNEVEN = 0.01  # of a step: the digits that files give of positions
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9}  # micro sign and Greek mu
+SAME_LENGTH = 0.01  # relative: what a rounded length is off
+MAX_SLOPE = 10.0  # root mean square: a larger one is a wrong unit, since no instrument sees such flanks
 
 
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Trace(Waves):
     """A surface given by its heights: one line across the roughness of a turned, ground or drawn body.
 
     The mean is removed, and the tilt by least squares unless the trace is periodic. It is continued as a periodic
     surface, and waves shorter than `shortest` are cut off; nothing else is smoothed. Between the samples the surface
-    is the sum of the waves that are left.
+    is the sum of the waves that are left. A trace does not change after it is made.
 
     Parameters
     ----------
     heights : array_like, shape (samples,)
-        At equal steps, upwards out of the body, in m.
+        At equal steps, upwards out of the body. NaN, None and masked values are missing. An array of xarray with
+        `units` in its attributes says its unit itself, and one with a coordinate in some unit its positions, too.
     length : float
-        Of the trace, as many steps as there are heights, in m.
+        Of the trace, as many steps as there are heights: in m, or in `x_unit` or `unit` where one is given.
     shortest : float, optional
-        The shortest wavelength that is kept, in m; by default two steps, so that all are.
+        The shortest wavelength that is kept, in m, which metrology calls lambda_s; by default two steps, so that all
+        are.
     ends : "mirrored", "periodic" or "tapered"
         How the surface goes on behind the ends: as a mirror image, so that the period is twice the length; from the
         start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean over
         the last tenth of the length at either end.
     source : str
         Where the heights come from: a name for the results.
+    unit, x_unit, height_unit : str, optional
+        What length and heights are in, or one of them: "m", "cm", "mm", "um" (also with the letter mu), "nm", "pm",
+        "angstrom", "inch", "mil" or "uin". Heights need one.
+    detrend : "mean", "tilt" or "form", optional
+        What least squares remove from the heights: their mean; a straight line, which is the default; or a parabola,
+        the form of a cylinder that is measured around. A periodic trace has neither tilt nor form.
+    missing : "refuse" or "interpolate"
+        What to do with missing heights: by default they are refused, with their number and the longest run. Else
+        they are interpolated, and where they are at the ends, the trace is cut off.
+    max_gap : int
+        The most heights beside each other that are interpolated, on a straight line.
+    missing_value : float, optional
+        A number that stands for missing heights, such as -9999, in the unit of the heights.
 
     Attributes
     ----------
@@ -64,6 +82,11 @@ class Trace(Waves):
         The units of lengths and heights, in m: the length of the trace, and the root mean square of its waves.
     samples, digest : int, str
         The number of heights, and twelve letters that differ where heights or waves do.
+    line : int or None
+        Which line of a map this is.
+    filled : Filled
+        How many heights were interpolated, `heights`, how many at most beside each other, `longest`, and how many
+        were missing at the ends, which are cut off, `cut`.
     amplitude, phase : ndarray, shape (m,)
         Of the waves, in g_0 and in radians; x = 0 is the first height.
     waves_per_period, period : list of int, int
@@ -72,7 +95,13 @@ class Trace(Waves):
     Raises
     ------
     ValueError
-        If the heights are no roughness that waves can describe; the message says what would do.
+        If the unit is unknown, or the heights are no roughness that waves can describe; the message says what would
+        do.
+
+    Warns
+    -----
+    UserWarning
+        If a form is left that is far higher than the roughness.
 
     Examples
     --------
@@ -80,50 +109,100 @@ class Trace(Waves):
     >>> import weier
     >>> x = 5e-6 * np.arange(400)
     >>> heights = 1e-6 * np.cos(2 * np.pi * x / 1e-3) + 2e-7 * np.cos(2 * np.pi * x / 8e-5 + 1)
-    >>> trace = weier.Trace(heights, length=2e-3, ends="periodic")
+    >>> trace = weier.Trace(heights, length=2e-3, ends="periodic", unit="m")
     >>> print(f"{trace.describe()}; g_0 = {trace.g_0:.3g} m")
     trace of 400 heights over 0.002 m, 2 waves down to 8e-05 m; g_0 = 7.21e-07 m
     """
 
+    lambda_0: float
+    g_0: float
+    samples: int
+    shortest: float
+    ends: str
+    detrend: str
+    filled: Filled
+    source: str
+    line: int | None
+    digest: str
+    period: int
+    m: int
+
     listed_terms = 0  # the file of heights tells the waves
 
     def __init__(
-        self, heights: ArrayLike, length: float, shortest: float | None = None, ends: str = MIRRORED, source: str = ""
+        self,
+        heights: ArrayLike | Line,
+        length: float | None = None,
+        shortest: float | None = None,
+        ends: str = MIRRORED,
+        source: str = "",
+        *,
+        unit: str | None = None,
+        x_unit: str | None = None,
+        height_unit: str | None = None,
+        detrend: str | None = None,
+        missing: str = measured.REFUSE,
+        max_gap: int = measured.MAX_GAP,
+        missing_value: float | None = None,
     ) -> None:
         if isinstance(heights, str | Path):
             raise ValueError(f"heights must be numbers, got {shown(heights)}: weier.Trace.read takes a file")
         if not isinstance(source, str):
             raise ValueError(f"source must be a text, got {shown(source)}")
-        z = _checked_heights(heights)
-        self.lambda_0 = checked_number("length", length, "be positive and finite, in m", lambda x: 0 < x < math.inf)
-        self.ends, self.source, self.samples = checked_word("ends", ends, ENDS), source, z.size
-        step = self.lambda_0 / z.size
-        condition = f"lie between two steps and the length of the trace, {2 * step:g} and {self.lambda_0:g} m"
-        self.shortest = checked_number(
-            "shortest", 2 * step if shortest is None else shortest, condition,
-            lambda x: 2 * step <= x * NEAR and x <= self.lambda_0,
-        )  # fmt: skip
-        level = _levelled(z, self.ends)
-        _check_jumps(level if self.ends != PERIODIC else np.append(level, level[0]), step)
-        z_of_period = _continued(level, self.ends)
-        self.period = z_of_period.size // z.size  # 2 if it is mirrored
-        # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
-        most = min(math.floor(self.period * self.lambda_0 / self.shortest * NEAR), (z_of_period.size - 1) // 2)
-        waves = np.arange(1, most + 1)
-        coefficient = 2 * np.fft.rfft(z_of_period)[waves] / z_of_period.size
-        self.g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
-        if not self.g_0 > ROUNDING * np.abs(z).max():
-            raise ValueError(f"heights must be rough, got none with waves of {self.shortest:g} m or longer")
-        rough = np.abs(coefficient) > ROUNDING * self.g_0
-        self.waves_per_period, self.m = waves[rough].tolist(), int(rough.sum())
-        self.amplitude, self.phase = np.abs(coefficient[rough]) / self.g_0, np.angle(coefficient[rough])
-        told = [self.lambda_0, self.shortest, self.ends]
-        self.digest = hashlib.sha256(repr(told).encode() + z.tobytes()).hexdigest()[:12]
-        if (finest := self.waves_per_period[-1]) > MAX_WAVES:
-            raise ValueError(
-                f"shortest must leave at most {MAX_WAVES} of the finest waves in a period, got {self.shortest:g} m, "
-                f"which leaves {finest}: take a larger one, or a part of the trace"
-            )
+        checked_word("ends", ends, ENDS)
+        detrend = _checked_detrend(detrend, ends)
+        one = heights if isinstance(heights, Line) else line_of_array(heights, length is None)
+        of_heights = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
+        z = measured.with_gaps(one.heights, missing_value)
+        z, length = _located(one, z, length, {"unit": unit, "x_unit": x_unit})
+        given = z.size
+        z, filled = measured.without_gaps(z, missing, max_gap)
+        if filled.cut and ends == PERIODIC:
+            raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
+        measured.check_sentinels(z)
+        z, length = z * of_heights, length * z.size / given
+        shortest = _checked_shortest(shortest, length, z.size)
+        level = _checked_level(z, length / z.size, detrend, ends)
+        if {unit, x_unit, height_unit, *one.x_units, *one.height_units} - {None, "m"}:
+            _check_slope(level, length / z.size)
+        period, waves, coefficient = _waves(level, ends, length, shortest)
+        g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
+        told = repr([length, shortest, ends, detrend, *filled])
+        # Written at once, past the lock of a frozen dataclass.
+        vars(self).update(
+            lambda_0=length,
+            g_0=g_0,
+            samples=z.size,
+            shortest=shortest,
+            ends=ends,
+            detrend=detrend,
+            filled=filled,
+            source=source,
+            line=one.number,
+            digest=hashlib.sha256(told.encode() + z.tobytes()).hexdigest()[:12],
+            period=period,
+            m=waves.size,
+            _waves=tuple(waves.tolist()),
+            _amplitude=np.abs(coefficient) / g_0,
+            _phase=np.angle(coefficient),
+        )
+
+    # Copies, so that whoever changes one does not change the trace.
+
+    @property
+    def amplitude(self) -> Array:
+        """Amplitudes of the waves, shape (m,), in g_0."""
+        return np.array(vars(self)["_amplitude"])
+
+    @property
+    def phase(self) -> Array:
+        """Phases of the waves, shape (m,), in radians; x = 0 is the first height."""
+        return np.array(vars(self)["_phase"])
+
+    @property
+    def waves_per_period(self) -> list[int]:
+        """Waves of each kind in one period, ascending, m of them."""
+        return list(vars(self)["_waves"])
 
     @classmethod
     def read(
@@ -132,39 +211,110 @@ class Trace(Waves):
         length: float | None = None,
         shortest: float | None = None,
         ends: str = MIRRORED,
-        x_unit: str = "m",
-        height_unit: str = "m",
-    ) -> Trace:
-        """A trace from a file of text with one or two columns, between commas, semicolons or blanks.
+        x_unit: str | None = None,
+        height_unit: str | None = None,
+        *,
+        line: int | None = None,
+        across: str | None = None,
+        channel: int | str | None = None,
+        **options: Any,
+    ) -> Any:
+        """A trace from a file of text with one or two columns, or from a file that an instrument wrote.
 
         Parameters
         ----------
         path : path
-            Two columns are positions at equal steps and heights, one column is the heights. A first line that is no
-            numbers is a heading; empty lines and those that begin with # say nothing.
+            Of text, two columns are positions at equal steps and heights, one column is the heights, between commas,
+            semicolons or blanks. Lines before the first number are headings; where they name units, as in
+            `x (mm),z (um)` or `# Value units: um`, these count. In one column, an empty line between heights or a
+            height behind # is a missing height, and so is a row that is left out of two. Other files are read by
+            SurfaceTopography, which `pip install 'weier[instruments]'` brings: x3p, sdf, opd, opdx, sur, plu, al3d
+            and some thirty more formats.
         length : float, optional
-            Of the trace, in m, if there is one column.
+            Of the trace, if the file does not say it: in m, or in `x_unit` or `unit` where one is given.
         shortest, ends
             As of a trace.
-        x_unit, height_unit : "m", "mm", "um" (also with the letter mu) or "nm"
-            What the file has positions and heights in.
+        x_unit, height_unit : str, optional
+            What the file has positions and heights in, if it does not say so itself; `unit` says it of both.
+        line : int, optional
+            Which line of a map, from 0.
+        across : "x" or "y", optional
+            The axis along which lines of a map run, across its grooves: "x" where there is a `line`. Without one, all
+            lines of the map are returned.
+        channel : int or str, optional
+            Which channel of a file with several; by default the first one that holds heights.
+        **options
+            `unit`, `detrend`, `missing`, `max_gap`, `missing_value` and `source`, as of a trace.
+
+        Returns
+        -------
+        Trace or list of Trace
+            A list where `across` is given without `line`: `weier.solve` takes it as an ensemble. Lines that are
+            refused are left out of it, with a warning that says how many and why, unless they are half of all.
 
         Raises
         ------
         FileNotFoundError
             If there is no such file.
         ValueError
-            If it is no such table, or its heights are no roughness.
-
+            If it is no such table and SurfaceTopography cannot read it or is not installed; if a unit is unknown, or
+            contradicts the file; or if its heights are no roughness.
         """
-        table = _table(checked_file(path))
-        heights = table[:, -1] * UNITS[checked_word("height_unit", height_unit, UNITS)]
-        if (length is None) == (table.shape[1] == 1):
-            two = "two columns, with positions: length must be left out, and decimals must have points"
-            raise ValueError(f"{path} has {'one column: its length must be given' if length is None else two}")
-        if length is None:
-            length = _length(table[:, 0]) * UNITS[checked_word("x_unit", x_unit, UNITS)]
-        return cls(heights, length, shortest, ends, Path(path).name)
+        lines = read_lines(checked_file(path), line, across, channel)
+        options |= {
+            "length": length,
+            "shortest": shortest,
+            "ends": ends,
+            "x_unit": x_unit,
+            "height_unit": height_unit,
+        }
+        return cls._of_lines(lines, across is not None and line is None, {"source": Path(path).name} | options)
+
+    @classmethod
+    def of(cls, topography: Any, line: int | None = None, across: str | None = None, **options: Any) -> Any:
+        """A trace from an object of SurfaceTopography: a line scan, or a line of a map.
+
+        Parameters
+        ----------
+        topography : UniformLineScan, NonuniformLineScan or Topography
+            With its unit, sizes and masked heights. One that is periodic has `ends` "periodic".
+        line, across
+            As of `read`.
+        **options
+            As of a trace.
+
+        Returns
+        -------
+        Trace or list of Trace
+            A list where `across` is given without `line`, as of `read`.
+
+        Raises
+        ------
+        ValueError
+            If it is no topography, is a map and no line is chosen, has no unit or contradicts one that is given, or
+            if its heights are no roughness.
+        """
+        lines = lines_of(topography, line, across)
+        return cls._of_lines(lines, across is not None and line is None, options)
+
+    @classmethod
+    def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
+        """The trace of a line, or the list of those of several; the ones that are no roughness are left out of it."""
+        traces: list[Trace] = []
+        refused: list[ValueError] = []
+        for one in lines:
+            ends = {"ends": PERIODIC} if one.periodic else {}
+            source = ", ".join(filter(None, (options.get("source", ""), one.name)))
+            try:
+                traces.append(cls(one, **{**ends, **options, "source": source}))
+            except ValueError as error:
+                refused.append(ValueError(f"line {one.name}: {error}") if one.name else error)
+        if refused and len(refused) >= len(traces):
+            raise refused[0] from None
+        if refused:
+            of_all = f"{len(refused)} of {len(refused) + len(traces)} lines"
+            warnings.warn(f"{of_all} are left out, for reasons such as: {refused[0]}", stacklevel=3)
+        return traces if several else traces[0]
 
     @cached_property
     def total_amplitude(self) -> float:
@@ -183,53 +333,104 @@ class Trace(Waves):
             "m": float(self.m), "phases": "null",
             "trace": self.source, "trace_digest": self.digest, "trace_ends": self.ends,
             "trace_length": self.lambda_0, "trace_height": self.g_0, "trace_shortest": self.shortest,
+            "trace_detrend": self.detrend, "trace_filled": float(self.filled.heights),
         }  # fmt: skip
 
     def describe(self) -> str:
         """The trace in a few words."""
         name = f"trace {self.source}" if self.source else "trace"
         finest = self.period * self.lambda_0 / self.waves_per_period[-1]
-        return f"{name} of {self.samples} heights over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
+        filled = f", {self.filled.heights} of them interpolated," if self.filled.heights else ""
+        return (
+            f"{name} of {self.samples} heights{filled} over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
+        )
 
 
-def _checked_heights(heights: ArrayLike) -> Array:
-    """The heights as an array of one dimension."""
-    z = checked_numbers("heights", heights, "be finite, in m", np.isfinite)
-    if z.ndim != 1:
-        raise ValueError(f"heights must be one list, in m, got an array of shape {z.shape}")
-    if not MIN_HEIGHTS <= z.size <= MAX_HEIGHTS:
-        raise ValueError(f"heights must be {MIN_HEIGHTS} to {MAX_HEIGHTS} numbers, got {z.size}")
-    if np.ptp(z) == 0:
-        raise ValueError(f"heights must be rough, got {z.size} times {z[0]:g} m")
-    return z
+def _checked_detrend(detrend: str | None, ends: str) -> str:
+    """What is removed from heights, which of a periodic trace is its mean alone."""
+    if detrend is None:
+        return measured.MEAN if ends == PERIODIC else measured.TILT
+    checked_word("detrend", detrend, measured.DETREND)
+    if ends == PERIODIC and detrend != measured.MEAN:
+        raise ValueError(
+            f"detrend must be {measured.MEAN} where the ends are periodic, got {detrend!r}: leave it out"
+        )
+    return detrend
 
 
-def _check_jumps(z: Array, step: float) -> None:
-    """Refuse heights with steps and spikes, where waves overshoot and contact would begin at what is no roughness."""
-    change, n = np.abs(np.diff(z)), JUMP_NEIGHBOURS
-    largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # of the n changes before each height
-    others, jumps = change.copy(), []
-    for width in JUMP_STEPS:
-        size = np.ptp(sliding_window_view(z, width + 1), axis=1)
-        around = np.maximum(largest[: size.size], largest[width + n :])
-        for at in np.flatnonzero((size > JUMP_SHARE * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
-            others[at : at + width] = 0
-            jumps.append((at, width, size[at]))
-    for at, width, size in jumps:  # the narrowest first
-        if change[at : at + width].max() > JUMP_OUTLIER * others.max():
-            kind = "step" if abs(z[at + width] - z[at]) > size / 2 else "spike"
-            where = f"between heights {at + 1} and {at + width + 1}, behind x = {at * step:.6g} m"
-            mended = "cut the trace there, or interpolate the heights between"
-            raise ValueError(f"heights must not jump, got a {kind} of {size:.3g} m {where}: {mended}")
+def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:
+    """The heights at equal steps, and the length of the trace in m, from the call, the positions, or the file."""
+    if length is not None:
+        length = checked_number("length", length, "be positive and finite", lambda x: 0 < x < math.inf)
+        length *= UNITS[next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")]
+    if one.positions is None and one.length is None:
+        agreed_unit("the length", given, one.x_units)
+        if length is None:
+            raise ValueError("length must be given where heights have no positions: in m, or in x_unit beside it")
+        return z, length
+    unit = UNITS[known_unit("positions", given, one.x_units)]
+    if one.positions is not None:
+        z, own = on_grid(one.positions, z, None if length is None else length / unit)
+        return z, own * unit
+    own = float(one.length or 0) * unit
+    if length is not None and abs(length / own - 1) > SAME_LENGTH:
+        raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
+    return z, own
 
 
-def _levelled(z: Array, ends: str) -> Array:
-    """The heights without their mean, and without tilt unless they are periodic."""
-    z = z - z.mean()
+def _checked_shortest(shortest: float | None, length: float, samples: int) -> float:
+    """The shortest wavelength that is kept, in m."""
+    least = 2 * length / samples
+    return checked_number(
+        "shortest",
+        least if shortest is None else shortest,
+        f"lie between two steps and the length of the trace, {least:g} and {length:g} m",
+        lambda x: least <= x * NEAR and x <= length * NEAR,
+    )
+
+
+def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
+    """The heights without what is removed from them, in m, if they are roughness."""
+    level = measured.detrended(z, detrend)
+    if np.ptp(level) <= ROUNDING * z.size * np.abs(z).max():
+        raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
     if ends == PERIODIC:
-        return z
-    x = np.arange(z.size) - (z.size - 1) / 2
-    return z - x * (x @ z) / (x @ x)
+        measured.check_jumps(np.append(level, level[0]), step)
+        measured.check_end_of_period(level)
+    else:
+        measured.check_jumps(level, step)
+        measured.warn_of_form(level)
+    return level
+
+
+def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int, Indices, Any]:
+    """The period in lengths of the trace, the waves in it that are above rounding, and their coefficients, in m."""
+    z = _continued(level, ends)
+    period = z.size // level.size  # 2 if it is mirrored
+    # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
+    most = min(math.floor(period * length / shortest * NEAR), (z.size - 1) // 2)
+    waves = np.arange(1, most + 1)
+    coefficient = 2 * np.fft.rfft(z)[waves] / z.size
+    size = np.abs(coefficient)
+    rough = size > ROUNDING * np.linalg.norm(size) / math.sqrt(2)
+    if not size.max(initial=0) > ROUNDING * np.abs(level).max():
+        raise ValueError(f"heights must be rough, got none with waves of {shortest:g} m or longer")
+    if (finest := int(waves[rough][-1])) > MAX_WAVES:
+        raise ValueError(
+            f"shortest must leave at most {MAX_WAVES} of the finest waves in a period, got {shortest:g} m, "
+            f"which leaves {finest}: take a larger one, or a part of the trace"
+        )
+    return period, waves[rough], coefficient[rough]
+
+
+def _check_slope(level: Array, step: float) -> None:
+    """Refuse heights that are far too steep for any instrument: a unit is wrong."""
+    slope = float(np.sqrt(np.mean(np.diff(level) ** 2))) / step
+    if slope > MAX_SLOPE:
+        raise ValueError(
+            f"heights must have a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} with heights from "
+            f"{level.min():.3g} to {level.max():.3g} m at steps of {step:.3g} m: is a unit wrong?"
+        )
 
 
 def _continued(z: Array, ends: str) -> Array:
@@ -241,41 +442,3 @@ def _continued(z: Array, ends: str) -> Array:
     fall = np.arange(z.size) / (TAPER * z.size)
     share = np.clip(np.minimum(fall, fall[::-1]), 0, 1)
     return z * np.sin(np.pi / 2 * share) ** 2
-
-
-def _table(path: Path) -> Array:
-    """The numbers of a file, shape (rows, 1) or (rows, 2); one of far too many is not read to its end."""
-    rows: list[list[float]] = []
-    with path.open(encoding="utf-8-sig", errors="replace") as lines:
-        for number, line in enumerate(map(str.strip, lines), 1):
-            found = _numbers(line)
-            if not line or line.startswith("#") or (number == 1 and not found):
-                continue
-            if len(found) not in ((len(rows[0]),) if rows else (1, 2)) or not all(map(math.isfinite, found)):
-                raise ValueError(
-                    f"{path}, line {number}, must have one or two finite numbers, with decimal points and as many as "
-                    f"the lines before, or begin with #, got {shown(line)}"
-                )
-            rows.append(found)
-            if len(rows) > MAX_HEIGHTS:
-                break  # no trace has so many
-    if not rows:
-        raise ValueError(f"{path} must have one or two columns of numbers, got none")
-    return np.array(rows)
-
-
-def _numbers(line: str) -> list[float]:
-    """The numbers of a line, NaN where one is missing; none of a line that has anything else."""
-    try:
-        return [float(field or "nan") for field in re.split(r"\s*[,;\s]\s*", line)]
-    except ValueError:
-        return []
-
-
-def _length(x: Array) -> float:
-    """The length of the trace: the positions times their step, if this is even."""
-    step = (x[-1] - x[0]) / max(x.size - 1, 1)
-    even = x[0] + step * np.arange(x.size)
-    rule = "rise in equal steps (else interpolate the heights first, and write decimals with points)"
-    checked_numbers("positions", x, rule, lambda x: (step > 0) & (np.abs(x - even) <= UNEVEN * step))
-    return float(step * x.size)

@@ -16,6 +16,7 @@ from bokeh.plotting import figure
 from weier.data.selection import case_names, label_text
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
+from weier.figures.traces import names_of_traces
 from weier.methods.registry import numerical_names
 from weier.theory.profile import PARAMETERS
 
@@ -87,6 +88,10 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
         return [text or name for text in case_names(data, but=(*LABELS, "phases", "seed", "trace_digest"))]
     texts = {each: [label_text(value) for value in data[each].values] if each in data.variables else
              [""] * data.sizes["case"] for each in (name, "seed", "phases")}  # fmt: skip
+    if name == "trace" and name in data.variables:
+        labels = data.coords.to_dataset()
+        cases = (labels.isel(case=case) for case in range(data.sizes["case"]))
+        return [text or NONE for text in names_of_traces(cases)]
     if name != "phase":
         return [text or NONE for text in texts[name]]
     return [

@@ -1,0 +1,225 @@
+"""Measured heights: what is missing in them, what is no roughness, and the end of a period."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from weier.theory.trace import Trace
+
+N = np.arange(200)
+BASE = np.cos(2 * np.pi * N / 50) + 0.2 * np.cos(2 * np.pi * N / 9 + 1)  # um
+
+
+def trace(z, **more):
+    return Trace(z, 1e-3, height_unit="um", **more)
+
+
+def self_affine(samples, D, random):
+    k = np.arange(1, samples // 2)
+    wave = np.maximum(k, samples // 100) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    z = np.fft.irfft(np.append(0, wave), samples)
+    return z / z.std()
+
+
+def surfaces(random, samples=1000):
+    """Roughness of many kinds that has no jumps."""
+    x = np.arange(samples)
+    for D in (1.02, 1.3, 1.6, 1.99):
+        z = self_affine(samples, D, random)
+        yield from (z, np.minimum(z, np.quantile(z, 0.6)), np.round(10 * z))
+    yield from (random.normal(size=samples), random.laplace(size=samples).cumsum())
+    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(samples, 1.4, random)  # turned
+    yield np.clip(2 * np.sin(2 * np.pi * x / 60), -1, 1)  # flat tops and flanks of several steps
+    grooves = [np.exp(-(((x - random.uniform(0, samples)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
+    yield -np.maximum.reduce(grooves)  # honed
+
+
+def test_roughness_of_many_kinds_has_no_jumps():
+    random = np.random.default_rng(0)
+    count = sum(Trace(z, 1.0, unit="m").samples == 1000 for _ in range(10) for z in surfaces(random))
+    assert count == 170
+
+
+@pytest.mark.parametrize("size", [1.0, 3.0])  # of the range of heights
+@pytest.mark.parametrize("D", [1.05, 1.5, 1.7])
+@pytest.mark.parametrize(
+    ("kind", "shape"),
+    [("step", [0, 1]), ("step", [0, 0.4, 1]), ("spike", [0, 1, 0]), ("spike", [0, -1, 0]), ("spike", [0, 1, 0.7, 0])],
+)
+def test_a_step_or_a_spike_is_refused_where_it_stands(kind, shape, D, size):
+    random = np.random.default_rng(3)
+    z = self_affine(1000, D, random)
+    at, n = int(random.integers(10, 900)), len(shape)
+    z[at : at + n] += size * np.ptp(z) * np.array(shape)
+    if kind == "step":
+        z[at + n :] += size * np.ptp(self_affine(1000, D, np.random.default_rng(3)))
+    with pytest.raises(ValueError, match=rf"got a {kind} of .* between heights (\d+) and (\d+)") as refused:
+        Trace(z, 1.0, unit="m")
+    first, last = map(int, re.search(r"heights (\d+) and (\d+)", str(refused.value)).groups())
+    assert at + 1 <= first < last <= at + n
+
+
+def test_several_steps_are_no_roughness_either():
+    x = np.arange(400) + 0.5
+    with pytest.raises(ValueError, match="got a step of 2 m between heights 10 and 11"):
+        Trace(np.sign(np.sin(2 * np.pi * x / 20)), 1.0, unit="m")
+
+
+SENTINELS = [-9999, -99999.9999, 32767, -32768, 1e10, 9999]
+
+
+@pytest.mark.parametrize("value", SENTINELS)
+@pytest.mark.parametrize("places", [[100, 102], [100, 102, 150], [0, 199], [7, 8, 9, 10, 11], list(range(1, 199, 4))])
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_a_value_that_stands_for_missing_heights_is_named(value, places, tilt):
+    z = BASE + tilt * N
+    z[places] = value
+    with pytest.raises(
+        ValueError, match=rf"got {re.escape(f'{value:.9g}')} at {len(places)} of 200 places, first"
+    ) as it:
+        trace(z)
+    assert f"height {places[0] + 1}, " in str(it.value)
+    assert f"say missing_value={value:.9g}" in str(it.value)
+
+
+def test_zeros_far_below_are_a_value_that_stands_for_missing_heights():
+    z = BASE + 500
+    z[[3, 90]] = 0
+    with pytest.raises(ValueError, match=r"got 0 at 2 of 200 places, first at height 4, .*missing_value=0"):
+        trace(z)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_zeros_among_heights_about_zero_are_a_value_that_stands_for_missing_heights(seed):
+    gone = np.random.default_rng(seed).random(200) < 0.05
+    gone[[20, 70, 120, 170]] = True
+    with pytest.raises(ValueError, match=rf"got 0 at {gone.sum()} of 200 places, .*missing_value=0"):
+        trace(np.where(gone, 0.0, BASE))
+
+
+@pytest.mark.parametrize("value", [-9999.0, 1e10])
+def test_a_long_run_of_a_value_that_stands_for_missing_heights_is_named(value):
+    with pytest.raises(ValueError, match=r"at 50 of 200 places, first at height 151, .*missing_value="):
+        trace(np.where(N >= 150, value, BASE))
+
+
+@pytest.mark.parametrize("dust", [12.0, -12.0, 2.0, 1.5])
+@pytest.mark.parametrize(
+    "places", [[100], [0], [199], [100, 102], [100, 101], [0, 1], [5, 9, 14], [100, 102, 104, 106]]
+)
+def test_dust_is_refused_whatever_stands_beside_it(dust, places):
+    z = BASE.copy()
+    z[places] += dust
+    with pytest.raises(
+        ValueError, match=r"heights must not jump, got a (spike|step) of .* between heights (\d+)"
+    ) as it:
+        trace(z)
+    assert int(re.search(r"heights (\d+)", str(it.value)).group(1)) in range(places[0], places[-1] + 2)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("seed", range(20))
+def test_random_dropouts_are_refused(share, seed):
+    random = np.random.default_rng(seed)
+    at = random.random(200) < share
+    at[50] = True
+    for spoilt in (np.where(at, BASE + 12, BASE), np.where(at, BASE + random.choice([-1, 1], 200) * 15, BASE)):
+        with pytest.raises(ValueError, match="heights must"):
+            trace(spoilt)
+
+
+@pytest.mark.parametrize("width", [1.5, 2.0, 3.0, 6.0])
+@pytest.mark.parametrize("digits", [2, 3, 16])
+def test_a_groove_in_a_smooth_surface_is_roughness(width, digits):
+    """Its flanks are the largest changes by far, but each has one beside it that is like it."""
+    x, noise = np.arange(1000), np.random.default_rng(1).normal(size=1000)
+    z = np.round(0.01 * noise - np.exp(-(((x - 500.2) / width) ** 2)), digits)
+    assert trace(z).samples == 1000
+
+
+MASKED = np.ma.masked_array(BASE, np.isin(N, [5, 6, 50]))
+SOME = [None if at in (5, 6, 50) else z for at, z in enumerate(BASE.tolist())]
+SENTINEL = np.where(np.isin(N, [5, 6, 50]), -9999, BASE)
+
+
+@pytest.mark.parametrize(
+    ("z", "more"),
+    [
+        (MASKED, {}),
+        (MASKED.filled(np.nan), {}),
+        (SOME, {}),
+        (pd.Series(SOME, dtype="Float64"), {}),
+        (SENTINEL, {"missing_value": -9999}),
+        (SENTINEL.astype("f4"), {"missing_value": -9999.0}),
+    ],
+)
+def test_missing_heights_are_refused_with_their_count_and_filled_where_that_is_asked_for(z, more):
+    with pytest.raises(
+        ValueError, match=r"^3 of 200 heights are missing, the first is height 6, at most 2 beside each other: say"
+    ) as it:
+        trace(z, **more)
+    assert 'missing="interpolate"' in str(it.value)
+    assert "leave" not in str(it.value)
+    filled = trace(z, missing="interpolate", **more)
+    straight = np.interp(N, np.delete(N, [5, 6, 50]), np.delete(BASE, [5, 6, 50]))
+    assert filled.g_0 == pytest.approx(trace(straight).g_0, rel=1e-6)
+    assert tuple(filled.filled) == (3, 2, 0)
+    assert filled.labels["trace_filled"] == 3
+    assert "200 heights, 3 of them interpolated, over" in filled.describe()
+    assert filled.digest != trace(straight).digest
+
+
+def test_only_short_runs_inside_the_line_are_filled():
+    z = BASE.copy()
+    z[100:109] = np.nan
+    with pytest.raises(ValueError, match='say missing="interpolate", max_gap=9 to fill'):
+        trace(z)
+    with pytest.raises(
+        ValueError, match="the longest run begins at height 101, take a part of the trace or a larger"
+    ):
+        trace(z, missing="interpolate")
+    assert tuple(trace(z, missing="interpolate", max_gap=9).filled) == (9, 9, 0)
+    with pytest.raises(ValueError, match="all 200 heights are missing"):
+        trace(np.full(200, np.nan))
+    with pytest.raises(ValueError, match="missing must be one of refuse, interpolate, got 'drop'"):
+        trace(BASE, missing="drop")
+    with pytest.raises(ValueError, match="max_gap must be a whole number, at least 1, got 0"):
+        trace(BASE, max_gap=0)
+
+
+def test_where_heights_are_missing_at_the_ends_the_trace_is_cut_off():
+    z = BASE.copy()
+    z[[0, 1, 2, 3, 4, 5, 6, 50, 199]] = np.nan
+    with pytest.raises(
+        ValueError, match=r"9 of 200 .* first is height 1, at most 1 beside .*, 8 of them at the ends"
+    ):
+        trace(z)
+    cut = trace(z, missing="interpolate")
+    filled = np.interp(N[7:199], N[~np.isnan(z)], z[~np.isnan(z)])
+    expected = Trace(filled, 1e-3 * 192 / 200, height_unit="um")
+    assert tuple(cut.filled) == (1, 1, 8)
+    assert cut.samples == 192
+    assert cut.lambda_0 == pytest.approx(0.96e-3, rel=1e-12)
+    np.testing.assert_allclose(cut.amplitude * cut.g_0, expected.amplitude * expected.g_0, rtol=1e-9, atol=1e-18)
+    with pytest.raises(ValueError, match="heights must be a whole period, got 8 that are missing at its ends"):
+        trace(z, missing="interpolate", ends="periodic")
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5, 1.0, 2.0, 3.0])
+def test_the_end_of_a_period_is_given_once(phase):
+    def wave(n):
+        return np.cos(2 * np.pi * n + phase) + 0.2 * np.cos(14 * np.pi * n)
+
+    with pytest.raises(
+        ValueError, match=r"a period must hold its end once, .* of 101 heights: leave out the last one"
+    ):
+        trace(wave(np.linspace(0, 1, 101)), ends="periodic")
+    assert trace(wave(np.arange(100) / 100), ends="periodic").samples == 100
+    assert trace(wave(np.linspace(0, 1, 101)), ends="mirrored").samples == 101
+
+
+def test_a_period_that_is_symmetric_about_its_ends_repeats_no_height():
+    for z in (np.cos(2 * np.pi * (N + 0.5) / 200), np.minimum(np.cos(2 * np.pi * N / 200), 0.5)):
+        assert trace(z, ends="periodic").samples == 200

@@ -1,0 +1,146 @@
+"""Lines of topographies: of stand-ins for the objects of SurfaceTopography, and of the package where it is there."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from weier.theory.trace import Trace
+
+X, Y = np.arange(80), np.arange(40)
+MAP = np.cos(2 * np.pi * X / 20)[:, None] + 0.1 * np.cos(2 * np.pi * Y / 10 + 1)[None, :]  # um
+
+
+class Topography:
+    """What Trace asks of a topography."""
+
+    is_uniform, is_periodic = True, False
+
+    def __init__(self, heights, sizes, unit, **more):
+        self._heights, self.physical_sizes, self.unit = heights, sizes, unit
+        vars(self).update(more)
+
+    def heights(self):
+        """Of a map, the first axis is x."""
+        return self._heights
+
+    def positions(self):
+        """Along x, where steps are not equal."""
+        return self.x
+
+
+def assert_same(trace, z, length):
+    expected = Trace(z, length, height_unit="um", missing="interpolate")
+    assert trace.lambda_0 == pytest.approx(expected.lambda_0, rel=1e-14)
+    assert trace.shortest == pytest.approx(expected.shortest, rel=1e-14)
+    np.testing.assert_allclose(trace.amplitude * trace.g_0, expected.amplitude * expected.g_0, rtol=1e-12, atol=1e-20)
+
+
+def test_a_line_scan_is_a_trace_with_its_unit():
+    scan = Topography(MAP[:, 0], (400.0,), "\u00b5m")
+    assert_same(Trace.of(scan), MAP[:, 0], 400 * 1e-6)
+    with pytest.raises(ValueError, match="heights must have one unit, got unit='mm' and '\u00b5m' by itself"):
+        Trace.of(scan, unit="mm")
+    with pytest.raises(ValueError, match=r"length must be that of the file, 0.0004 m, got 0.001 m: leave it out"):
+        Trace.of(scan, length=1e-3)
+    with pytest.raises(ValueError, match="line and across are of maps, and this is one line of heights: leave them"):
+        Trace.of(scan, line=3)
+    with pytest.raises(ValueError, match="heights must have a unit"):
+        Trace.of(Topography(MAP[:, 0], (400.0,), None))
+
+
+def test_a_line_scan_of_given_positions_must_have_equal_steps():
+    scan = Topography(MAP[:, 0], (395.0,), "um", is_uniform=False, x=5.0 * X)
+    assert_same(Trace.of(scan), MAP[:, 0], 80 * 5e-6)
+    with pytest.raises(ValueError, match="positions must rise in equal steps"):
+        Trace.of(Topography(MAP[:, 0], (395.0,), "um", is_uniform=False, x=X**1.5))
+
+
+def test_lines_of_a_map_run_along_one_of_its_axes():
+    topography = Topography(MAP, (400.0, 160.0), "um")
+    assert_same(Trace.of(topography, line=7), MAP[:, 7], 400 * 1e-6)
+    assert_same(Trace.of(topography, line=9, across="y"), MAP[9], 160 * 1e-6)
+    lines = Trace.of(topography, across="x", shortest=3e-5)
+    assert [line.source for line in lines] == [f"x {number}" for number in Y]
+    assert {line.shortest for line in lines} == {3e-5}
+    assert lines[5].lambda_0 == pytest.approx(4e-4)
+    assert len(Trace.of(topography, across="y")) == 80
+    with pytest.raises(ValueError, match=r'a map of 80 by 40 heights has many lines: say line=0 .* or across="x"'):
+        Trace.of(topography)
+    with pytest.raises(ValueError, match="line must be a whole number, from 0 to 39, got 40"):
+        Trace.of(topography, line=40)
+    with pytest.raises(ValueError, match="across must be one of x, y, got 'z'"):
+        Trace.of(topography, across="z")
+
+
+def test_masked_heights_are_missing_and_a_line_that_is_wrong_is_named():
+    masked = np.ma.masked_array(MAP, np.zeros(MAP.shape, bool))
+    masked[30:32, 7] = np.ma.masked
+    topography = Topography(masked, (400.0, 160.0), "um")
+    assert_same(Trace.of(topography, line=6), MAP[:, 6], 4e-4)
+    with pytest.raises(ValueError, match=r"^line x 7: 2 of 80 heights are missing, the first is height 31, at"):
+        Trace.of(topography, line=7)
+    with pytest.warns(UserWarning, match="1 of 40 lines are left out, for reasons such as: line x 7: 2 of 80"):
+        lines = Trace.of(topography, across="x")
+    assert [line.line for line in lines] == [*range(7), *range(8, 40)]
+    with pytest.raises(ValueError, match="line y 0: heights must have a unit"):
+        Trace.of(Topography(MAP, (400.0, 160.0), None), across="y")
+    lines = Trace.of(topography, across="x", missing="interpolate")
+    assert [line.filled.heights for line in lines] == [2 if number == 7 else 0 for number in Y]
+
+
+def test_a_periodic_topography_is_continued_so():
+    periodic = Topography(MAP, (400.0, 160.0), "um", is_periodic=True)
+    assert Trace.of(periodic, line=3).ends == "periodic"
+    assert Trace.of(periodic, line=3, ends="mirrored").ends == "mirrored"
+
+
+def test_what_is_no_topography_is_refused():
+    with pytest.raises(ValueError, match=r"topography must be one of SurfaceTopography, got 'map.x3p'"):
+        Trace.of("map.x3p")
+
+
+def test_without_the_package_one_sentence_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "map.x3p").write_bytes(b"\x01\x02\x00\x03")
+    for more in ({}, {"line": 120}, {"across": "x"}):
+        with pytest.raises(
+            ValueError, match=r"to read the formats of instruments, pip install 'weier\[instruments\]'$"
+        ):
+            Trace.read(tmp_path / "map.x3p", **more)
+
+
+@pytest.fixture
+def surface_topography():
+    return pytest.importorskip("SurfaceTopography", reason="the extra of instruments is not installed")
+
+
+def written_as_text(path):
+    """A map as instruments write it: rows of heights along x."""
+    heading = "# Channel: Height\n# Width: 400 um\n# Height: 160 um\n# Value units: um\n"
+    path.write_text(heading + "\n".join(" ".join(map(repr, row)) for row in MAP.T.tolist()) + "\n")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
+    path = tmp_path / "map.txt"
+    written_as_text(path)
+    lines = Trace.read(path, across="x")
+    assert len(lines) == 40
+    one = Trace.read(path, line=7)
+    assert one.source == "map.txt, x 7"
+    assert one.digest == lines[7].digest
+    assert one.lambda_0 == pytest.approx(4e-4, rel=1e-9)
+    expected = Trace(MAP[:, 7], 4e-4, height_unit="um")
+    np.testing.assert_allclose(one.amplitude * one.g_0, expected.amplitude * expected.g_0, atol=1e-15)
+    same = Trace.of(surface_topography.read_topography(str(path)), line=7)
+    assert same.digest == one.digest
+    with pytest.raises(ValueError, match=r"channel must be one of .*, or a number from 0, got 'Phase'"):
+        Trace.read(path, line=7, channel="Phase")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surface_topography, tmp_path):
+    (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7 rough")
+    with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography cannot read it either"):
+        Trace.read(tmp_path / "a.pdf")

@@ -1,0 +1,57 @@
+"""Names of traces in a figure: the file, and what tells one trace of a file from another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import xarray as xr
+
+# What may differ between two traces of one name, and how a legend says it, in this order.
+DIFFERENCES: dict[str, Callable[[Any], str]] = {
+    "trace_shortest": lambda shortest: f"shortest {1e6 * shortest:.4g} \u00b5m",
+    "trace_ends": str,
+    "trace_detrend": lambda detrend: f"without {detrend}",
+    "trace_length": lambda length: f"length {1e3 * length:.4g} mm",
+    "trace_filled": lambda filled: f"{filled:.0f} interpolated",
+    "trace_digest": str,
+}
+
+
+def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
+    """A name for the trace of each case, empty for a series: each trace has one of its own.
+
+    It is the file, with as much of its folders as tells it from others, and what else differs between traces of this
+    name: the shortest wavelength, the ends, and so on, and their digests where nothing else does.
+    """
+    traces = [
+        {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}
+        for case in cases
+    ]
+    known = list({trace["trace_digest"]: trace for trace in traces if trace["trace_digest"]}.values())
+    short = _shortened(trace["trace"] for trace in known)
+    names = {}
+    for trace in known:
+        alike = [other for other in known if other["trace"] == trace["trace"]]
+        names[trace["trace_digest"]] = ", ".join([short[trace["trace"]] or "trace", *_differences(trace, alike)])
+    return [names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces]
+
+
+def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
+    """What tells a trace from those of the same name: as few of the differences as do, in their order."""
+    told: list[str] = []
+    for name, text in DIFFERENCES.items():
+        if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:
+            told.append(text(trace[name]))
+            alike = [other for other in alike if other[name] == trace[name]]
+    return told
+
+
+def _shortened(paths: Iterable[str]) -> dict[str, str]:
+    """Each path without the folders that all can do without."""
+    known = list(dict.fromkeys(paths))
+    for kept in range(1, max((path.count("/") for path in known), default=0) + 1):
+        short = ["/".join(path.split("/")[-kept:]) for path in known]
+        if len({*short}) == len(known):
+            return dict(zip(known, short, strict=True))
+    return {path: path for path in known}

@@ -1,0 +1,269 @@
+"""Measured heights before they become waves: what is missing, what is no roughness, and their tilt and form.
+
+Each height is judged by the rest of the line, by medians and quartiles, so that what is spoilt does not judge itself.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.theory.arguments import checked_count, checked_number, checked_numbers, checked_word
+
+MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
+REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
+MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
+DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # of the polynomial that is removed
+MAX_GAP = 5  # heights beside each other that are filled by default
+# Standard deviations of a normal distribution at the median of its magnitudes.
+MEDIAN = 0.6745
+# A value that stands for a missing height recurs exactly, is ten standard deviations from the median of all values,
+# and has nothing within 0.6 of this distance: the flanks of a groove have.
+FAR, VOID = 10.0, 0.6
+# Or it recurs three times and more among heights of which nine in ten do not, and is three standard deviations of
+# their changes from those beside it. A few values that recur most often are looked at.
+RECURRING, FINE, OFF, CANDIDATES = 3, 0.9, 3.0, 8
+# From one height to the next, normal roughness changes by at most five standard deviations. Larger changes that are
+# no jumps have a neighbour that goes the same way and is alike within a factor of three: those of the flank of a
+# groove. A jump is more than a tenth of all heights, too, and twice as large as all changes that are none.
+ABRUPT, ALIKE, JUMP_SHARE, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
+RETURN = 10  # heights within which a spike comes back
+# Within one to three steps, a jump is also what is five times as large as the three differences on either side, and
+# has one that is twice as large as all outside jumps: roughness has none, with D near 2 and with flat tops, either.
+JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
+REPEATED = 1e-6  # of the range of heights: what the repeated end of a period differs from its beginning
+DOMINANT = 5.0  # times the root mean square of the roughness: a form that is mentioned
+
+
+class Filled(NamedTuple):
+    """What became of missing heights: how many were interpolated, at most how many beside each other, and cut off."""
+
+    heights: int = 0
+    longest: int = 0
+    cut: int = 0
+
+
+def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
+    """Heights as an array of floats, shape (samples,), in their own unit; NaN where one is missing.
+
+    Masked values, None, pandas.NA and what equals `missing_value` are missing.
+    """
+    values = getattr(heights, "magnitude", heights)  # of pint
+    if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
+        values = np.asanyarray(values)
+        if np.ma.isMaskedArray(values) and values.dtype.kind in "iuf":
+            values = np.ma.filled(values.astype(float), math.nan)
+    if isinstance(values, list | tuple) or getattr(values, "dtype", None) is np.dtype(object):
+        values = np.array([math.nan if _is_missing(height) else height for height in values], object)
+    z = checked_numbers("heights", values, "be finite or missing", lambda z: ~np.isinf(z))
+    if z.ndim != 1:
+        raise ValueError(f"heights must be one list, got an array of shape {z.shape}")
+    if not MIN_HEIGHTS <= z.size <= MAX_HEIGHTS:
+        raise ValueError(f"heights must be {MIN_HEIGHTS} to {MAX_HEIGHTS} numbers, got {z.size}")
+    if missing_value is None:
+        return z
+    value = checked_number("missing_value", missing_value)
+    return np.where(np.isclose(z, value, rtol=1e-6, atol=0), math.nan, z)  # a float32 has seven digits
+
+
+def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tuple[Array, Filled]:
+    """The heights with short runs of missing ones interpolated on straight lines, and what was filled.
+
+    Missing heights at the ends have nothing beyond them: there, the trace is cut off.
+
+    Raises
+    ------
+    ValueError
+        If some are missing and `missing` is "refuse", or if more than `max_gap` are missing beside each other inside
+        the trace: the message has their number, the longest run, and what to do.
+    """
+    checked_word("missing", missing, MISSING)
+    checked_count("max_gap", max_gap, 1)
+    gaps = np.isnan(z)
+    if not gaps.any():
+        return z, Filled()
+    if gaps.all():
+        raise ValueError(f"all {z.size} heights are missing")
+    known = np.flatnonzero(~gaps)
+    starts, lengths = _runs(gaps[known[0] : known[-1] + 1])
+    inside = int(lengths.sum())
+    longest = int(lengths.max(initial=0))
+    cut = int(gaps.sum()) - inside
+    told = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
+    told += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
+    if missing == REFUSE:
+        need = f", max_gap={longest}" if longest > MAX_GAP else ""
+        remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
+        raise ValueError(f'{told}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
+    if longest > max_gap:
+        at = int(known[0] + starts[lengths.argmax()]) + 1
+        raise ValueError(
+            f"{told}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
+        )
+    within = np.arange(known[0], known[-1] + 1)
+    if within.size < MIN_HEIGHTS:
+        raise ValueError(f"{told}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
+    return np.interp(within, known, z[known]), Filled(inside, longest, cut)
+
+
+def check_sentinels(z: Array) -> None:
+    """Refuse a value that recurs exactly where it does not belong: it stands for heights that are missing."""
+    values, first, count = np.unique(z, return_index=True, return_counts=True)
+    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:CANDIDATES].tolist():
+        if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
+            raise ValueError(
+                f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
+                f"{first[at] + 1}, far from all others or from those beside it: if it stands for missing heights, "
+                f"say missing_value={values[at]:.9g}"
+            )
+
+
+def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
+    """Whether a value is far from all others, with nothing between, as they are or without the tilt of the line."""
+    for heights in (values, values - tilt * first):
+        low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
+        distance = abs(heights[at] - middle)
+        nearest = np.abs(np.delete(values, at) - values[at]).min(initial=math.inf)
+        if distance > FAR * (high - low) / (2 * MEDIAN) and nearest > VOID * distance:
+            return True
+    return False
+
+
+def _is_out_of_line(z: Array, value: float, count: int) -> bool:
+    """Whether a value that is neither the lowest nor the highest one recurs away from the heights beside it."""
+    if count < RECURRING or not z.min() < value < z.max():
+        return False
+    here = z == value
+    known = np.flatnonzero(~here)
+    rest = z[known]
+    if np.unique(rest).size < FINE * rest.size:  # heights of few digits, which recur by chance
+        return False
+    off = np.abs(np.interp(np.flatnonzero(here), known, rest) - value)
+    return bool(np.median(off) > OFF * np.median(np.abs(np.diff(rest))) / MEDIAN)
+
+
+def check_jumps(z: Array, step: float) -> None:
+    """Refuse heights with steps and spikes, where waves overshoot and contact would begin at what is no roughness.
+
+    `z` is in m, and so is the step along x.
+    """
+    _check_abrupt_changes(z, step)
+    _check_isolated_jumps(z, step)
+
+
+def _check_abrupt_changes(z: Array, step: float) -> None:
+    """Refuse changes from one height to the next that no other change of the line comes near, wherever they stand."""
+    change = np.diff(z)
+    change = change - np.median(change)
+    size = np.abs(change)
+    counted = size[size > REPEATED * size.max()]
+    if not counted.size:
+        return
+    # Where most heights have one of a few values, at least one digit.
+    ordinary = max(float(np.median(counted)) / MEDIAN, float(counted.min()))
+    before, after = np.append(0, change[:-1]), np.append(change[1:], 0)
+    same_way = np.maximum(before * np.sign(change), after * np.sign(change))
+    suspect = (size > ABRUPT * ordinary) & (same_way < size / ALIKE)
+    near = np.convolve(suspect, np.ones(2 * JUMP_NEIGHBOURS - 1), "same") > 0
+    rest = ~np.append(near, near[-1])
+    if not suspect.any() or rest.sum() < MIN_HEIGHTS:
+        return
+    spread = np.ptp(_without_polynomial(z[rest], np.flatnonzero(rest), DEGREES[FORM]))
+    limit = max(JUMP_SHARE * float(spread), JUMP_OUTLIER * float(size[~near].max()))
+    abrupt = np.flatnonzero(suspect & (size > limit))
+    if abrupt.size:
+        at = int(abrupt[0])
+        back = np.flatnonzero(np.abs(z[at + 2 : at + 2 + RETURN] - z[at]) < size[at] / 2)
+        width = int(back[0]) + 2 if back.size else 1
+        _refuse_jump("spike" if back.size else "step", at, width, float(size[at]), step, abrupt.size - 1)
+
+
+def _check_isolated_jumps(z: Array, step: float) -> None:
+    """Refuse jumps within one to three steps that are far larger than the changes on either side."""
+    change, n = np.abs(np.diff(z)), JUMP_NEIGHBOURS
+    largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # of the n changes before each height
+    others, jumps = change.copy(), []
+    for width in JUMP_STEPS:
+        size = np.ptp(sliding_window_view(z, width + 1), axis=1)
+        around = np.maximum(largest[: size.size], largest[width + n :])
+        for at in np.flatnonzero((size > JUMP_SHARE * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
+            others[at : at + width] = 0
+            jumps.append((at, width, size[at]))
+    for at, width, size in jumps:  # the narrowest first
+        if change[at : at + width].max() > JUMP_OUTLIER * others.max():
+            kind = "step" if abs(z[at + width] - z[at]) > size / 2 else "spike"
+            _refuse_jump(kind, at, width, size, step)
+
+
+def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, others: int = 0) -> None:
+    where = f"between heights {at + 1} and {at + width + 1}, behind x = {at * step:.6g} m"
+    more = f", and {others} more jumps from one height to the next" if others > 1 else ""
+    raise ValueError(
+        f"heights must not jump, got a {kind} of {size:.3g} m {where}{more}: cut the trace there, or write what is "
+        'between as missing, nan, and say missing="interpolate"'
+    )
+
+
+def check_end_of_period(z: Array) -> None:
+    """Refuse a period whose last height is the first one again.
+
+    A crest between two heights, or a flat one, repeats the height, too. There the third differences across the ends
+    are smaller with both heights than without one of them.
+    """
+    if abs(z[-1] - z[0]) > REPEATED * np.ptp(z):
+        return
+    both, one = np.concatenate([z[-3:], z[:3]]), np.concatenate([z[-3:], z[1:3]])
+    kink = np.abs(np.diff(both, 3)).max()
+    if kink > REPEATED * np.ptp(z) and np.abs(np.diff(one, 3)).max() < kink:
+        raise ValueError(
+            f"a period must hold its end once, got {z[-1]:.6g} m as the first and as the last of {z.size} heights: "
+            f"leave out the last one, and take the length of {z.size - 1} steps"
+        )
+
+
+def detrended(z: Array, detrend: str) -> Array:
+    """The heights without their mean, their tilt, too, or the parabola of a form, by least squares."""
+    return _without_polynomial(z, np.arange(z.size), DEGREES[detrend])
+
+
+def warn_of_form(level: Array) -> None:
+    """Warn where a tilt or a parabola is higher than the roughness: contact would be that of the form."""
+    rough = float(np.std(detrended(level, FORM)))
+    form = float(np.std(level - detrended(level, FORM)))
+    if form > DOMINANT * rough:
+        warnings.warn(
+            f"the form of the trace, a parabola or tilt of {form:.3g} m root mean square, is {form / rough:.3g} "
+            f'times as high as its roughness, {rough:.3g} m: say detrend="form" for the roughness alone',
+            stacklevel=4,
+        )
+
+
+def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
+    """What least squares leave of heights at some positions."""
+    x = np.asarray(position, float)
+    x = (x - x.mean()) / max(np.ptp(x), 1.0)
+    basis = np.linalg.qr(np.vander(x, degree + 1, increasing=True))[0]
+    left = z - basis @ (basis.T @ z)
+    return np.asarray(left - basis @ (basis.T @ left))  # once more: to rounding, also below a high form
+
+
+def _tilt(z: Array) -> float:
+    """The median rise from one height to the next, over half the length of the line."""
+    half = z.size // 2
+    return float(np.median(z[half:] - z[:-half])) / half
+
+
+def _runs(flags: Flags) -> tuple[Any, Any]:
+    """Where each run of flags begins, and how long it is."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return edges[::2], edges[1::2] - edges[::2]
+
+
+def _is_missing(height: Any) -> bool:
+    """Whether an element of a list stands for a missing height."""
+    return height is None or height is np.ma.masked or type(height).__name__ == "NAType"

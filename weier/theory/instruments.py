@@ -1,0 +1,130 @@
+"""Files of instruments, and the objects that SurfaceTopography makes of them: lines of heights with their units.
+
+SurfaceTopography reads some forty formats. It is an extra, which is imported when the first such file is read.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from weier.theory.arguments import checked_count, checked_word, shown
+from weier.theory.columns import NoTableError, read_columns
+from weier.theory.line import Line
+from weier.theory.units import length_unit
+
+INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
+AXES = ("x", "y")
+
+
+def read_lines(path: Path, line: int | None, across: str | None, channel: int | str | None) -> list[Line]:
+    """The lines of a file: one of a table of text, or those that are asked for of what an instrument wrote."""
+    why_not_text = f"{path} is to be read by its lines or channels"
+    if line is None and across is None and channel is None:
+        try:
+            return [read_columns(path)]
+        except NoTableError as error:
+            why_not_text = str(error)
+    topography, sized = _read_once(path, path.stat().st_mtime_ns, channel, why_not_text)
+    return list(lines_of(topography, line, across, sized))
+
+
+class ChannelError(ValueError):
+    """A channel that a file does not have, or that holds no heights."""
+
+
+def read_topography(path: Path, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
+    """What SurfaceTopography reads from a file, one channel of heights, and whether the file says how large it is.
+
+    Raises
+    ------
+    ValueError
+        If SurfaceTopography is not there or cannot read the file; the message begins with `why_not_text`.
+    """
+    try:
+        from SurfaceTopography import open_topography
+    except ModuleNotFoundError:
+        raise ValueError(f"{why_not_text}; {INSTALL}") from None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what its readers say of their own dependencies
+            chosen = _channel(path, open_topography(str(path)).channels, channel)
+            sized = chosen.physical_sizes is not None
+            return chosen.topography(physical_sizes=None if sized else tuple(map(float, chosen.nb_grid_pts))), sized
+    except ChannelError:
+        raise
+    except Exception as error:  # of some forty readers, each with errors of its own for a damaged file
+        raise ValueError(
+            f"{why_not_text}; SurfaceTopography cannot read it either ({type(error).__name__})"
+        ) from None
+
+
+@lru_cache(maxsize=1)  # each line of a map is asked for by itself
+def _read_once(path: Path, changed: int, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
+    return read_topography(path, channel, why_not_text)
+
+
+def lines_of(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:
+    """Lines of heights of a topography: its only one, the one that is asked for, or all that run along an axis.
+
+    Parameters
+    ----------
+    topography : object
+        With `heights`, `physical_sizes`, `unit`, `is_periodic` and, where it is not uniform, `positions`, as those of
+        SurfaceTopography.
+    line : int, optional
+        Of a map: which of the lines, from 0.
+    across : "x" or "y", optional
+        Of a map: the axis along which the lines run, across the grooves; without `line`, all lines.
+    sized : bool
+        Whether the sizes of the topography are known.
+
+    Raises
+    ------
+    ValueError
+        If a map is given without line or axis, or has no such line.
+    """
+    if not callable(getattr(topography, "heights", None)) or not hasattr(topography, "physical_sizes"):
+        raise ValueError(f"topography must be one of SurfaceTopography, got {shown(topography)}")
+    heights = np.ma.asarray(topography.heights())
+    sizes = topography.physical_sizes if sized else None
+    units = (length_unit(str(topography.unit)),) if topography.unit else ()
+    periodic = bool(getattr(topography, "is_periodic", False))
+    if heights.ndim == 1:
+        if line is not None or across is not None:
+            raise ValueError("line and across are of maps, and this is one line of heights: leave them out")
+        even = getattr(topography, "is_uniform", True)
+        positions = None if even else np.asarray(topography.positions())
+        length = None if sizes is None or not even else float(sizes[0])
+        yield Line(heights, positions, length, units, units, periodic)
+        return
+    shape = f"a map of {heights.shape[0]} by {heights.shape[1]} heights"
+    if line is None and across is None:
+        raise ValueError(f'{shape} has many lines: say line=0 for the first along x, or across="x" or "y" for all')
+    axis = AXES.index(checked_word("across", "x" if across is None else across, AXES))
+    along = heights if axis == 1 else heights.T  # the lines, one after the other
+    numbers = range(len(along)) if line is None else [checked_count("line", line, 0, len(along) - 1)]
+    for number in numbers:
+        length = None if sizes is None else float(sizes[axis])
+        yield Line(along[number], None, length, units, units, periodic, AXES[axis], number)
+
+
+def _channel(path: Path, channels: Any, wanted: int | str | None) -> Any:
+    """The channel of this number or name; else the first one of heights."""
+    names = [channel.name for channel in channels]
+    of_heights = [getattr(channel, "is_height_channel", True) for channel in channels]
+    if wanted is None:
+        if not any(of_heights):
+            raise ChannelError(f"{path} has no channel of heights, only {', '.join(names) or 'none'}")
+        return channels[of_heights.index(True)]
+    if wanted not in (names if isinstance(wanted, str) else range(len(channels))):
+        raise ChannelError(f"channel must be one of {', '.join(names)}, or a number from 0, got {shown(wanted)}")
+    number = names.index(wanted) if isinstance(wanted, str) else int(wanted)
+    if not of_heights[number]:
+        raise ChannelError(f"channel must have heights, got {names[number]}, which has none")
+    return channels[number]

@@ -1,0 +1,53 @@
+"""One line of measured heights, as a file, an array or a topography has it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from weier.theory.units import length_unit, unit_of
+
+
+class Line(NamedTuple):
+    """Heights, and what is known of their places and units.
+
+    heights : array, shape (samples,); masked, NaN or None where one is missing
+    positions : array, shape (samples,), along the line; None if it has none
+    length : of the line, as many steps as there are heights; None if nobody knows it
+    x_units, height_units : the units that are named for positions and length, and for heights: none or more
+    periodic : whether the surface is known to repeat
+    axis, number : of a line of a map, the axis that it runs along, and which of these lines it is
+    """
+
+    heights: Any
+    positions: Any = None
+    length: float | None = None
+    x_units: tuple[str, ...] = ()
+    height_units: tuple[str, ...] = ()
+    periodic: bool = False
+    axis: str = ""
+    number: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What tells the line from others of a map, as in "x 120"; empty where there are no others."""
+        return f"{self.axis} {self.number}" if self.axis else ""
+
+
+def line_of_array(heights: Any, with_positions: bool) -> Line:
+    """The line of an array: one of xarray may have units, and a coordinate with positions.
+
+    A coordinate that has no unit just numbers the heights, unless `with_positions`.
+    """
+    height_units = _units(heights)
+    dims: tuple[Any, ...] = getattr(heights, "dims", ())
+    if len(dims) != 1 or dims[0] not in getattr(heights, "coords", ()):
+        return Line(heights, height_units=height_units)
+    coordinate = heights.coords[dims[0]]
+    x_units = _units(coordinate)
+    known = bool(x_units) or with_positions
+    return Line(heights, coordinate.values if known else None, None, x_units, height_units)
+
+
+def _units(values: Any) -> tuple[str, ...]:
+    unit = unit_of(values)
+    return (length_unit(unit),) if unit else ()
