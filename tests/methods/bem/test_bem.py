@@ -1,4 +1,4 @@
-"""Boundary elements with their staircase: against Westergaard and reference values, and the two solvers against each other."""
+"""Boundary elements with their staircase: against Westergaard and reference values, and by two solvers."""
 
 import json
 import os

@@ -38,7 +38,10 @@ def test_a_plan_for_a_compliance_takes_the_fewest_points_whose_bound_is_within_i
     (part,) = plan(THREE_WAVES, [1e-6, 0.01, 0.1, 1], tolerance).segments
     assert part.method == "bem"
     assert bem.error_model.compliance_error(THREE_WAVES, part.settings["points"]) <= tolerance
-    assert bem.error_model.compliance_error(THREE_WAVES, part.settings["points"] * 0.75) > tolerance or part.settings["points"] == 12 * 25
+    assert (
+        bem.error_model.compliance_error(THREE_WAVES, part.settings["points"] * 0.75) > tolerance
+        or part.settings["points"] == 12 * 25
+    )
 
 
 @pytest.mark.parametrize("profile", [Profile(1.4, "5/2", 4, random_phases(3)), Profile(1.1, 2, 5, 0.0)])

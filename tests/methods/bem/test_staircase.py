@@ -148,7 +148,7 @@ def test_both_solvers_have_the_same_staircase(solver):
 
 @pytest.mark.parametrize("staircase", ["kept", "removed"])
 def test_without_resistance_no_work_is_done_for_it(staircase):
-    """The derivative of the solution is not solved for where the staircase is kept, and needed where it is removed."""
+    """The derivative by the load is not solved for where the staircase is kept, and needed where it is removed."""
     profile, loads = Profile(1.25, 5, 2, 1.0), np.array([0.01, 0.3])
     one, other = (curve(profile, loads, with_resistance=wanted, staircase=staircase) for wanted in (True, False))
     assert other.compliance.tolist() == one.compliance.tolist()

@@ -6,7 +6,7 @@ import pytest
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.methods import patches
-from weier.methods.patches import many_contacts, newton
+from weier.methods.patches import newton
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import minima_outside
 from weier.methods.patches.newton import on_few_nodes, solve_on_segments

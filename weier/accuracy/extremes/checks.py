@@ -8,6 +8,7 @@ the errors of its numbers stays within them.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,27 +19,43 @@ from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.profile import Profile
 
 
-def monotone(h: Array, noise: float) -> bool:
-    """Whether h never falls by more than `noise`, a height."""
-    return bool(np.all(np.diff(h) >= -noise))
+class Stated(NamedTuple):
+    """The errors of compliance and resistance that a method states, shape (loads,); 0 where it states none."""
+
+    compliance: Array
+    resistance: Array
 
 
-def concave(p: Array, h: Array, R: Array, noise: Noise, amplitude: float) -> bool:
+def monotone(h: Array, noise: float, stated: Stated) -> bool:
+    """Whether h never falls by more than `noise`, a height, and what is stated of it."""
+    return bool(np.all(np.diff(h) >= -noise - _both_ends(stated.compliance)))
+
+
+def _both_ends(error: Array) -> Array:
+    """The sum of the errors at both ends of each interval of loads."""
+    return np.asarray(error[:-1] + error[1:])
+
+
+def concave(p: Array, h: Array, R: Array, noise: Noise, amplitude: float, stated: Stated) -> bool:
     """Whether the slope falls, and every chord lies between the slopes at its ends; noise is of this amplitude."""
+    of_R = stated.resistance
     with np.errstate(over="ignore", invalid="ignore"):
-        slack = noise.height * amplitude / np.diff(p)
+        slack = (noise.height * amplitude + _both_ends(stated.compliance)) / np.diff(p)
         chord = np.diff(h) / np.diff(p)
-        steepest, flattest = R[:-1] * (1 + noise.slope) + slack, R[1:] * (1 - noise.slope) - slack
-        falls = np.diff(R) <= noise.slope * R[:-1] + slack
+        steepest = R[:-1] * (1 + noise.slope) + of_R[:-1] + slack
+        flattest = R[1:] * (1 - noise.slope) - of_R[1:] - slack
+        falls = np.diff(R) <= noise.slope * R[:-1] + _both_ends(of_R) + slack
     if math.isinf(noise.slope):
         return bool(np.all(np.diff(chord) <= slack[1:] + slack[:-1]))
     return bool(np.all(falls & (chord <= steepest) & (chord >= flattest)))
 
 
-def within_band(profile: Profile, p: Array, h: Array, R: Array, noise: Noise, solution_error: float) -> bool:
+def within_band(
+    profile: Profile, p: Array, h: Array, R: Array, noise: Noise, stated: Stated, solution_error: float = 0.0
+) -> bool:
     """Whether compliance and resistance lie within the bounds of the first wave alone.
 
-    What the solution is off, in g_0, and the noise widen the band of the waves left out.
+    What the solution is off as a whole, in g_0, and the noise widen the band of the waves left out.
     """
     total = profile.total_amplitude
     band = total - 1 + solution_error + noise.height * total
@@ -47,7 +64,8 @@ def within_band(profile: Profile, p: Array, h: Array, R: Array, noise: Noise, so
     within = (low <= h - total + 1) & (h - total + 1 <= high)
     low, high = resistance_bounds(p, one, band, first_contact=0.0)
     if not math.isinf(noise.slope):
-        within &= (low * (1 - noise.slope) <= R) & (R * (1 - noise.slope) <= high)
+        of_R = noise.slope * R + stated.resistance
+        within &= (low - of_R <= R) & (R - of_R <= high)
     return bool(np.all(within))
 
 

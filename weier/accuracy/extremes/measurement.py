@@ -17,7 +17,7 @@ from weier.accuracy.reference import find_reference, uncertainty
 from weier.accuracy.runner import Outcome, attempt
 from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Check, Variable, variables_of_file
 from weier.kernels.arrays import Array
-from weier.methods.method import Noise, Variant
+from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method
 from weier.theory.profile import Profile
 
@@ -71,7 +71,9 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     h, R = (np.where(solved, values, np.nan) for values in (result.compliance, result.resistance))
     deviation = metrics.deviation(h, right.compliance), metrics.deviation(R, right.resistance)
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
-    both = deviation, (result.compliance_error, result.resistance_error), uncertainty(result, profile)
+    errors = result.compliance_error, result.resistance_error
+    stated = checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
+    both = deviation, errors, uncertainty(result, profile)
     return {
         "compliance": h,
         "resistance": R,
@@ -85,18 +87,18 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
         "one_curve": Check(not result.message),
         "without_warning": Check(not result.warned),
         "within_stated_error": Check.of(checks.within_stated_error(*map(np.concatenate, both))),
-        **_check_curve(method.noise, profile, each.loads[solved], h[solved], R[solved], result.solution_error),
+        **_check_curve(method, profile, each.loads[solved], h[solved], R[solved], stated, result.solution_error),
     }
 
 
 def _check_curve(
-    noise: Noise, profile: Profile, p: Array, h: Array, R: Array, solution_error: float
+    method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: checks.Stated, solution_error: float
 ) -> dict[str, Check]:
     """The checks of a curve at the loads that were solved; those of its shape where there are two loads at least."""
-    found, total = {}, profile.total_amplitude
+    found, noise, total = {}, method.noise, profile.total_amplitude
     if p.size > 0:
-        found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, solution_error))
+        found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, stated, solution_error))
     if p.size > 1:
-        found["monotone"] = Check(checks.monotone(h, noise.height * total))
-        found["concave"] = Check(checks.concave(p, h, R, noise, total))
+        found["monotone"] = Check(checks.monotone(h, noise.height * total, stated))
+        found["concave"] = Check(checks.concave(p, h, R, noise, total, stated))
     return found

@@ -98,8 +98,13 @@ def _solve_segment(profile: Waves, points: int, residual: float, loads: Array) -
     grid = curve(profile, loads, points=points, tolerance=residual)
     # The errors of a plan depend on no other load, so that no chord leads from one of them to another.
     alone = [
-        error_model.errors(profile, loads[i : i + 1], points, (grid.compliance[i : i + 1], grid.resistance[i : i + 1]),
-                           grid.residual[i : i + 1])[1]
+        error_model.errors(
+            profile,
+            loads[i : i + 1],
+            points,
+            (grid.compliance[i : i + 1], grid.resistance[i : i + 1]),
+            grid.residual[i : i + 1],
+        )[1]
         for i in range(loads.size)
     ]
     return SegmentSolution(grid.compliance, grid.resistance, grid.compliance_error, np.concatenate(alone))
