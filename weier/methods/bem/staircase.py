@@ -68,44 +68,53 @@ def _edges_in_their_steps(
     A contact of one node changes neither mean gap nor resistance here: its edges are too close to each other for the
     formula of an edge.
     """
-    points = contact.size
-    compliance = rate = 0.0
-    beyond, since, until, closed = np.zeros((2, points)), np.zeros((2, points)), np.zeros((2, points)), ~contact
-    for inside in range(points):
+    points, of_gap, of_resistance = contact.size, 0.0, 0.0
+    beyond, since, until = np.zeros((2, points)), np.zeros((2, points)), np.zeros((2, points))
+    for j in range(points):
         for side in range(2):
             outwards = 1 - 2 * side
-            outside, behind = (inside + outwards) % points, (inside - outwards) % points
-            if not contact[inside] or contact[outside]:
+            outside, behind = (j + outwards) % points, (j - outwards) % points
+            if not contact[j] or contact[outside]:
                 continue
-            beyond[side, inside] = EDGE
-            closing = resistance - tangent_displacement[outside]  # of the next node's gap, by the mean pressure
-            if tangent_pressure[inside] > 0 and closing > 0:
-                a = since[side, inside] = max(pressure[inside], 0.0) / tangent_pressure[inside]
-                b = until[side, inside] = max(gap[outside], 0.0) / closing
+            beyond[side, j] = EDGE
+            q, t = tangent_pressure[j], resistance - tangent_displacement[outside]
+            if q > 0 and t > 0:
+                a, b = max(pressure[j], 0.0) / q, max(gap[outside], 0.0) / t
+                since[side, j], until[side, j] = a, b
                 if contact[behind] and a + b > 0:
-                    drop, share = tangent_pressure[inside] * closing / points, a / (a + b)
-                    compliance += drop * (a + b) * (MEAN_OF_STEP - (share - share * share) / 2)
-                    rate += (share - 0.5) * drop
-                    beyond[side, inside] += share - 0.5
-    for node in range(points):
-        before, after = (node - 1) % points, (node + 1) % points
-        closed[node] = False
-        if contact[node] and not (contact[before] or contact[after]):
-            a, b = since[:, node].mean(), until[:, node].mean()
+                    D, f = q * t / points, a / (a + b)
+                    of_gap += D * (a + b) * (MEAN_OF_STEP - (f - f * f) / 2)
+                    of_resistance += (f - 0.5) * D
+                    beyond[side, j] += f - 0.5
+    return of_gap, of_resistance, beyond, _edges_of_single_nodes(contact, since, until, beyond)
+
+
+@kernel
+def _edges_of_single_nodes(
+    contact: Flags, since: NDArray[np.float64], until: NDArray[np.float64], beyond: NDArray[np.float64]
+) -> Flags:
+    """Where the edges of contacts and gaps of one node are, in place; and which of these gaps have closed.
+
+    since, until : loads a and b of each edge, of the shape of `beyond`
+    """
+    points, closed = contact.size, np.zeros(contact.size, np.bool_)
+    for j in range(points):
+        before, after = (j - 1) % points, (j + 1) % points
+        if contact[j] and not (contact[before] or contact[after]):
+            a, b = since[0, j], 0.5 * (until[0, j] + until[1, j])
             if a > 0 and b > 0:
                 half_width = np.sqrt(LONE_CONTACT * a / (a + b))
-                shift = (until[1, node] - until[0, node]) / (4 * (a + b))
-                beyond[0, node], beyond[1, node] = half_width + shift, half_width - shift
-        elif contact[before] and contact[after] and not contact[node]:
-            left, right = since[0, before], since[1, after]
-            a, b = 0.5 * (left + right), until[0, before]
+                shift = (until[1, j] - until[0, j]) / (4 * (a + b))
+                beyond[0, j], beyond[1, j] = half_width + shift, half_width - shift
+        elif contact[before] and contact[after] and not contact[j]:
+            a, b = 0.5 * (since[0, before] + since[1, after]), until[0, before]
             if a + b > 0:
-                shift = (left - right) / (4 * (a + b))
+                shift = (since[0, before] - since[1, after]) / (4 * (a + b))
                 square = 2 * (CLOSED - a / (a + b)) / (1 + NEIGHBOUR_STIFFNESS) + 2 * shift * shift
-                closed[node] = square <= 0
+                closed[j] = square <= 0
                 half_width = np.sqrt(max(square, 0.0))
                 beyond[0, before], beyond[1, after] = 1 + shift - half_width, 1 - shift - half_width
-    return compliance, rate, beyond, closed
+    return closed
 
 
 class ContactPoint(NamedTuple):
@@ -137,7 +146,7 @@ def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
 
 def remove_staircase(solution: NodalSolution) -> ContactPoint:
     """The mean over the steps of all edges; neither mean gap nor resistance are below 0."""
-    compliance, rate, beyond, closed = _edges_in_their_steps(
+    of_gap, of_resistance, beyond, closed = _edges_in_their_steps(
         solution.contact,
         solution.pressure,
         solution.gap,
@@ -147,7 +156,7 @@ def remove_staircase(solution: NodalSolution) -> ContactPoint:
     )
     first, last = contact_runs(solution.contact | closed)
     edge = np.stack([first - beyond[1, first], last + beyond[0, last % closed.size]], axis=1).ravel()
-    plane, resistance = max(solution.plane + compliance, 0.0), max(solution.resistance - rate, 0.0)
+    plane, resistance = max(solution.plane + of_gap, 0.0), max(solution.resistance - of_resistance, 0.0)
     return ContactPoint(plane, resistance, first, last, edge, solution.residual, solution.work)
 
 
