@@ -225,7 +225,10 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: weier.Profile(LIST, 5, 3), r"D must lie in \(1, 2\), got an array of shape \(2,\)"),
         (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
         (lambda: weier.solve([0.1], [0.1]), "profile must be a weier.Profile or a weier.Trace, got 0.1"),
-        (lambda: weier.solve(PROFILE, [0.1], "bem", resistance="no"), "resistance of bem must be true or false"),
+        (
+            lambda: weier.solve(PROFILE, [0.1], "bem", with_resistance="no"),
+            "with_resistance of bem must be true or false",
+        ),
         (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),
         (lambda: conduction.holm([0], 1, 1), "radii must be positive, got 0.0 at position 0"),
         (lambda: conduction.holm([], 1, 1), "radii must be those of at least one contact"),

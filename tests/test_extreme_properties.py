@@ -56,9 +56,11 @@ def check(name, profile, mean_pressure, **options):
     solved = made.outcome == Outcome.finite
     p, h, R = mean_pressure[solved], made.compliance[solved], made.resistance[solved]
     total = profile.total_amplitude
-    assert checks.monotone(h, method.noise.height * total)
-    assert checks.concave(p, h, R, method.noise, total)
-    assert checks.within_band(profile, p, h, R, method.noise, made.solution_error)
+    errors = made.compliance_error, made.resistance_error
+    stated = checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
+    assert checks.monotone(h, method.noise.height * total, stated)
+    assert checks.concave(p, h, R, method.noise, total, stated)
+    assert checks.within_band(profile, p, h, R, method.noise, stated, made.solution_error)
     return made
 
 

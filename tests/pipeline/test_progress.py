@@ -23,7 +23,7 @@ INFINITE = Profile(D=1.02, gamma=10, m=math.inf)
     [
         ("bem", {"points": 32}),
         ("bem", {"points": 32, "solver": "direct"}),
-        ("bem", {"points": 32, "edges": "nodes"}),
+        ("bem", {"points": 32, "staircase": "kept"}),
         ("hybrid", {"terms": 1}),
         ("patches", {}),
     ],

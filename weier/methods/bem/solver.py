@@ -111,7 +111,8 @@ def curve(
     check_tolerance(tolerance)
     points = checked_points(profile, points, points_per_wave)
     check_points(points, dense=solver == "direct")
-    found, partial = [], loads[loads < full_contact_load(profile, points)]
+    full = min(full_contact_load(profile, points), profile.full_contact_load)
+    found, partial = [], loads[loads < full]
     if partial.size:  # a matrix is not filled for loads that press all gaps shut
         grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
