@@ -31,7 +31,7 @@ def error(measured, name, case=1, quantity="compliance"):
 
 
 def test_errors_fall_with_points_as_the_order_of_the_method_tells(measured):
-    """At least of second order: a factor of 64 from 12 to 96 points, and less where crests of the coarse grid lie on nodes."""
+    """At least of second order: 64 from 12 to 96 points, and less where crests lie on nodes of the coarse grid."""
     assert error(measured, "bem nodes 96") < error(measured, "bem nodes 12") / 8
     assert error(measured, "layer 24") > 100 * error(measured, "bem nodes 96")
     assert error(measured, "bem 128") < error(measured, "bem nodes 96") / 3
