@@ -23,7 +23,7 @@ METHOD = Method(
     solve=_solve,
     settings={
         "terms": "waves to resolve; by default as many as fit on the default grid",
-        "points": "nodes in a period of these waves, by default 32 for each of the finest",
+        "points": "nodes in a period of these waves, by default 32 for each of the finest, or more for thin layers",
     },
     applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),

@@ -156,7 +156,7 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
             new = scale.rows(rows.position, rows.state if rows.state.size else None)
         except ConvergenceError:
             if part < MIN_PART:
-                break
+                raise
             part *= PART_AGAIN
             continue
         if settled and part == 1:

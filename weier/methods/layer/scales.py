@@ -109,8 +109,8 @@ class Scale(NamedTuple):
             worst, load = float(residual[over[0]]), math.exp(log_load[over[0]])
             if not math.isfinite(worst):
                 raise ConvergenceError(
-                    f"a wave of the layer model has no solution under the mean pressure {load:.6g} in its own p*: try "
-                    "other points, or take another method",
+                    f"a wave of the layer model has no solution under the mean pressure {load:.6g} in its own p*: "
+                    "try other points, or take another method",
                     worst,
                 )
             raise ConvergenceError(
