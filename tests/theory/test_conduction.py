@@ -1,5 +1,7 @@
 """Resistance from stiffness, constrictions, and the way to SI units."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -159,3 +161,9 @@ def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
             interface(**own | {name: 0.5}).in_si(curve)
     with pytest.raises(ValueError, match="g_0 must be that of the trace"):
         interface(**own | {"g_0": 0.5}).compliance(curve.compliance)
+
+
+def test_no_contact_has_no_conductance_whatever_the_bodies_are():
+    perfect = interface(rho_1=0.0, rho_2=0.0)
+    assert perfect.resistance([0.0, 1.0, math.inf]).tolist() == [0.0, 0.0, math.inf]
+    assert math.isnan(perfect.resistance(math.nan))

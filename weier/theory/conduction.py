@@ -251,8 +251,12 @@ class Interface:
 
 @beyond_floats
 def _scaled(normalised: ArrayLike, unit: float) -> Array:
-    """Values in a unit; NaN, where a value is missing, stays NaN."""
-    return np.asarray(checked_numbers("normalised", normalised) * unit)
+    """Values in a unit; NaN, where a value is missing, stays NaN.
+
+    An infinite resistance is that of no contact, which perfect conductors do not have less of: it stays infinite.
+    """
+    values = checked_numbers("normalised", normalised)
+    return np.asarray(np.multiply(values, unit, out=values.copy(), where=np.isfinite(values)))
 
 
 def at_scale_of(curves: Any, bodies: Interface) -> Interface:

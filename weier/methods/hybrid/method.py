@@ -27,7 +27,7 @@ METHOD = Method(
     },
     applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
-    solution_error=lambda solved: float(solved.distance_to_bounds.max()),
+    solution_error=lambda solved: solved.distance_to_bounds,
     noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
     candidates=candidates,
 )
