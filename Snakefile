@@ -70,6 +70,10 @@ onsuccess:
     for name in scene_names():
         solutions(name).tidy()
         page = Path(f"results/{name}/page.html")
+        if not Path(
+            f"results/{name}/contact.nc"
+        ).exists():  # figures or pages of docs alone
+            continue
         made = (
             f", {page} shows them"
             if page.exists()
