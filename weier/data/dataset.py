@@ -71,6 +71,7 @@ def blank(
     return data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")),
+        term=("term", np.arange(terms, dtype="i4"), variables.attributes("term")),
     )
 
 

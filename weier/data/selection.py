@@ -253,5 +253,8 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 
 
 def _some(values: NDArray[Any]) -> str:
+    """The values of a label, each once; a text may be several with commas between."""
+    if values.dtype.kind in "UOT":
+        values = np.array([part for text in values for part in str(text).split(", ")])
     texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]
     return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")

@@ -23,7 +23,7 @@ ERROR = (
     "What a method states is an estimate{}: the documentation says how many numbers are within it. "
     "In the files of the trade and the extremes it is the distance from a reference."
 )
-BOUND = ", or by contact patches a bound, from the contact conditions that their solution violates"
+PATCHES_STATE = ", or by contact patches a bound, from the contact conditions that their solution violates"
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
 TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
@@ -116,6 +116,7 @@ VARIABLES = {
         ("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL,
         axis=r"mean pressure $\bar{p}/p_0^{*}$", plot="mean pressure p/p_0*",
     ),
+    "term": Variable(("term",), "number of the term, from 0", symbol="n", dtype="i4", content=LABEL),
     "key": _label("name of the case, a digest of its definition", dtype="U12"),
     "D": _label("fractal dimension", symbol="D", least=1, most=2),
     "gamma": _label("ratio of successive wavelengths", symbol="gamma", least=1),
@@ -151,7 +152,7 @@ VARIABLES = {
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
     "compliance_error": Variable(
         CURVE, "error of the compliance, stated or measured", "g_0", least=0, files=MEASURED,
-        comment=ERROR.format(BOUND), largest="stated error of h, g_0",
+        comment=ERROR.format(PATCHES_STATE), largest="stated error of h, g_0",
     ),
     "resistance_error": Variable(
         CURVE, "error of the resistance, stated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),

@@ -56,10 +56,17 @@ def solve_one(
     return data.assign_attrs(title=title, scene=_text(title, case, loads))
 
 
-def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
-    """The methods that apply to a profile; all that are given where none does, so that they say why."""
+def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The methods that apply to a profile, and why the others do not; all where none does, so that they say so."""
     surface = Case(_parameters(profile), (), {}).profile
-    return [method for method in methods if find_method(method).takes(surface)] or list(methods)
+    apply, refusals = list[str](), list[str]()
+    for method in methods:
+        try:
+            find_method(method).check_applies(surface)
+            apply.append(method)
+        except ValueError as error:
+            refusals.append(f"{method} is left out: {error}")
+    return (apply, refusals) if apply else (list(methods), [])
 
 
 def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
