@@ -11,6 +11,7 @@ from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
     from weier.data.dataset import open as open
+    from weier.data.selection import profile_of as profile_of
     from weier.figures.checks import load_scene as load_scene
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
@@ -40,6 +41,7 @@ _MODULES = {
     "load_scene": "figures.checks",
     "open": "data.dataset",
     "plan": "pipeline.plan",
+    "profile_of": "data.selection",
     "random_phases": "theory.profile",
     "solve": "pipeline.solve",
 }

@@ -1,5 +1,6 @@
 """Opened files: labelled selection, read where asked for, and joined without being held in memory."""
 
+import math
 import subprocess
 import sys
 
@@ -9,7 +10,7 @@ import xarray as xr
 import yaml
 
 import weier
-from weier import scene
+from weier import Profile, scene
 from weier.data import dataset
 from weier.pipeline.batches import Solutions, read_batch
 
@@ -197,3 +198,35 @@ def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
             assert data[name][-part.sizes["case"] :].variable.equals(part[name].variable), name
         curves = [values for values in data.values() if values.ndim == 3 and values.dtype.kind == "f"]
         assert sum(values.nbytes for values in curves) > 2 * MEMORY * 2**20
+
+
+PROFILES = [
+    Profile(1.25, 5, 3, (0.0, 1.0, 2.0)),
+    Profile(1.5, "5/2", 2, 1.0),
+    Profile(1.7, 3, 1),
+    Profile(1.25, 5, 4, seed=7),
+    Profile(1.25, 5, math.inf, 0.5),
+    Profile(1.5, 2, math.inf, seed=3),
+]
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=Profile.describe_with_phases)
+def test_a_curve_gives_its_profile_back(profile, tmp_path):
+    """By the heights or, where there are none, the phases of its first terms; from memory and from files."""
+    curve = weier.solve(profile, [0.1, 1.0], "demelio")
+    both = weier.solve([PROFILES[0], profile], [0.1, 1.0], ["demelio"])
+    curve.to_netcdf(tmp_path / "one.nc")
+    with weier.open(tmp_path / "one.nc") as again:
+        for data in (curve, both.isel(case=[1]), again):
+            found = weier.profile_of(data)
+            assert (found.D, found.gamma, found.m) == (profile.D, profile.gamma, profile.m)
+            terms = 3 if math.isinf(profile.m) else profile.m
+            assert np.array_equal(found.truncated(terms).phase, profile.truncated(terms).phase)
+    with pytest.raises(ValueError, match="one case, got 2"):
+        weier.profile_of(both)
+
+
+def test_phases_are_numbers_over_the_terms_in_memory_too():
+    curve = weier.solve(PROFILES[0], [0.1], "demelio")
+    assert (curve.phases.dims, curve.phases.values.tolist(), curve.phases.units) == (("term",), [0, 1, 2], "rad")
+    assert curve.term.values.tolist() == [0, 1, 2]

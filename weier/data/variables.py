@@ -24,6 +24,7 @@ ERROR = (
     "In the files of the trade and the extremes it is the distance from a reference."
 )
 PATCHES_STATE = ", or by contact patches a bound, from the contact conditions that their solution violates"
+PHYSICAL = ("rad", "s", "m")  # units of UDUNITS among those of the table
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
 TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
@@ -190,10 +191,6 @@ VARIABLES = {
     ),
 }  # fmt: skip
 
-# Of one curve, which is to have no dimension but the loads.
-PHASES_TEXT = Variable(
-    (), "phases in radians, as JSON: of every term but the first, or of each term", dtype="O", content=LABEL
-)
 QUANTITIES = ("compliance", "resistance")
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 
@@ -227,11 +224,11 @@ def blank(
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str, Any]:
     """The attributes of a variable in a file, by the CF conventions."""
     entry = table[name]
-    normalised = entry.unit not in ("1", "rad", "s", "m")
-    known: dict[str, Any] = {"long_name": entry.long_name, "units": "1" if normalised else entry.unit}
-    known["coverage_content_type"] = entry.content
-    if normalised:
-        known["normalised_by"] = entry.unit
+    known: dict[str, Any] = {"long_name": entry.long_name, "coverage_content_type": entry.content}
+    if entry.unit in PHYSICAL:
+        known["units"] = entry.unit  # of UDUNITS, as CF asks; what has no dimension needs none
+    elif entry.unit != "1":
+        known["unit"] = entry.unit  # which xarray writes at axes, too
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:

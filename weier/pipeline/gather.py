@@ -98,7 +98,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
     return xr.Dataset(
         flags,
         coords={
-            name: ("case", values, {"long_name": meaning, "units": "1", "coverage_content_type": LABEL})
+            name: ("case", values, {"long_name": meaning, "coverage_content_type": LABEL})
             for name, (values, meaning) in columns.items()
         },
     )
@@ -109,7 +109,6 @@ def _of_study(name: str) -> dict[str, Any]:
     meanings = {"flag_values": np.array([0, 1], "i1"), "flag_meanings": "other_study this_study"}
     return {
         "long_name": f"whether the case is of study {name}",
-        "units": "1",
         "coverage_content_type": LABEL,
         **meanings,
     }

@@ -20,7 +20,7 @@ from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.pipeline.solve import settings_by_method
 from weier.scene import Case
 from weier.scene.case import trace_parameters
-from weier.theory.loads import check_range
+from weier.theory.loads import check_range, unit_doubt
 
 
 def solve_one(
@@ -44,7 +44,7 @@ def solve_one(
     check_range(loads)
     case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
     case.check_ranges()
-    lines = forecast(case, loads)
+    lines = [*filter(None, [unit_doubt(case.profile, loads)]), *forecast(case, loads)]
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
     failures: list[str] = []
