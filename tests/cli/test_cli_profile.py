@@ -77,7 +77,7 @@ def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     code, out, err = run("solve", *series, "--method", "bem", "--method", "demelio", "-o", tmp_path / "x.nc")
     assert (code, out) == (1, "")
     assert err.splitlines()[-1] == "weier: bem does not apply, as said above; the curves of the others are there"
-    with weier.open(tmp_path / "x.nc") as data:
+    with weier.open_dataset(tmp_path / "x.nc") as data:
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
 
 
@@ -119,7 +119,7 @@ def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
     assert code == 0, errors
     trace = weier.Trace.read(shaft, None, 1e-4, "periodic", "mm", "um")
     exact = weier.solve(trace, [0.1, 1.0], "bem")
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         one = data.isel(case=0, solution_method=0)
         np.testing.assert_array_equal(one.compliance.values, exact.compliance.values)
         assert one.trace.item() == "shaft.csv"

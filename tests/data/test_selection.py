@@ -39,7 +39,7 @@ def path(tmp_path_factory):
 
 
 def keys(path, **labels):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         return data.weier.cases(**labels)["key"].values.tolist()
 
 
@@ -62,7 +62,7 @@ def test_selection_by_labels(path, labels, rows):
 
 
 def test_what_people_know_of_xarray_works(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         bem = data.weier.cases(D=1.25).squeeze("case").compliance.sel(solution_method="bem")
         assert bem.values == pytest.approx(1 + LOADS / 10)
         assert bem.interp(mean_pressure=2.0) == pytest.approx(1.2)
@@ -72,7 +72,7 @@ def test_what_people_know_of_xarray_works(path):
 
 
 def test_what_was_selected_away_comes_back_as_one_value(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         one = data.isel(case=2).sel(solution_method="bem", mean_pressure=4.0)
         again = one.weier.cases(gamma="5/2")
         assert again.compliance.dims == ("case", "solution_method", "mean_pressure")
@@ -98,7 +98,7 @@ def test_an_unknown_label_says_what_is_there(path, labels, message):
 
 
 def test_nothing_is_read_before_it_is_asked_for(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         bem = data.sel(solution_method="bem").compliance
         assert not bem.variable._in_memory
         assert bem.values.shape == (5, 40)
@@ -114,7 +114,7 @@ def test_nothing_is_read_before_it_is_asked_for(path):
     ],
 )
 def test_a_dataset_of_no_curves_is_refused_in_a_sentence(path, change, message):
-    with weier.open(path) as data, pytest.raises(ValueError, match=f"holds no curves, since {message}: take"):
+    with weier.open_dataset(path) as data, pytest.raises(ValueError, match=f"holds no curves, since {message}: take"):
         change(data).weier.table()
 
 
@@ -140,9 +140,9 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 LOOK = """
 import resource, sys
 import weier
-weier.open(sys.argv[2]).weier.cases(D=1.25).compliance.sel(solution_method="bem").values
+weier.open_dataset(sys.argv[2]).weier.cases(D=1.25).compliance.sel(solution_method="bem").values
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found = weier.open(sys.argv[1]).weier.cases(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20])
+found = weier.open_dataset(sys.argv[1]).weier.cases(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20])
 found = found.compliance.sel(solution_method="bem").values
 assert found.shape[0] == 2, found.shape
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
@@ -216,7 +216,7 @@ def test_a_curve_gives_its_profile_back(profile, tmp_path):
     curve = weier.solve(profile, [0.1, 1.0], "demelio")
     both = weier.solve([PROFILES[0], profile], [0.1, 1.0], ["demelio"])
     curve.to_netcdf(tmp_path / "one.nc")
-    with weier.open(tmp_path / "one.nc") as again:
+    with weier.open_dataset(tmp_path / "one.nc") as again:
         for data in (curve, both.isel(case=[1]), again):
             found = weier.profile_of(data)
             assert (found.D, found.gamma, found.m) == (profile.D, profile.gamma, profile.m)

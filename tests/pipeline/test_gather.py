@@ -106,7 +106,7 @@ def test_the_edges_of_contact_are_those_of_the_last_method_that_tells_them(tmp_p
     xr.testing.assert_equal(data.drop_attrs(), without_seconds(grown))
 
 
-@pytest.mark.parametrize("reader", [xr.open_dataset, dataset.open])
+@pytest.mark.parametrize("reader", [xr.open_dataset, dataset.open_dataset])
 def test_files_whose_longest_series_differ_are_joined_by_plain_xarray(solutions, tmp_path, reader):
     """Of other studies, too: what a file lacks is missing, and the shorter series have no phases beyond their own."""
     gather(solutions, tmp_path / "a.nc")
@@ -139,5 +139,5 @@ def test_each_study_is_selected_by_name_though_its_cases_stand_in_others(tmp_pat
     with xr.open_dataset(tmp_path / "two.nc") as data:
         assert data.isel(case=data.study_one == 1).m.values.tolist() == [2]
         assert data.isel(case=data.study_two == 1).m.values.tolist() == [2, 3]
-    with dataset.open(tmp_path / "two.nc") as data, pytest.raises(ValueError, match=r"choose from one, two$"):
+    with dataset.open_dataset(tmp_path / "two.nc") as data, pytest.raises(ValueError, match=r"choose from one, two$"):
         data.weier.cases(study="three")

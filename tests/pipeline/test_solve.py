@@ -50,7 +50,7 @@ def test_a_curve_knows_its_profile_and_all_settings_also_in_a_file_and_a_table(m
     curve.to_netcdf(path)
     with xr.open_dataset(path) as found:
         assert found.identical(curve)
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         one = data.weier.cases(D=1.25, gamma=5, m=profile.m).sel(solution_method=method, mean_pressure=0.1)
         assert one.compliance.item() == curve.compliance.values[1]
     frame = curve.drop_dims("term").to_dataframe()  # the phases are over the terms, all else over the loads
@@ -87,7 +87,7 @@ def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
             assert both.compliance.values == pytest.approx(one.compliance.values, rel=1e-14)
             assert json.loads(str(both.settings.values)) == json.loads(one.attrs["settings"])
     found.to_netcdf(tmp_path / "both.nc")
-    with weier.open(tmp_path / "both.nc") as data:
+    with weier.open_dataset(tmp_path / "both.nc") as data:
         assert data.weier.cases(D=1.5).sel(solution_method="bem").compliance.shape == (1, 3)
 
 

@@ -129,7 +129,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     return data
 
 
-def open(path: str | Path) -> xr.Dataset:
+def open_dataset(path: str | Path) -> xr.Dataset:
     """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read where they are needed.
 
     Parameters
@@ -155,7 +155,7 @@ def open(path: str | Path) -> xr.Dataset:
     Examples
     --------
     >>> import weier
-    >>> with weier.open(path) as data:
+    >>> with weier.open_dataset(path) as data:
     ...     curve = data.weier.cases(D=1.25, m=2).compliance.sel(solution_method="demelio")
     ...     print(curve.sel(mean_pressure=0.09, method="nearest").values.round(4))
     [0.4044]

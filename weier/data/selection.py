@@ -75,7 +75,7 @@ class Curves:
         Examples
         --------
         >>> import weier
-        >>> with weier.open(path) as data:
+        >>> with weier.open_dataset(path) as data:
         ...     data.weier.cases(D=1.25, m=2).compliance.sel(solution_method="demelio").values.round(4)
         array([[0.4044, 1.2805]])
         """
@@ -151,7 +151,7 @@ def profile_of(data: xr.Dataset) -> Profile:
     Parameters
     ----------
     data : Dataset
-        A result of `weier.solve`, or one case of `weier.open`: what its coordinates D, gamma, m, seed and phases say.
+        A result of `weier.solve`, or one case of `weier.open_dataset`, with coordinates D, gamma, m, seed and phases.
 
     Returns
     -------
