@@ -30,9 +30,9 @@ def tell(line):
 
 
 # Plans count contacts, before any job.
-LISTENERS.append(
+LISTENERS[:] = [
     lambda module: tell("compiling what plans need, once for all later runs")
-)
+]
 
 
 @contextmanager

@@ -27,7 +27,7 @@ from weier.pipeline.claims.claim import judge
 from weier.scene.schema import schema
 
 
-@pytest.mark.parametrize("name", ["tutorial", "first_day", "measured"])
+@pytest.mark.parametrize("name", ["index", "tutorial", "first_day", "measured"])
 def test_the_pages_that_run_are_true(name):
     plt.switch_backend("agg")  # no windows
     result = doctest.testfile(str(Path(f"docs/{name}.rst").resolve()), module_relative=False)

@@ -187,3 +187,10 @@ def test_no_contact_has_no_conductance_whatever_the_bodies_are():
     perfect = interface(rho_1=0.0, rho_2=0.0)
     assert perfect.resistance([0.0, 1.0, math.inf]).tolist() == [0.0, 0.0, math.inf]
     assert math.isnan(perfect.resistance(math.nan))
+
+
+def test_notebooks_show_both_bodies_as_a_table():
+    table = interface()._repr_html_()
+    assert table.count("<tr>") == 3
+    assert all(f'<td style="text-align: left">{text}</td>' in table for text in ("8e+10", "0.34", "1.7e-08"))
+    assert f"p_0* = {interface().full_contact_pressure:.6g} Pa" in table

@@ -6,14 +6,12 @@ May use all other folders of weier, and none of them uses it.
 from __future__ import annotations
 
 import sys
-from functools import cache
 from typing import NoReturn
 
 import click
 
 from weier.cli import jobs, plan, profile, table
 from weier.data.provenance import VERSION
-from weier.kernels import jit
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
@@ -59,7 +57,6 @@ for _command in (
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
-    jit.LISTENERS.append(lambda module: _say_compiling(module.removeprefix("weier.methods.").partition(".")[0]))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
     except click.Abort:  # which click makes of Ctrl-C, and standing alone ends with exit code 1
@@ -84,12 +81,6 @@ def _told(error: Exception) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename} cannot be read or written: {error.strerror}"
     return str(error) if isinstance(error, SceneError) else one_line(error)
-
-
-@cache
-def _say_compiling(method: str) -> None:
-    """Tell which method is compiled, once for each."""
-    click.echo(f"compiling {method}, once for all later runs", err=True)
 
 
 def _stop(why: str) -> NoReturn:

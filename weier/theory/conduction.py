@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory.arguments import Condition, checked_number, checked_numbers, shown
+from weier.theory.tables import html_table
 
 beyond_floats = np.errstate(over="ignore")  # what is larger than the largest float is inf
 
@@ -186,6 +187,15 @@ class Interface:
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
                 f"floats, got {self.full_contact_pressure}"
             )
+
+    def _repr_html_(self) -> str:
+        """A table of both bodies, for notebooks."""
+        rows = [
+            [str(body), *(f"{vars(self)[f'{name}_{body}']:.6g}" for name in ("mu", "nu", "rho"))] for body in (1, 2)
+        ]
+        scale = f"lambda_0 = {self.lambda_0:.6g} m, g_0 = {self.g_0:.6g} m, M = {self.composite_modulus:.6g} Pa"
+        header = ["body", "shear modulus mu, Pa", "Poisson's ratio nu", "resistivity rho, ohm m"]
+        return html_table(scale, header, rows, f"p_0* = {self.full_contact_pressure:.6g} Pa")
 
     @property
     def composite_modulus(self) -> float:
