@@ -51,8 +51,11 @@ wildcard_constraints:
 include: "rules/scenes.smk"
 
 
-onstart:
+with in_one_sentence():
     check_writable("results")
+
+
+onstart:
     remove_leftovers("results")
     bring_to_present("results", str(CONFIG))
     for name in scene_names():
@@ -67,6 +70,10 @@ onsuccess:
     for name in scene_names():
         solutions(name).tidy()
         page = Path(f"results/{name}/page.html")
+        if not Path(
+            f"results/{name}/contact.nc"
+        ).exists():  # figures or pages of docs alone
+            continue
         made = (
             f", {page} shows them"
             if page.exists()
@@ -83,7 +90,7 @@ onsuccess:
 # reason to solve it again.
 rule solve:
     input:
-        batch="results/{scene}/batches/{batch}.json",
+        batch=ancient("results/{scene}/batches/{batch}.json"),
         kernels=lambda w: kernels(w.scene),
     output:
         "results/{scene}/batches/{batch}.nc",

@@ -120,10 +120,19 @@ class FigureKinds(SphinxDirective):
 
 def before_napoleon(app, what, name, obj, options, lines):
     """Docstrings are plain text: |k|, p_0* and (13) are no markup, nor does a colon end the type of a property."""
-    plain = [re.sub(r"^( *)(\()|([|*])", r"\1\\\2\3", line) for line in lines]
+    plain = list(without_markup(lines))
     if what == "property":
         plain = [line.replace(":", COLON) for line in plain]
     lines[:] = with_fields(plain) if what == "class" else plain
+
+
+def without_markup(lines):
+    """The lines with what would be markup escaped, but for the stars of lists, and for examples as a whole."""
+    example = False
+    for line in lines:
+        example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
+        bullet, text = re.fullmatch(r"(\s*\* )?(.*)", line).groups(default="")
+        yield line if example else bullet + re.sub(r"^( *)(\()|([|*])", r"\1\\\2\3", text)
 
 
 def with_fields(lines):

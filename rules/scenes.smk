@@ -30,9 +30,9 @@ def tell(line):
 
 
 # Plans count contacts, before any job.
-LISTENERS.append(
+LISTENERS[:] = [
     lambda module: tell("compiling what plans need, once for all later runs")
-)
+]
 
 
 @contextmanager
@@ -45,12 +45,19 @@ def stoppable():
         signal.signal(signal.SIGINT, before)
 
 
+@contextmanager
+def in_one_sentence():
+    """End the run with what is wrong with a scene or a folder; Snakemake would add a traceback."""
+    try:
+        yield
+    except (SceneError, OSError) as error:
+        sys.exit(f"weier: {error}")
+
+
 @cache
 def scene(name):
-    try:
+    with in_one_sentence():
         return checks.load_by_name(name, CONFIG / "scenes")
-    except SceneError as error:
-        sys.exit(f"weier: {error}")  # else Snakemake adds a traceback
 
 
 def scene_file(name):
@@ -80,7 +87,7 @@ def batches(name, studies=()):
 
     What it will take is said now, so that a dry run says it, too.
     """
-    with stoppable():
+    with stoppable(), in_one_sentence():
         paths = [str(path) for path in solutions(name).files(studies, cores())]
     lines, refusal = forecast(name)
     for line in [*lines, refusal] if refusal and workflow.dryrun else lines:

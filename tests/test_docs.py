@@ -27,7 +27,7 @@ from weier.pipeline.claims.claim import judge
 from weier.scene.schema import schema
 
 
-@pytest.mark.parametrize("name", ["tutorial", "first_day", "measured"])
+@pytest.mark.parametrize("name", ["index", "tutorial", "first_day", "measured"])
 def test_the_pages_that_run_are_true(name):
     plt.switch_backend("agg")  # no windows
     result = doctest.testfile(str(Path(f"docs/{name}.rst").resolve()), module_relative=False)
@@ -189,6 +189,23 @@ def test_every_page_is_reached_from_the_first(site):
     pages = {path.relative_to("docs").with_suffix("").as_posix() for path in sources}
     linked = set(re.findall(r'href="([\w/]+)\.html', page(site, "index")))
     assert pages - {"index"} <= linked
+
+
+def test_lists_and_examples_are_what_they_are_in_docstrings(site):
+    """As HTML: a list has items, no stars, and an example has no marks that keep others from being markup."""
+    items = re.findall(r"<li><p>([^<]*)", page(site, "api/solve"))
+    for method in registry.METHODS:
+        assert any(item[1:].startswith(f"{method.name}”:") for item in items), method.name
+        for name in method.settings:
+            assert any(item.startswith(f"{method.name}.{name}") for item in items), name
+    for path in site.rglob("*.html"):
+        text = re.sub(r"<(script|style|svg)\b.*?</\1>", "", path.read_text(encoding="utf-8"), flags=re.S)
+        for block in re.findall(r"<pre>.*?</pre>", text, re.S):
+            assert "\\(" not in block, f"{path.name}: {block}"
+        for paragraph in re.findall(r"<(?:p|dd)>(.*?)</(?:p|dd)>", text, re.S):
+            assert not re.search(
+                r"(^|\s)\* ", re.sub(r"<code.*?</code>|<span class=.math.*?</span>", "", paragraph, flags=re.S)
+            ), paragraph
 
 
 def test_figures_and_captions_of_the_scene_are_there(site):

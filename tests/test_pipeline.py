@@ -73,6 +73,28 @@ def edit(path, old, new):
     path.write_text(text.replace(old, new))
 
 
+def test_a_copy_of_the_results_alone_solves_nothing_again(checkout, tmp_path):
+    """Without Snakemake's notes, and with descriptions that are newer than what they describe."""
+    run(checkout)
+    copy = tmp_path / "copy"
+    shutil.copytree(checkout, copy, ignore=shutil.ignore_patterns(".snakemake"))
+    for description in (copy / "results/test/batches").glob("*.json"):
+        description.touch()
+    assert "solve" not in planned(copy)
+
+
+def test_results_that_cannot_be_written_to_are_one_sentence(checkout, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(checkout, copy, ignore=shutil.ignore_patterns(".snakemake", "results"))
+    (copy / "results").mkdir()
+    (copy / "results/test").touch()  # a file where a folder should be stops root, too
+    done = call(copy)
+    assert done.returncode == 1
+    told = [line for line in done.stderr.splitlines() if line]
+    assert told[-1].startswith("weier: results/test/batches/"), done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_a_faulty_scene_is_told_by_its_mistakes_alone(checkout):
     """By the jobs of its scene, and by those of one file."""
     (checkout / "config/scenes/faulty.yaml").write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
-    from weier.data.dataset import open as open
+    from weier.data.dataset import open_dataset as open_dataset
+    from weier.data.selection import profile_of as profile_of
     from weier.figures.checks import load_scene as load_scene
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
@@ -38,8 +39,9 @@ _MODULES = {
     "fields": "methods.fields",
     "fit": "theory.spectrum",
     "load_scene": "figures.checks",
-    "open": "data.dataset",
+    "open_dataset": "data.dataset",
     "plan": "pipeline.plan",
+    "profile_of": "data.selection",
     "random_phases": "theory.profile",
     "solve": "pipeline.solve",
 }

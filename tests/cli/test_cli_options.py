@@ -1,6 +1,10 @@
 """What is wrong usage, and what is bad input, of any command."""
 
+import math
+
 import pytest
+
+from weier import Profile
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
 SOLVE = ["solve", *PROFILE]
@@ -70,3 +74,17 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert (code, out) == (1, "")
     assert last.startswith("weier: ")
     assert message in last
+
+
+def test_a_setting_given_as_an_option_is_told_by_its_method(run):
+    for option in ("--quantity", "--quantitiy"):
+        code, _, err = run("solve", "-D", "1.25", "--gamma", "5", "-m", "3", option, "1e-4")
+        assert code == 2
+        assert f"there is no option {option}; quantity is a setting of a method: --method planned" in err
+    assert "'--method'" in run("solve", "--metod", "bem")[2]
+
+
+def test_a_word_says_that_there_is_no_last_wave():
+    assert Profile(1.25, 5, "inf") == Profile(1.25, 5, math.inf)
+    with pytest.raises(ValueError, match="or inf, got the text 'many'"):
+        Profile(1.25, 5, "many")

@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 import weier
-from weier import scene
+from weier import figures, scene
+from weier.scene import Figure
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
 
@@ -76,7 +77,7 @@ def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     code, out, err = run("solve", *series, "--method", "bem", "--method", "demelio", "-o", tmp_path / "x.nc")
     assert (code, out) == (1, "")
     assert err.splitlines()[-1] == "weier: bem does not apply, as said above; the curves of the others are there"
-    with weier.open(tmp_path / "x.nc") as data:
+    with weier.open_dataset(tmp_path / "x.nc") as data:
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
 
 
@@ -118,7 +119,7 @@ def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
     assert code == 0, errors
     trace = weier.Trace.read(shaft, None, 1e-4, "periodic", "mm", "um")
     exact = weier.solve(trace, [0.1, 1.0], "bem")
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         one = data.isel(case=0, solution_method=0)
         np.testing.assert_array_equal(one.compliance.values, exact.compliance.values)
         assert one.trace.item() == "shaft.csv"
@@ -182,3 +183,32 @@ def test_a_file_of_an_instrument_says_what_to_install(run, tmp_path, monkeypatch
     code, _, errors = run("solve", "--trace", tmp_path / "map.x3p", "--line", "120", "--loads", "0.1")
     assert code == 1
     assert errors.strip().endswith("to read the formats of instruments, pip install 'weier[instruments]'")
+
+
+def test_a_figure_without_a_name_is_a_file_that_is_named(run, tmp_path, monkeypatch):
+    """Where there is no display; a method that does not apply is named, with the reason."""
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("plot", "-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1:1:3")
+    assert (code, out) == (0, "")
+    assert "the figure is in compliance.png" in err
+    assert (tmp_path / "compliance.png").stat().st_size > 10_000
+    assert "bem is left out: m = inf has no finest wave to resolve" in err
+
+
+def test_a_figure_shows_in_a_window_where_there_is_a_display(tmp_path, monkeypatch):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.setattr(plt, "get_backend", lambda: "TkAgg")
+    shown = []
+    monkeypatch.setattr(plt, "show", lambda: shown.append(plt.gcf().canvas.figure))
+    curve = weier.solve([weier.Profile(1.25, 5, 2)], [0.1, 1.0], ["demelio"])
+    assert figures.show(Figure("compliance"), [curve])
+    assert shown[0].axes[0].get_lines()
+    plt.close("all")
+
+
+def test_one_load_is_no_curve(run, tmp_path):
+    code, _, err = run("plot", "-D", "1.25", "--gamma", "5", "-m", "3", "--loads", "0.1", str(tmp_path / "one.png"))
+    assert code == 2
+    assert "a curve takes at least 2 loads, got 1: give a range" in err
+    assert not (tmp_path / "one.png").exists()

@@ -1,9 +1,11 @@
 """Files of datasets: whole or not at all, and read by others."""
 
+import re
+
 import numpy as np
 import pytest
 
-from weier.data import dataset
+from weier.data import dataset, variables
 from weier.data.variables import Status
 
 METHODS = ["westergaard", "demelio", "bem"]
@@ -67,3 +69,14 @@ def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path)
         dataset.read(path)
     with pytest.raises(FileNotFoundError, match=r"there is no file .*none\.nc: make it first"):
         dataset.read(tmp_path / "none.nc")
+
+
+def test_what_variables_say_of_themselves_is_whole_sentences():
+    """As a file has them: texts that are put together of parts may lose a space, a stop or the part itself."""
+    for name in variables.VARIABLES:
+        for key in ("long_name", "comment"):
+            text = variables.attributes(name).get(key, "")
+            assert not re.search(r"[a-z][A-Z][a-z]|\.:|: \.|\.\.|  |\{|\}|,,", text), f"{name}.{key}: {text}"
+        comment = variables.attributes(name).get("comment", "A.")
+        assert comment[0].isupper(), comment
+        assert comment.endswith("."), comment

@@ -1,5 +1,6 @@
 """Opened files: labelled selection, read where asked for, and joined without being held in memory."""
 
+import math
 import os
 import shutil
 import subprocess
@@ -13,7 +14,7 @@ import xarray as xr
 import yaml
 
 import weier
-from weier import scene
+from weier import Profile, scene
 from weier.data import dataset
 from weier.pipeline.batches import Solutions, read_batch
 
@@ -42,7 +43,7 @@ def path(tmp_path_factory):
 
 
 def keys(path, **labels):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         return data.weier.cases(**labels)["key"].values.tolist()
 
 
@@ -65,7 +66,7 @@ def test_selection_by_labels(path, labels, rows):
 
 
 def test_what_people_know_of_xarray_works(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         bem = data.weier.cases(D=1.25).squeeze("case").compliance.sel(solution_method="bem")
         assert bem.values == pytest.approx(1 + LOADS / 10)
         assert bem.interp(mean_pressure=2.0) == pytest.approx(1.2)
@@ -75,7 +76,7 @@ def test_what_people_know_of_xarray_works(path):
 
 
 def test_what_was_selected_away_comes_back_as_one_value(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         one = data.isel(case=2).sel(solution_method="bem", mean_pressure=4.0)
         again = one.weier.cases(gamma="5/2")
         assert again.compliance.dims == ("case", "solution_method", "mean_pressure")
@@ -101,7 +102,7 @@ def test_an_unknown_label_says_what_is_there(path, labels, message):
 
 
 def test_nothing_is_read_before_it_is_asked_for(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         bem = data.sel(solution_method="bem").compliance
         assert not bem.variable._in_memory
         assert bem.values.shape == (5, 40)
@@ -139,7 +140,7 @@ def test_a_file_is_closed_and_what_is_copied_over_it_is_read(path, tmp_path):
     ],
 )
 def test_a_dataset_of_no_curves_is_refused_in_a_sentence(path, change, message):
-    with weier.open(path) as data, pytest.raises(ValueError, match=f"holds no curves, since {message}: take"):
+    with weier.open_dataset(path) as data, pytest.raises(ValueError, match=f"holds no curves, since {message}: take"):
         change(data).weier.table()
 
 
@@ -165,9 +166,9 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 LOOK = """
 import resource, sys
 import weier
-weier.open(sys.argv[2]).weier.cases(D=1.25).compliance.sel(solution_method="bem").values
+weier.open_dataset(sys.argv[2]).weier.cases(D=1.25).compliance.sel(solution_method="bem").values
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found = weier.open(sys.argv[1]).weier.cases(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20])
+found = weier.open_dataset(sys.argv[1]).weier.cases(D=[1.25 + 7 / 2**20, 1.25 + 9998 / 2**20])
 found = found.compliance.sel(solution_method="bem").values
 assert found.shape[0] == 2, found.shape
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
@@ -223,3 +224,35 @@ def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
             assert data[name][-part.sizes["case"] :].variable.equals(part[name].variable), name
         curves = [values for values in data.values() if values.ndim == 3 and values.dtype.kind == "f"]
         assert sum(values.nbytes for values in curves) > 2 * MEMORY * 2**20
+
+
+PROFILES = [
+    Profile(1.25, 5, 3, (0.0, 1.0, 2.0)),
+    Profile(1.5, "5/2", 2, 1.0),
+    Profile(1.7, 3, 1),
+    Profile(1.25, 5, 4, seed=7),
+    Profile(1.25, 5, math.inf, 0.5),
+    Profile(1.5, 2, math.inf, seed=3),
+]
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=Profile.describe_with_phases)
+def test_a_curve_gives_its_profile_back(profile, tmp_path):
+    """By the heights or, where there are none, the phases of its first terms; from memory and from files."""
+    curve = weier.solve(profile, [0.1, 1.0], "demelio")
+    both = weier.solve([PROFILES[0], profile], [0.1, 1.0], ["demelio"])
+    curve.to_netcdf(tmp_path / "one.nc")
+    with weier.open_dataset(tmp_path / "one.nc") as again:
+        for data in (curve, both.isel(case=[1]), again):
+            found = weier.profile_of(data)
+            assert (found.D, found.gamma, found.m) == (profile.D, profile.gamma, profile.m)
+            terms = 3 if math.isinf(profile.m) else profile.m
+            assert np.array_equal(found.truncated(terms).phase, profile.truncated(terms).phase)
+    with pytest.raises(ValueError, match="one case, got 2"):
+        weier.profile_of(both)
+
+
+def test_phases_are_numbers_over_the_terms_in_memory_too():
+    curve = weier.solve(PROFILES[0], [0.1], "demelio")
+    assert (curve.phases.dims, curve.phases.values.tolist(), curve.phases.units) == (("term",), [0, 1, 2], "rad")
+    assert curve.term.values.tolist() == [0, 1, 2]

@@ -207,7 +207,7 @@ def test_truncated_series_share_the_mean_plane_of_the_infinite_one(studies: dict
         assert np.all(gap > -1e-9)  # the surfaces do not overlap
         assert gap[0] < case["total_amplitude"]  # they touch no earlier than the highest crest does
     (axes, *_) = sketch("truncated_compliance", [studies["terms"]]).axes
-    assert axes.get_ylabel() == style.LABELS["compliance"]
+    assert axes.get_ylabel().startswith("compliance $(h+G_m)/g_0$")  # not h/g_0, which has another zero
     assert axes.get_ylim()[0] == 0
 
 
@@ -224,3 +224,22 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
 def test_profiles_of_a_family_differ_without_colour() -> None:
     grey = [np.dot(look["color"][:3], [0.299, 0.587, 0.114]) for look in style.family(8)]
     assert np.all(np.diff(grey) < -0.03)
+
+
+PLANNED = """
+title: planned
+loads: [0.1, 1.0]
+methods: [planned]
+tolerance: 1.0e-2
+studies: {one: {product: {D: 1.25, gamma: 5, m: 2}}}
+figures:
+  h: {draw: compliance, studies: [one]}
+  R: {draw: resistance, studies: [one]}
+"""
+
+
+def test_captions_say_what_planned_numbers_are_within(tmp_path: Path) -> None:
+    loaded = scene_in(tmp_path, PLANNED)
+    assert caption(loaded, "h").text.endswith("The planned compliance is within 0.01 g_0.")
+    assert "keeps a tolerance of the compliance and none of the resistance" in caption(loaded, "R").text
+    assert "resistance_error" in caption(loaded, "R").text

@@ -8,7 +8,7 @@ from weier.cli import options
 from weier.figures import style
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
-from weier.methods.settings import defaults
+from weier.methods.settings import check_names, defaults
 from weier.theory.profile import random_phases
 
 INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
@@ -57,3 +57,24 @@ def test_no_two_methods_look_alike():
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
 def test_what_a_method_returns_is_known_before_it_runs(method):
     assert {"compliance", "resistance"} <= set(method.returns)
+
+
+@pytest.mark.parametrize(
+    ("method", "setting", "hint"),
+    [
+        ("demelio", "tolerance", "it takes none; 'tolerance' is a setting of .*\"planned\""),
+        ("layer", "tolerance_", "did you mean 'tolerance', of .*\"planned\""),
+        ("layer", "quantity", "'quantity' is a setting of \"planned\""),
+        ("layer", "Accuracy", "did you mean 'accuracy'[?]$"),
+        ("layer", "xyz", "residual_tolerance$"),
+    ],
+)
+def test_hints_name_the_method_that_has_a_setting(method, setting, hint):
+    with pytest.raises(ValueError, match=hint):
+        check_names(registry.find_method(method), [setting])
+
+
+@pytest.mark.parametrize("word", ["BEM", "Bem", "bme"])
+def test_hints_do_not_depend_on_capitals(word):
+    with pytest.raises(ValueError, match="did you mean 'bem'"):
+        registry.find_method(word)

@@ -35,12 +35,17 @@ def test_a_study_keeps_its_order(waves):
     assert np.isnan(waves.phases.values[0, 1])
 
 
+def without_studies(data):
+    """What a batch knows of a scene's file."""
+    return data.drop_vars([name for name in data.variables if str(name).startswith("study")])
+
+
 @pytest.mark.parametrize("block", [1, 2**25])
 def test_a_file_holds_what_was_solved(solutions, solved, tmp_path, monkeypatch, block):
     """Written block by block or at once, from several files."""
     monkeypatch.setattr(gathering, "BLOCK_BYTES", block)
     gather(solutions, tmp_path / "a.nc")
-    found = dataset.read(tmp_path / "a.nc").drop_vars("study")
+    found = without_studies(dataset.read(tmp_path / "a.nc"))
     xr.testing.assert_identical(found.drop_attrs(), solved.drop_vars("seconds").drop_attrs())
 
 
@@ -78,7 +83,7 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
         (["demelio"], 2, 10), (["archard", "patches"], 1, 2)
     ]  # fmt: skip
     gather(Solutions(mixed, tmp_path / "batches"), tmp_path / "both.nc")
-    both = dataset.read(tmp_path / "both.nc").drop_vars("study")
+    both = without_studies(dataset.read(tmp_path / "both.nc"))
     xr.testing.assert_equal(both.drop_attrs(), without_seconds(mixed))
 
 
@@ -99,3 +104,40 @@ def test_the_edges_of_contact_are_those_of_the_last_method_that_tells_them(tmp_p
     grown = scene_in(tmp_path, EDGES.format(methods=later))
     data = read_study(solve_scene(grown, tmp_path / "batches"), "one")
     xr.testing.assert_equal(data.drop_attrs(), without_seconds(grown))
+
+
+@pytest.mark.parametrize("reader", [xr.open_dataset, dataset.open_dataset])
+def test_files_whose_longest_series_differ_are_joined_by_plain_xarray(solutions, tmp_path, reader):
+    """Of other studies, too: what a file lacks is missing, and the shorter series have no phases beyond their own."""
+    gather(solutions, tmp_path / "a.nc")
+    longer = scene_in(
+        tmp_path,
+        "title: longer\nloads: [0.01, 0.1]\nmethods: [demelio]\n"
+        "studies: {more: {product: {D: 1.5, gamma: 5, m: 4, phases: 1}}}",
+    )
+    gather(solve_scene(longer, tmp_path / "longer"), tmp_path / "b.nc")
+    with reader(tmp_path / "a.nc") as a, reader(tmp_path / "b.nc") as b:
+        assert a.sizes["term"] < b.sizes["term"] == 4
+        both = xr.concat([a, b], dim="case", join="outer", data_vars="all").load()
+        assert both.sizes["case"] == a.sizes["case"] + b.sizes["case"]
+        assert both.phases.values[-1].tolist() == [0, 1, 1, 1]
+        assert both.phases.isnull().values[0, a.sizes["term"] :].all()
+        more = both.isel(case=both.study_more == 1)
+        own = more.compliance.sel(solution_method="demelio", mean_pressure=[0.01, 0.1])
+        assert np.array_equal(own.values, b.compliance.sel(solution_method="demelio").values)
+        assert len(both.isel(case=both.study_waves == 1).case) == int(a.study_waves.sum())
+
+
+def test_each_study_is_selected_by_name_though_its_cases_stand_in_others(tmp_path):
+    """`study` of such a case is "one, two", which `== "one"` finds nowhere."""
+    loaded = scene_in(
+        tmp_path,
+        "title: two\nloads: [0.1]\nmethods: [demelio]\n"
+        "studies: {one: {product: {D: 1.5, gamma: 5, m: 2}}, two: {product: {D: 1.5, gamma: 5, m: [2, 3]}}}",
+    )
+    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "two.nc")
+    with xr.open_dataset(tmp_path / "two.nc") as data:
+        assert data.isel(case=data.study_one == 1).m.values.tolist() == [2]
+        assert data.isel(case=data.study_two == 1).m.values.tolist() == [2, 3]
+    with dataset.open_dataset(tmp_path / "two.nc") as data, pytest.raises(ValueError, match=r"choose from one, two$"):
+        data.weier.cases(study="three")

@@ -55,7 +55,7 @@ def test_a_file_labels_its_cases(path):
     ],
 )
 def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         assert data.weier.cases(**labels).study.values.tolist() == study
 
 
@@ -68,12 +68,12 @@ def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
     ],
 )
 def test_a_label_that_no_case_has_is_refused_with_the_choice(path, labels, message):
-    with weier.open(path) as data, pytest.raises(ValueError, match=message):
+    with weier.open_dataset(path) as data, pytest.raises(ValueError, match=message):
         data.weier.cases(**labels)
 
 
 def test_each_case_has_a_name_that_tells_it_from_the_others(path):
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         names = [
             "coarse: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 40, bem_staircase = kept",
             "fine, alike: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_staircase = kept",

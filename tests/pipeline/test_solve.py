@@ -41,18 +41,19 @@ def test_a_curve_knows_its_profile_and_all_settings_also_in_a_file_and_a_table(m
     curve = weier.solve(profile, LOADS, method)
     assert (curve.D, curve.gamma, curve.m, curve.solution_method) == (1.25, 5, profile.m, method)
     assert np.isnan(curve.seed)
-    again = weier.Profile(float(curve.D), float(curve.gamma), float(curve.m), json.loads(str(curve.phases.values)))
-    assert again == profile
+    again = weier.profile_of(curve)
+    assert (again.D, again.gamma, again.m) == (profile.D, profile.gamma, profile.m)
+    assert np.array_equal(again.listed_phases, profile.listed_phases)
     assert json.loads(curve.attrs["settings"]) == defaults(find_method(method))
     assert {"product_version", "python_version", "numpy_version", "numba_version"} <= curve.attrs.keys()
     assert curve.attrs.get("git_commit", "") == provenance.commit()
     curve.to_netcdf(path)
     with xr.open_dataset(path) as found:
         assert found.identical(curve)
-    with weier.open(path) as data:
+    with weier.open_dataset(path) as data:
         one = data.weier.cases(D=1.25, gamma=5, m=profile.m).sel(solution_method=method, mean_pressure=0.1)
         assert one.compliance.item() == curve.compliance.values[1]
-    frame = curve.to_dataframe()
+    frame = curve.drop_dims("term").to_dataframe()  # the phases are over the terms, all else over the loads
     assert frame.index.tolist() == LOADS
     assert (frame["solution_method"] == method).all()
 
@@ -67,9 +68,9 @@ def test_edges_of_contact_are_there_if_asked_for():
 def test_random_phases_have_their_seed_and_their_values():
     curve = weier.solve(ROUGH, LOADS, "demelio")
     assert curve.seed == 7
-    assert json.loads(str(curve.phases.values)) == ROUGH.phase.tolist()
+    assert curve.phases.values.tolist() == ROUGH.phase.tolist()
     longer = weier.solve(weier.Profile(1.5, 2, 5000, weier.random_phases(7)), LOADS, "demelio")
-    assert (longer.seed, str(longer.phases.values)) == (7, "null")
+    assert (longer.seed, longer.phases.size) == (7, 5000)
 
 
 def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
@@ -86,7 +87,7 @@ def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
             assert both.compliance.values == pytest.approx(one.compliance.values, rel=1e-14)
             assert json.loads(str(both.settings.values)) == json.loads(one.attrs["settings"])
     found.to_netcdf(tmp_path / "both.nc")
-    with weier.open(tmp_path / "both.nc") as data:
+    with weier.open_dataset(tmp_path / "both.nc") as data:
         assert data.weier.cases(D=1.5).sel(solution_method="bem").compliance.shape == (1, 3)
 
 

@@ -131,3 +131,20 @@ def test_loads_of_any_size_are_bounded_in_silence(G):
     assert np.all(lower <= westergaard.resistance(p) + slack)
     assert np.all(westergaard.resistance(p) <= upper + slack)
     assert not np.isnan(lower + upper).any()
+
+
+def test_a_load_that_is_far_off_widens_its_own_bounds_alone():
+    """One wave (12), whose curve is known: bounds hold whatever the errors are, and only one of them is wide."""
+    p = np.geomspace(1e-3, 1, 30)
+    h, error = westergaard.compliance(p), np.full(30, 1e-6)
+    error[12] = 0.2
+    wrong = h + np.where(np.arange(30) == 12, 0.19, -1e-6)
+    lower, upper = resistance_bounds(p, wrong, 0.0, 0.0, error)
+    assert np.all(lower <= westergaard.resistance(p))
+    assert np.all(upper >= westergaard.resistance(p))
+    width, alone = upper - lower, np.subtract(*resistance_bounds(p, h, 0.0, 0.0, 1e-6)[::-1])
+    others = np.abs(np.arange(30) - 12) > 1  # the neighbours lose a chord
+    assert np.all(width[others] < 1.5 * alone[others])
+    assert width[12] > 3 * alone[12]
+    everywhere = np.subtract(*resistance_bounds(p, wrong, 0.0, 0.0, 0.2)[::-1])
+    assert np.all(width[others] < 0.5 * everywhere[others])

@@ -1,5 +1,8 @@
 """Resistance from stiffness, constrictions, and the way to SI units."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -22,8 +25,25 @@ def interface(**changed):
 def test_composite_modulus_is_half_of_the_plane_strain_modulus():
     E_1, E_2 = 2 * 80e9 * 1.3, 2 * 45e9 * 1.34  # E = 2 mu (1 + nu)
     plane_strain = 1 / ((1 - 0.3**2) / E_1 + (1 - 0.34**2) / E_2)
-    assert composite_modulus(80e9, 0.3, 45e9, 0.34) == pytest.approx(plane_strain / 2, rel=1e-14)
-    assert interface().composite_modulus == composite_modulus(80e9, 0.3, 45e9, 0.34)
+    assert composite_modulus(mu_1=80e9, nu_1=0.3, mu_2=45e9, nu_2=0.34) == pytest.approx(plane_strain / 2, rel=1e-14)
+    assert composite_modulus(E_1=E_1, nu_1=0.3, E_2=E_2, nu_2=0.34) == pytest.approx(plane_strain / 2, rel=1e-14)
+    assert interface().composite_modulus == composite_modulus(mu_1=80e9, nu_1=0.3, mu_2=45e9, nu_2=0.34)
+
+
+def test_bodies_are_given_by_either_modulus_and_by_name_alone():
+    of_young = {"E_1": 2 * 80e9 * 1.3, "nu_1": 0.3, "rho_1": 1.4e-7} | COPPER | ROUGH
+    bodies = Interface(**of_young)
+    assert bodies.composite_modulus == pytest.approx(interface().composite_modulus, rel=1e-15)
+    assert replace(bodies, g_0=1e-6).mu_1 == bodies.mu_1
+    assert bodies.normalised_pressure(bodies.pressure([0.1, 2.0])) == pytest.approx([0.1, 2.0], rel=1e-15)
+    with pytest.raises(ValueError, match="give one of mu_1, the shear modulus, and E_1, Young's modulus, got both"):
+        Interface(**of_young, mu_1=80e9)
+    with pytest.raises(ValueError, match="got neither"):
+        Interface(nu_1=0.3, rho_1=1.4e-7, **COPPER, **ROUGH)
+    with pytest.raises(ValueError, match="E_2 must be positive"):
+        composite_modulus(mu_1=1.0, nu_1=0.3, E_2=-1.0, nu_2=0.3)
+    with pytest.raises(TypeError, match="positional"):
+        Interface(80e9, 45e9, 0.3, 0.34, 1.4e-7, 1.7e-8, 1e-4, 1e-7)
 
 
 def test_holm_is_the_resistance_of_a_flat_punch_by_the_analogy():
@@ -98,13 +118,14 @@ def test_a_curve_in_si_units_keeps_its_coordinates():
     assert found.resistance.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
     assert (found.D, found.m, found.solution_method) == (1.25, 2, "bem")
     units = {
-        name: found[name].attrs["units"] for name in ("mean_pressure", "compliance", "resistance", "patch_count")
+        name: found[name].attrs.get("units", "1")
+        for name in ("mean_pressure", "compliance", "resistance", "patch_count")
     }
     assert units == {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2", "patch_count": "1"}
-    assert not any("normalised_by" in values.attrs for values in found.variables.values())
+    assert not any("unit" in values.attrs for values in found.variables.values())
     assert (found.attrs["lambda_0"], found.attrs["g_0"]) == (1e-4, 1e-7)
-    assert found.contact_fraction.equals(CURVE.contact_fraction.assign_coords(found.coords))
-    assert CURVE.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
+    assert found.contact_fraction.equals(CURVE.contact_fraction.assign_coords(found.contact_fraction.coords))
+    assert CURVE.compliance.attrs["unit"] == "g_0"  # what is given stays as it was
 
 
 def test_a_data_array_stays_one():
@@ -140,7 +161,8 @@ def test_scalars_of_numpy_neither_overflow_nor_round():
     assert specific_resistance(half(3), half(1000), byte(200), byte(100)) == 3 * 1000 * 300
     assert holm([byte(200), byte(100)], byte(200), byte(100)) == 300 / (4 * 300)
     assert greenwood([byte(200), byte(100)], byte(100), byte(200), byte(100)) == 300 / (4 * 300) + 300 / 400
-    assert composite_modulus(byte(3), half(0.25), byte(7), 0.5) == composite_modulus(3, 0.25, 7, 0.5)
+    small = composite_modulus(mu_1=byte(3), nu_1=half(0.25), mu_2=byte(7), nu_2=0.5)
+    assert small == composite_modulus(mu_1=3, nu_1=0.25, mu_2=7, nu_2=0.5)
     rough = interface(mu_1=half(3), mu_2=byte(7), rho_1=byte(200), rho_2=byte(100), lambda_0=half(3), g_0=byte(7))
     same = interface(mu_1=3, mu_2=7, rho_1=200, rho_2=100, lambda_0=3, g_0=7)
     assert rough == same
@@ -159,3 +181,16 @@ def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
             interface(**own | {name: 0.5}).in_si(curve)
     with pytest.raises(ValueError, match="g_0 must be that of the trace"):
         interface(**own | {"g_0": 0.5}).compliance(curve.compliance)
+
+
+def test_no_contact_has_no_conductance_whatever_the_bodies_are():
+    perfect = interface(rho_1=0.0, rho_2=0.0)
+    assert perfect.resistance([0.0, 1.0, math.inf]).tolist() == [0.0, 0.0, math.inf]
+    assert math.isnan(perfect.resistance(math.nan))
+
+
+def test_notebooks_show_both_bodies_as_a_table():
+    table = interface()._repr_html_()
+    assert table.count("<tr>") == 3
+    assert all(f'<td style="text-align: left">{text}</td>' in table for text in ("8e+10", "0.34", "1.7e-08"))
+    assert f"p_0* = {interface().full_contact_pressure:.6g} Pa" in table

@@ -43,7 +43,7 @@ class Run(NamedTuple):
 
     compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
     compliance_error, resistance_error : what the method itself states for each number, NaN where it states nothing
-    solution_error : error of the compliance that the method knows of its solution as a whole, in g_0
+    solution_error : largest error of the compliance that the method knows of its solution, in g_0
     outcome : how the solution of each load ended, shape (loads,)
     seconds : processor time
     others : whatever else the method returned, by name
@@ -71,7 +71,7 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    return Run(h, R, h_error, R_error, method.solution_error(solved), outcome, seconds, values)
+    return Run(h, R, h_error, R_error, float(np.max(method.solution_error(solved))), outcome, seconds, values)
 
 
 def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:

@@ -14,7 +14,6 @@ import click
 
 from weier.cli import jobs, plan, profile, table
 from weier.data.provenance import VERSION
-from weier.kernels import jit
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
@@ -61,7 +60,6 @@ for _command in (
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
     warnings.showwarning = lambda message, *_: _say(str(message))
-    jit.LISTENERS.append(lambda module: _say_compiling(module.removeprefix("weier.methods.").partition(".")[0]))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
     except click.Abort:  # which click makes of Ctrl-C, and standing alone ends with exit code 1
@@ -92,12 +90,6 @@ def _told(error: Exception) -> str:
 def _say(warning: str) -> None:
     """Tell a warning once, without the line of the program that gave it."""
     click.echo(f"weier: {warning}", err=True)
-
-
-@cache
-def _say_compiling(method: str) -> None:
-    """Tell which method is compiled, once for each."""
-    click.echo(f"compiling {method}, once for all later runs", err=True)
 
 
 def _stop(why: str) -> NoReturn:

@@ -13,7 +13,8 @@ from weier.data.files import check_target
 from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
-from weier.methods.settings import described
+from weier.methods.settings import all_names, described, methods_with
+from weier.theory.arguments import nearest
 from weier.theory.heights import DETREND, MAX_GAP, MISSING
 from weier.theory.instruments import AXES
 from weier.theory.loads import MAX_LOADS, checked_loads
@@ -110,9 +111,11 @@ INTO = click.option(
 )
 
 
-def output(name: str, *suffixes: str, default: str | None = None) -> Option:
-    """An argument that is a file to write, by one of these suffixes if there are any."""
-    return click.argument(name, type=FILE, default=default, callback=_writable(*suffixes))
+def output(name: str, *suffixes: str, default: str | None = None, required: bool = True) -> Option:
+    """An argument that is a file to write, of one of these suffixes if there are any, or its default."""
+    return click.argument(
+        name, type=FILE, default=default, required=required and default is None, callback=_writable(*suffixes)
+    )
 
 
 def loads_option(default: str | None, help: str) -> click.Option:
@@ -149,6 +152,21 @@ OF_SOLUTION = (
 
 class SolvingCommand(click.Command):
     """A command that takes settings, which it lists below its options."""
+
+    def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
+        """The arguments; a setting that is given as an option is told by its method."""
+        try:
+            return super().parse_args(context, args)
+        except click.NoSuchOption as error:
+            options = [option.lstrip("-") for each in self.params for option in each.opts]
+            setting = nearest(error.option_name.lstrip("-").replace("-", "_"), [*options, *all_names()])
+            found = [] if setting in options else [name.strip('"') for name in methods_with(setting)]
+            if not found:
+                raise
+            ways = " or ".join(f"--method {name} --set {name}.{setting}=VALUE" for name in found)
+            raise click.UsageError(
+                f"there is no option {error.option_name}; {setting} is a setting of a method: {ways}", context
+            ) from None
 
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Each setting with its default, and what it means."""

@@ -17,6 +17,8 @@ from weier.scene import Figure
 if TYPE_CHECKING:
     import xarray as xr
 
+MIN_LOADS = 2  # of a line
+
 
 def _solve(
     default: Sequence[str], loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any
@@ -24,7 +26,11 @@ def _solve(
     from weier.pipeline import single  # xarray, as in `solve`
 
     profile = profile_or_trace(**series)
-    return single.solve_one(profile, loads, methods or single.applicable(profile, default), settings)
+    if not methods:
+        methods, refusals = single.applicable(profile, default)
+        for refusal in refusals:
+            click.echo(refusal, err=True)
+    return single.solve_one(profile, loads, methods, settings)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
@@ -57,19 +63,30 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
 
 @click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
-@output("path", "", ".pdf", ".svg", ".png")
-def plot(path: Path, quantity: str, **options: Any) -> None:
+@output("path", "", ".pdf", ".svg", ".png", required=False)
+def plot(path: Path | None, quantity: str, **options: Any) -> None:
     """Draw the curves of one profile.
 
-    PATH ends in .png, .pdf or .svg; without such an end, the figure is written in all three formats.
+    PATH ends in .png, .pdf or .svg; without such an end, the figure is written in all three formats. Without PATH, a
+    window shows it, or a PNG file is written where there is no display.
 
     \b
+    weier plot -D 1.25 --gamma 5 -m 3
     weier plot -D 1.25 --gamma 5 -m 3 --phases 1 curves.png
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
     """  # noqa: D301 - click wants the character
     from weier.cli import result
-    from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
+    from weier.figures import METADATA, draw, show  # matplotlib takes half a second, and only some commands need it
 
+    if (count := options["loads"].size) < MIN_LOADS:
+        raise click.BadParameter(
+            f"a curve takes at least {MIN_LOADS} loads, got {count}: give a range, such as {LOADS}",
+            param_hint="--loads",
+        )
     data = _solve(PLOTTED, **options)
+    if path is None and show(Figure(quantity), [data]):
+        return result.check_solved(data)
+    path = path or Path(f"{quantity}.png")
     draw(Figure(quantity), [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
+    click.echo(f"the figure is in {path}" + ("" if path.suffix else f".{{{','.join(METADATA)}}}"), err=True)
     result.check_solved(data)

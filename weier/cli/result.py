@@ -45,7 +45,7 @@ def as_json(data: xr.Dataset) -> str:
     curves = {method: _curves(case, method) for method in case["solution_method"].values.tolist()}
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
-    units = {str(name): values.attrs.get("normalised_by", values.attrs["units"]) for name, values in measured.items()}
+    units = {str(name): values.attrs.get("unit", values.attrs.get("units", "1")) for name, values in measured.items()}
     header = {"title": data.attrs["title"], "normalisation": NORMALISED, "units": units, **parameters}
     return json.dumps(header | {"mean_pressure": loads, "methods": curves}, indent=1, allow_nan=False)
 

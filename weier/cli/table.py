@@ -41,7 +41,7 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
     """  # noqa: D301 - click wants the character
     from weier.data import dataset  # xarray takes half a second, and the help of the command needs none of it
 
-    with dataset.open(contact) as data:
+    with dataset.open_dataset(contact) as data:
         frame = data.weier.table() if bodies is None else _table_in_si(data, bodies)
     text = str(frame.to_csv(index=False))
     if str(path) == STDOUT:

@@ -20,7 +20,7 @@ import xarray as xr
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
-from weier.data.variables import COORDINATES, PHASES_TEXT, RUN, VARIABLES, Status
+from weier.data.variables import COORDINATES, RUN, VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.theory.arguments import shown
 
@@ -38,10 +38,10 @@ def curve(
         name: (_over_loads(name), value, variables.attributes(name) | variables.ancillary(name, arrays))
         for name, value in arrays.items()
     }
-    table = VARIABLES | {"phases": PHASES_TEXT}
     coordinates: dict[str, Any] = {
-        name: ((), value, variables.attributes(name, table)) for name, value in labels.items()
+        name: (("term",) * np.ndim(value), value, variables.attributes(name)) for name, value in labels.items()
     }
+    coordinates["term"] = ("term", np.arange(len(labels["phases"]), dtype="i4"), variables.attributes("term"))
     coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
     known = {name: value for name, value in {**settings, **scalars}.items() if value is not None}
     # netCDF knows no truth values.
@@ -71,6 +71,7 @@ def blank(
     return data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")),
+        term=("term", np.arange(terms, dtype="i4"), variables.attributes("term")),
     )
 
 
@@ -128,7 +129,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     return data
 
 
-def open(path: str | Path) -> xr.Dataset:
+def open_dataset(path: str | Path) -> xr.Dataset:
     """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read where they are needed.
 
     Parameters
@@ -154,7 +155,7 @@ def open(path: str | Path) -> xr.Dataset:
     Examples
     --------
     >>> import weier
-    >>> with weier.open(path) as data:
+    >>> with weier.open_dataset(path) as data:
     ...     curve = data.weier.cases(D=1.25, m=2).compliance.sel(solution_method="demelio")
     ...     print(curve.sel(mean_pressure=0.09, method="nearest").values.round(4))
     [0.4044]

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from weier.data.variables import CURVE, VARIABLES, Status
 from weier.kernels.arrays import Flags
 from weier.theory.arguments import checked_number, checked_numbers, shown
-from weier.theory.profile import PARAMETERS, checked_ratio
+from weier.theory.profile import PARAMETERS, Profile, checked_ratio
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -75,7 +75,7 @@ class Curves:
         Examples
         --------
         >>> import weier
-        >>> with weier.open(path) as data:
+        >>> with weier.open_dataset(path) as data:
         ...     data.weier.cases(D=1.25, m=2).compliance.sel(solution_method="demelio").values.round(4)
         array([[0.4044, 1.2805]])
         """
@@ -123,8 +123,6 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
     ValueError
         If the dataset lacks what describes a curve, or holds something else under its name.
     """
-    if "phases" in data.variables and "term" not in data["phases"].dims:
-        data = data.assign_coords(phases=("term", _phases_of_terms(data)))
     for name in NEEDED:
         kind = data.variables[name].dtype.kind if name in data.variables else "nothing"
         if kind not in ("UOT" if VARIABLES[name].dtype.startswith("U") else "fiu"):
@@ -139,21 +137,53 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
     return data
 
 
-def _phases_of_terms(data: xr.Dataset) -> list[float]:
-    """The phases of one curve, which holds them as JSON: none of an infinite series, or where the seed tells them."""
-    phases = json.loads(str(data["phases"].values))
-    if isinstance(phases, list):
-        return phases
-    m = float(data["m"])
-    return [] if phases is None or np.isinf(m) else [0.0, *[phases] * (int(m) - 1)]
-
-
 def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
     """A variable along a dimension of one value, if it has that one in the table; a label has that of cases."""
     dims = VARIABLES[name].dims if name in VARIABLES else ("case",) if variable.ndim == 0 else ()
     if dim not in dims:
         return variable
     return xr.Variable((dim, *variable.dims), variable.values[None], variable.attrs)
+
+
+def profile_of(data: xr.Dataset) -> Profile:
+    """The profile of one curve, or of one case of a file.
+
+    Parameters
+    ----------
+    data : Dataset
+        A result of `weier.solve`, or one case of `weier.open_dataset`, with coordinates D, gamma, m, seed and phases.
+
+    Returns
+    -------
+    Profile
+        With phases in radians.
+
+    Raises
+    ------
+    ValueError
+        If there are several cases, or the curve is of a trace, whose heights are in their own file.
+
+    Examples
+    --------
+    >>> import weier
+    >>> curve = weier.solve(weier.Profile(D=1.5, gamma="5/2", m=2, phases=1.0), [0.1, 1.0], "demelio")
+    >>> weier.profile_of(curve)
+    Profile(D=1.5, gamma=Fraction(5, 2), m=2, phases=(0.0, 1.0))
+    """
+    if not hasattr(data, "data_vars"):
+        raise ValueError(f"data must be a Dataset of curves, got {shown(data)}")
+    cases = as_cases(data)
+    if cases.sizes["case"] != 1:
+        raise ValueError(f"data must have one case, got {cases.sizes['case']}: select it by data.isel(case=[0])")
+    case = cases.isel(case=0)
+    if np.isnan(case["D"]):
+        raise ValueError("the curve is of a trace, which has no D: read its heights again by weier.Trace.read")
+    m, seed = float(case["m"]), float(case.coords.get("seed", np.nan))
+    phases = case["phases"].values[: int(m) if np.isfinite(m) else 2]
+    given: dict[str, Any] = {"phases": tuple(phases.tolist()) if np.isfinite(m) else float(phases[-1])}
+    if np.isfinite(seed):
+        given = {"seed": int(seed)}
+    return Profile(float(case["D"]), float(case["gamma"]), m, **given)
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
@@ -253,5 +283,8 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 
 
 def _some(values: NDArray[Any]) -> str:
+    """The values of a label, each once; a text may be several with commas between."""
+    if values.dtype.kind in "UOT":
+        values = np.array([part for text in values for part in str(text).split(", ")])
     texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]
     return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")

@@ -23,7 +23,8 @@ ERROR = (
     "What a method states is an estimate{}: the documentation says how many numbers are within it. "
     "In the files of the trade and the extremes it is the distance from a reference."
 )
-BOUND = ", or by contact patches a bound, from the contact conditions that their solution violates"
+PATCHES_STATE = ", or by contact patches a bound, from the contact conditions that their solution violates"
+PHYSICAL = ("rad", "s", "m")  # units of UDUNITS among those of the table
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
 TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
@@ -116,6 +117,7 @@ VARIABLES = {
         ("mean_pressure",), "mean contact pressure", "p_0*", "p", least=0, content=LABEL,
         axis=r"mean pressure $\bar{p}/p_0^{*}$", plot="mean pressure p/p_0*",
     ),
+    "term": Variable(("term",), "number of the term, from 0", symbol="n", dtype="i4", content=LABEL),
     "key": _label("name of the case, a digest of its definition", dtype="U12"),
     "D": _label("fractal dimension", symbol="D", least=1, most=2),
     "gamma": _label("ratio of successive wavelengths", symbol="gamma", least=1),
@@ -153,7 +155,7 @@ VARIABLES = {
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
     "compliance_error": Variable(
         CURVE, "error of the compliance, stated or measured", "g_0", least=0, files=MEASURED,
-        comment=ERROR.format(BOUND), largest="stated error of h, g_0",
+        comment=ERROR.format(PATCHES_STATE), largest="stated error of h, g_0",
     ),
     "resistance_error": Variable(
         CURVE, "error of the resistance, stated or measured", "g_0/p_0*", least=0, files=(TRADEOFF,),
@@ -191,10 +193,6 @@ VARIABLES = {
     ),
 }  # fmt: skip
 
-# Of one curve, which is to have no dimension but the loads.
-PHASES_TEXT = Variable(
-    (), "phases in radians, as JSON: of every term but the first, or of each term", dtype="O", content=LABEL
-)
 QUANTITIES = ("compliance", "resistance")
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 
@@ -228,11 +226,11 @@ def blank(
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str, Any]:
     """The attributes of a variable in a file, by the CF conventions."""
     entry = table[name]
-    normalised = entry.unit not in ("1", "rad", "s", "m")
-    known: dict[str, Any] = {"long_name": entry.long_name, "units": "1" if normalised else entry.unit}
-    known["coverage_content_type"] = entry.content
-    if normalised:
-        known["normalised_by"] = entry.unit
+    known: dict[str, Any] = {"long_name": entry.long_name, "coverage_content_type": entry.content}
+    if entry.unit in PHYSICAL:
+        known["units"] = entry.unit  # of UDUNITS, as CF asks; what has no dimension needs none
+    elif entry.unit != "1":
+        known["unit"] = entry.unit  # which xarray writes at axes, too
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:

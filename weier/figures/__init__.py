@@ -27,6 +27,16 @@ if TYPE_CHECKING:
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
+WITHOUT_WINDOWS = {
+    "agg",
+    "cairo",
+    "pdf",
+    "pgf",
+    "ps",
+    "svg",
+    "template",
+}  # backends; matplotlib takes the first where there is no display
+
 
 class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
@@ -89,25 +99,50 @@ def draw(
         If there is no such kind, the studies are of another kind, or they hold nothing that it could show.
 
     """
+    import matplotlib.style
+
+    from weier.figures.style import SHEET
+
+    # The reset keeps the user's own matplotlibrc out of the figure.
+    with matplotlib.style.context(SHEET, after_reset=True):
+        save(_drawn(wanted, studies), path, formats)
+
+
+def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
+    """Show one figure in a window until it is closed; whether there is a display to show it on."""
+    import matplotlib.pyplot as plt
+    import matplotlib.style
+
+    from weier.figures.style import SHEET
+
+    if plt.get_backend().lower() in WITHOUT_WINDOWS:
+        return False
+    with matplotlib.style.context(SHEET):
+        drawn = _drawn(wanted, studies)
+        window = plt.figure(figsize=drawn.get_size_inches())
+        window.canvas.figure = drawn
+        drawn.set_canvas(window.canvas)
+        plt.show()
+    return True
+
+
+def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
+    """The figure in the style that is set; a ValueError says why there is none."""
     known = kinds()
     if wanted.draw not in known:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(known)}")
     kind = known[wanted.draw]
     if kind.command and [kind.variable in study for study in studies] != [True]:
         raise ValueError(f"the figure {wanted.draw} is drawn from one file, that of `weier {kind.command}`")
-    import matplotlib.style
-
-    from weier.figures.style import SHEET, set_axes
+    from weier.figures.style import set_axes
 
     options: dict[str, Any] = {} if wanted.grouping == BY_DEFAULT else {"grouping": wanted.grouping}
     options |= {"interface": wanted.interface} if wanted.interface else {}
-    # The reset keeps the user's own matplotlibrc out of the figure.
-    with matplotlib.style.context(SHEET, after_reset=True):
-        drawn = import_module(f"weier.figures.{wanted.draw}").draw(studies, wanted.title, **options)
-        set_axes(drawn, wanted.x, wanted.y)
-        if wanted.size:
-            drawn.set_size_inches(*wanted.size)
-        save(drawn, path, formats)
+    drawn: figure.Figure = import_module(f"weier.figures.{wanted.draw}").draw(studies, wanted.title, **options)
+    set_axes(drawn, wanted.x, wanted.y)
+    if wanted.size:
+        drawn.set_size_inches(*wanted.size)
+    return drawn
 
 
 def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:

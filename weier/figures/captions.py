@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
-from typing import NamedTuple
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from weier import figures
-from weier.methods.registry import find_method, numerical_names
+from weier.methods.registry import PLANNED, find_method, numerical_names
+from weier.methods.segment import COMPLIANCE, QUANTITIES
+from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
 from weier.theory.profile import PARAMETERS
 
@@ -30,10 +32,26 @@ def caption(scene: Scene, name: str) -> Caption:
     products = [product for study in figure.studies for product in scene.study(study).products]
     methods = {method for product in products for method in product.methods}
     grouping = figure.grouping.of(sum(product.count for product in products))
-    text = figures.kinds()[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
+    kind = figures.kinds()[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
+    plans = [product.settings.get(PLANNED, {}) for product in products if PLANNED in product.methods]
+    text = " ".join([kind, *_describe_tolerance(figure.draw, plans)])
     title = name.replace("_", " ").capitalize()
     subject, *_ = re.split(r"[:.;] ?", text)
     return Caption(title, " ".join(filter(None, [figure.title and f"{figure.title}.", text])), f"{title}: {subject}")
+
+
+def _describe_tolerance(drawn: str, plans: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A sentence on what the planned numbers of a quantity are within; none where nothing is planned."""
+    if drawn not in QUANTITIES or not plans:
+        return []
+    settings = [all_settings(find_method(PLANNED), plan) for plan in plans]
+    if other := [plan["quantity"] for plan in settings if plan["quantity"] != drawn]:
+        return [
+            f"The plan keeps a tolerance of the {other[0]} and none of the {drawn}: how far this may be off at each "
+            f"load is in {drawn}_error of the data."
+        ]
+    unit = "g_0" if drawn == COMPLIANCE else "of the larger of itself and 1 g_0/p_0*"
+    return [f"The planned {drawn} is within {max(plan['tolerance'] for plan in settings):g} {unit}."]
 
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:

@@ -18,6 +18,7 @@ CAPTION = (
     "phases of its further terms (27)."
 )
 
+LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"  # not from the crests of the m waves, as in Fig. 3
 ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
 ZOOM = 0.03, 0.05  # half of what the inset shows, of the ranges of loads and values
 INSET = 0.5, 0.51, 0.42, 0.31  # of the axes: left, bottom, width, height; between the curves and the legend
@@ -33,6 +34,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """
     figure, panels = truncation.compare(studies, title, "compliance")
     for axes, cases in panels:
+        axes.set_ylabel(LABEL)
         axes.set_xlim(0, curves.full_contact_load(cases))
         axes.set_ylim(bottom=0)
         axes.legend(loc="lower right")

@@ -28,9 +28,18 @@ TOLD = "kernels are compiled for this run alone ({}): let NUMBA_CACHE_DIR name a
 LOCK = RLock()
 # What a thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve.
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
+
+
+@functools.cache
+def _announce(method: str) -> None:
+    print(f"compiling {method}, once for all later runs", file=sys.stderr, flush=True)
+
+
 # Called with the module of each kernel that the cache does not hold, before it is compiled: for many seconds, nothing
-# else would be seen.
-LISTENERS: list[Callable[[str], None]] = []
+# else would be seen. A method is announced once.
+LISTENERS: list[Callable[[str], None]] = [
+    lambda module: _announce(module.removeprefix("weier.methods.").partition(".")[0])
+]
 UNKNOWN: list[Kernel] = []  # to numba
 
 

@@ -102,8 +102,8 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (1) or merge (0), and
-        patch_count just above, which is one number for all events of one load. The resistance drops at
+        Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (True) or merger
+        (False), and patch_count just above, which is one number for all events of one load. The resistance drops at
         births and has a kink at mergers.
 
     Raises
@@ -119,12 +119,12 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     >>> found = weier.events(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 1e-3, 1.0)
     >>> for event in zip(found.mean_pressure.values.round(3), found.birth.values, found.patch_count.values):
     ...     print(*event)
-    0.077 1 2
-    0.196 1 3
-    0.549 1 4
-    0.674 0 3
-    0.68 1 4
-    0.891 0 3
+    0.077 True 2
+    0.196 True 3
+    0.549 True 4
+    0.674 False 3
+    0.68 True 4
+    0.891 False 3
 
     """
     check_resolvable(checked_surface(profile))
@@ -132,12 +132,12 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
     found = patches.events(profile, low, high)._asdict()
-    return _dataset(("event",), found | {"birth": found["birth"].astype("i1")})
+    return _dataset(("event",), found | {"birth": found["birth"].astype(bool)})
 
 
 def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:
     data = {}
     for name, value in values.items():
         long_name, unit = ATTRIBUTES[name]
-        data[name] = (dims, value, {"long_name": long_name, "units": "1", "normalised_by": unit})
+        data[name] = (dims, value, {"long_name": long_name} | ({} if unit == "1" else {"unit": unit}))
     return xr.Dataset(data, attrs={"normalisation": NORMALISED, **attributes})

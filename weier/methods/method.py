@@ -81,9 +81,9 @@ def applies_to_resolvable(profile: Waves, check: Callable[[Waves], None] = check
         raise NotApplicableError(str(error)) from None
 
 
-def largest_compliance_error(solved: Any) -> float:
-    """The largest error of the compliance that a solution states, in g_0, or 0 where it states none."""
-    return float(np.max(getattr(solved, "compliance_error", 0.0), initial=0.0))
+def stated_compliance_error(solved: Any) -> Array:
+    """The error of the compliance that a solution states at each load, in g_0, or 0 where it states none."""
+    return np.asarray(getattr(solved, "compliance_error", 0.0))
 
 
 @dataclass(frozen=True)
@@ -133,8 +133,8 @@ class Method:
     runs_others : bool
         Whether it solves nothing itself but runs whichever of the other methods meets a tolerance.
     solution_error : callable
-        From what `solve` returned to the error of the compliance of the whole curve, in g_0: by default the largest
-        `compliance_error`, or 0 where there is none.
+        From what `solve` returned to the error of the compliance at each load, in g_0, of shape (loads,) or one for
+        all of them: by default its `compliance_error`, or 0 where there is none.
     seconds : callable
         From a profile and loads to the seconds that a curve takes on one core, at most; 0 for next to none.
     reference : callable, optional
@@ -159,7 +159,7 @@ class Method:
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = lambda profile: [("", {})]
     candidates: Callable[[Task], Iterable[Segment]] = lambda task: ()
     runs_others: bool = False
-    solution_error: Callable[[Any], float] = largest_compliance_error
+    solution_error: Callable[[Any], Any] = stated_compliance_error
     seconds: Callable[..., float] = lambda profile, loads: 0.0
     reference: Callable[[Profile, Array], Reference | None] | None = None
 

@@ -8,7 +8,8 @@ from functools import cache
 from typing import Any
 
 from weier.methods.method import Method
-from weier.theory.arguments import checked_count, checked_flag, checked_number, shown, suggestion
+from weier.methods.registry import METHODS
+from weier.theory.arguments import checked_count, checked_flag, checked_number, nearest, shown
 from weier.theory.waves import MAX_POINTS
 
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
@@ -38,13 +39,32 @@ NONE = " | None"
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:
-    """Refuse settings that the method does not have."""
+    """Refuse settings that the method does not have, and name the method that has them."""
     known = defaults(method)
     for setting in settings:
         if setting not in known:
             choice = f"it takes {', '.join(known)}" if known else "it takes none"
-            near = suggestion(setting, known)
-            raise ValueError(f'method "{method.name}" has no setting {setting!r}: {choice}{near}')
+            raise ValueError(f'method "{method.name}" has no setting {setting!r}: {choice}{_hint(method, setting)}')
+
+
+def _hint(method: Method, setting: str) -> str:
+    """Of which method a setting is, or which it is nearest to, as the end of a message."""
+    if found := methods_with(setting):
+        return f"; {setting!r} is a setting of {', '.join(found)}"
+    near = nearest(setting, all_names())
+    if not near or near in defaults(method):
+        return f": did you mean {near!r}?" if near else ""
+    return f": did you mean {near!r}, of {', '.join(methods_with(near))}?"
+
+
+def methods_with(setting: str) -> list[str]:
+    """The names of the methods that have a setting of this name."""
+    return [f'"{method.name}"' for method in METHODS if setting in defaults(method)]
+
+
+def all_names() -> list[str]:
+    """The names of the settings of all methods."""
+    return [name for method in METHODS for name in defaults(method)]
 
 
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:

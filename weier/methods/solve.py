@@ -24,7 +24,7 @@ def solve_curve(
     given = checked_settings(method, settings)
     solution, seconds = solve_checked(profile, loads, method, given)
     values = {name: value for name, value in solution._asdict().items() if contact_edges or np.ndim(value) < 2}
-    labels = profile.labels | {"solution_method": method.name}
+    labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
     return dataset.curve(loads, values | {"seconds": seconds}, labels, all_settings(method, given))
 
 

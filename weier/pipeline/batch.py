@@ -114,11 +114,9 @@ def arrays(data: xr.Dataset) -> Arrays:
 def describe_case(values_of: Arrays, number: int, case: Case) -> None:
     """Fill in the coordinates of a case."""
     profile = case.profile
-    finite = np.isfinite(profile.m)
-    phases = profile.phase[: profile.listed_terms] if finite else []  # which the labels have as text
-    values = profile.labels | {"key": case.key, "phases": phases}
+    values = profile.labels | {"key": case.key, "phases": profile.listed_phases}
     values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
-    if finite and resolvable(profile):
+    if np.isfinite(profile.m) and resolvable(profile):
         values["first_contact"] = first_contact(profile)
     _store(values_of, {"case": number}, values)
 

@@ -61,7 +61,7 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
     """
     scene, cases = solutions.scene, solutions.scene.distinct
     labels, first = case_labels(scene), _read(solutions, cases[:1], scene.layout)
-    header = first.assign_coords(labels.isel(case=slice(1)).coords).merge(more or {})
+    header = first.merge(labels.isel(case=slice(1))).merge(more or {})
     header = header.assign_attrs(provenance.attributes(scene.title, step, scene.text, _histories(solutions, cases)))
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
@@ -74,11 +74,12 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
-    """Coordinates of all cases of a scene, in its order.
+    """What tells the cases of a scene apart, in its order.
 
-    `study` holds the names of the studies of each case, with commas between. `METHOD_SETTING`, such as `bem_points`,
-    is there for each setting that differs between cases: NaN or an empty text where the method is not run, or the
-    setting is left to the method.
+    `study` holds the names of the studies of each case, with commas between. `study_NAME`, such as `study_smooth`, is
+    1 for the cases of a study and 0 for others; it is no coordinate, so that files of other studies can be joined.
+    `METHOD_SETTING`, such as `bem_points`, is there for each setting that differs between cases: NaN or an empty text
+    where the method is not run, or the setting is left to the method.
     """
     studies = np.array([", ".join(names) for names in scene.studies_of_cases])
     columns: dict[str, tuple[NDArray[Any], str]] = {"study": (studies, "studies of the case")}
@@ -90,12 +91,27 @@ def case_labels(scene: Scene) -> xr.Dataset:
             if len(set(map(json.dumps, compress(values, run)))) > 1:
                 column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
                 columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
+    flags = {
+        f"study_{name}": ("case", np.array([name in home for home in scene.studies_of_cases], "i1"), _of_study(name))
+        for name in scene.studies
+    }
     return xr.Dataset(
+        flags,
         coords={
-            name: ("case", values, {"long_name": meaning, "units": "1", "coverage_content_type": LABEL})
+            name: ("case", values, {"long_name": meaning, "coverage_content_type": LABEL})
             for name, (values, meaning) in columns.items()
-        }
+        },
     )
+
+
+def _of_study(name: str) -> dict[str, Any]:
+    """The attributes of the flag of a study."""
+    meanings = {"flag_values": np.array([0, 1], "i1"), "flag_meanings": "other_study this_study"}
+    return {
+        "long_name": f"whether the case is of study {name}",
+        "coverage_content_type": LABEL,
+        **meanings,
+    }
 
 
 def _column(values: list[Any]) -> NDArray[Any]:

@@ -20,7 +20,7 @@ from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.pipeline.solve import settings_by_method
 from weier.scene import Case
 from weier.scene.case import trace_parameters
-from weier.theory.loads import check_range
+from weier.theory.loads import check_range, unit_doubt
 
 OF_CASES = ("source", "name", "digest")  # what a case says of a trace, and no scene
 
@@ -46,7 +46,7 @@ def solve_one(
     check_range(loads)
     case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
     case.check_ranges()
-    lines = forecast(case, loads)
+    lines = [*filter(None, [unit_doubt(case.profile, loads)]), *forecast(case, loads)]
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
     failures: list[str] = []
@@ -58,15 +58,22 @@ def solve_one(
     return data.assign_attrs(title=title, scene=_text(title, case, loads))
 
 
-def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> list[str]:
-    """The methods that apply to a profile, or the default one where none are given.
+def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The methods that apply to a profile, and why the others do not; the default one where none are given.
 
     If none of those that are given apply, they are all returned, so that they say why.
     """
     surface = Case(_parameters(profile), (), {}).profile
     if not methods:
-        return [default_method(surface)]
-    return [method for method in methods if find_method(method).takes(surface)] or list(methods)
+        return [default_method(surface)], []
+    apply, refusals = list[str](), list[str]()
+    for method in methods:
+        try:
+            find_method(method).check_applies(surface)
+            apply.append(method)
+        except ValueError as error:
+            refusals.append(f"{method} is left out: {error}")
+    return (apply, refusals) if apply else (list(methods), [])
 
 
 def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:

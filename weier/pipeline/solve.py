@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
@@ -16,7 +17,7 @@ from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import checked_settings, described
 from weier.methods.solve import solve_curve
 from weier.theory.arguments import checked_flag, shown
-from weier.theory.loads import checked_loads
+from weier.theory.loads import listed_loads, unit_doubt
 from weier.theory.waves import Waves, checked_surface
 
 
@@ -35,7 +36,7 @@ def solve(
     profile : Profile, Trace or sequence of these
         The Weierstrass series, or measured heights, which the methods take that solve the waves themselves.
     mean_pressure : array_like, shape (loads,)
-        Positive and increasing, in p_0*.
+        Positive, in p_0*, in any order, which is that of the result; a load that stands twice is solved once.
     method : str or sequence of str, optional
         Contact patches by default, and boundary elements for traces. It must be given where m = inf. One of
 
@@ -85,16 +86,19 @@ def solve(
     ('case', 'solution_method', 'mean_pressure') [1.25 1.5 ]
 
     """
-    loads, edges = checked_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
+    (loads, position), edges = listed_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
     profiles = _list("profile", profile)
     for each in profiles:
-        checked_surface(each)
+        if doubt := unit_doubt(checked_surface(each), loads):
+            warnings.warn(doubt, stacklevel=2)
     method = default_method(*profiles) if method is None else method
     methods = _list("method", method)
     solvers = [find_method(each) for each in methods]
     if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
-        return _solve_all(profiles, loads, methods, settings, edges)
-    return solve_curve(profiles[0], loads, solvers[0], settings, edges)
+        curves = _solve_all(profiles, loads, methods, settings, edges)
+    else:
+        curves = solve_curve(profiles[0], loads, solvers[0], settings, edges)
+    return curves if np.array_equal(position, range(loads.size)) else curves.isel(mean_pressure=position)
 
 
 def _list(name: str, given: Any) -> list[Any]:

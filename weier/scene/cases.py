@@ -44,7 +44,8 @@ def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
     finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
     edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if contact_edges else 0
     optional = frozenset(returned_by(tuple(methods))).union(*(profile.labels for profile in finite))
-    return Layout(tuple(methods), max((1, *(profile.listed_terms for profile in finite))), edges, optional)
+    terms = max((2 if len(finite) < len(cases) else 1, *(profile.listed_terms for profile in finite)))
+    return Layout(tuple(methods), terms, edges, optional)
 
 
 @dataclass(frozen=True)

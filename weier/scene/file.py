@@ -84,9 +84,15 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 
 
 def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequence[Check] = ()) -> Scene:
-    """The scene of this name in a folder of scenes; a SceneError if the name could lead elsewhere."""
+    """The scene of this name in a folder of scenes; a SceneError if there is none."""
     if not re.fullmatch(NAME, name):
         raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
+    known = sorted(path.stem for path in Path(folder).glob("*.yaml"))
+    if known and name not in known:
+        raise SceneError(
+            f"there is no scene {name!r} in {folder}, only {', '.join(known)}{suggestion(name, known)}; "
+            f"a scene of your own is a file {Path(folder, name)}.yaml"
+        )
     return load(Path(folder, f"{name}.yaml"), checks)
 
 

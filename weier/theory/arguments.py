@@ -84,8 +84,17 @@ def checked_word(name: str, value: Any, choices: Collection[str], where: str = "
 
 def suggestion(value: Any, choices: Iterable[str]) -> str:
     """The choice that a mistyped word is nearest to, as the end of a message; empty where none is near."""
-    near = get_close_matches(value[:MAX_SHOWN], choices, n=1) if isinstance(value, str) else []
-    return f": did you mean {near[0]!r}?" if near else ""
+    near = nearest(value, choices)
+    return f": did you mean {near!r}?" if near else ""
+
+
+def nearest(value: Any, choices: Iterable[str]) -> str:
+    """The choice that a mistyped word is nearest to, whatever its capitals; empty where none is near."""
+    if not isinstance(value, str):
+        return ""
+    folded = {choice.casefold(): choice for choice in choices}
+    near = get_close_matches(value[:MAX_SHOWN].casefold(), folded, n=1)
+    return folded[near[0]] if near else ""
 
 
 def checked_flag(name: str, value: Any) -> bool:

@@ -64,7 +64,11 @@ def complete_bounds(
 
 
 def resistance_bounds(
-    mean_pressure: ArrayLike, compliance: ArrayLike, amplitude: ArrayLike, first_contact: ArrayLike | None = None
+    mean_pressure: ArrayLike,
+    compliance: ArrayLike,
+    amplitude: ArrayLike,
+    first_contact: ArrayLike | None = None,
+    error: ArrayLike = 0.0,
 ) -> tuple[Array, Array]:
     """Bounds on dh/dp of the complete series: the shallowest and steepest line that its concave curve allows.
 
@@ -82,6 +86,8 @@ def resistance_bounds(
         Total amplitude G of the terms left out.
     first_contact : array_like, shape (...), optional
         Compliance of the truncated series at p = 0, sum g_n - max z: it tightens the upper bound at light loads.
+    error : array_like, shape (..., loads)
+        How far each h may be off. A load that is far off widens its own bounds, and no others.
 
     Returns
     -------
@@ -108,15 +114,15 @@ def resistance_bounds(
     0.12 < 0.69 < 1.40
 
     """
-    p, h = np.broadcast_arrays(np.asarray(mean_pressure, float), np.asarray(compliance, float))
+    p, h, off = np.broadcast_arrays(*(np.asarray(values, float) for values in (mean_pressure, compliance, error)))
     G = np.asarray(amplitude, float)[..., None, None]
-    other_p, other_h = p, h
+    other_p, other_h = p, h - off
     if first_contact is not None:
         start = np.broadcast_to(np.asarray(first_contact, float)[..., None], (*h.shape[:-1], 1))
         other_p = np.concatenate([np.zeros_like(start), p], axis=-1)
-        other_h = np.concatenate([start, h], axis=-1)
+        other_h = np.concatenate([start, other_h], axis=-1)
     run = p[..., :, None] - other_p[..., None, :]
-    rise = h[..., :, None] - other_h[..., None, :] + 2 * G
+    rise = (h + off)[..., :, None] - other_h[..., None, :] + 2 * G
     lower, upper = _slopes(run, rise)
     missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
     return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
@@ -163,15 +169,15 @@ def _slopes(run: Array, rise: Array) -> tuple[Array, Array]:
     return np.fmax.reduce(to_heavier, axis=-1, initial=0.0), np.fmin.reduce(to_lighter, axis=-1, initial=np.inf)
 
 
-def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: float) -> dict[str, Array]:
+def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: ArrayLike) -> dict[str, Array]:
     """Bounds on both curves of the infinite series, by the names of their variables.
 
-    From the compliance of the terms of a profile, in g_0, which an error widens that it may have, in g_0.
+    From the compliance of the terms of a profile, in g_0, and the error that it may have at each load, in g_0.
     `weier.methods.hybrid.truncation_bounds.bounds` says which part of them is proved and which is measured.
     """
     total, tail = profile.total_amplitude, profile.tail_amplitude
     lower, upper = complete_bounds(compliance, tail, total + tail, error)
-    flattest, steepest = resistance_bounds(loads, compliance, tail + error, first_contact(profile))
+    flattest, steepest = resistance_bounds(loads, compliance, tail, first_contact(profile), error)
     return {
         "compliance_lower": lower,
         "compliance_upper": upper,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,18 +11,57 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.theory.arguments import Condition, checked_number, checked_numbers, shown
+from weier.theory.tables import html_table
 
 beyond_floats = np.errstate(over="ignore")  # what is larger than the largest float is inf
 
 
 @beyond_floats
-def composite_modulus(mu_1: ArrayLike, nu_1: ArrayLike, mu_2: ArrayLike, nu_2: ArrayLike) -> Array:
-    """Composite modulus M of two bodies of shear modulus mu and Poisson's ratio nu, in the unit of mu (3)."""
-    moduli = _checked("mu_1", mu_1), _checked("mu_2", mu_2)
+def composite_modulus(
+    *,
+    nu_1: ArrayLike,
+    nu_2: ArrayLike,
+    mu_1: ArrayLike | None = None,
+    mu_2: ArrayLike | None = None,
+    E_1: ArrayLike | None = None,
+    E_2: ArrayLike | None = None,
+) -> Array:
+    """Composite modulus M of two bodies, 1/M = (1 - nu_1)/mu_1 + (1 - nu_2)/mu_2 (3).
+
+    Parameters
+    ----------
+    nu_1, nu_2 : array_like
+        Poisson's ratios, in (-1, 0.5].
+    mu_1, mu_2 : array_like, optional
+        Shear moduli, in Pa or any other unit, which is that of M. One may be inf: a rigid body.
+    E_1, E_2 : array_like, optional
+        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in the same unit.
+
+    Returns
+    -------
+    ndarray
+        M, of the shape to which the arguments broadcast.
+
+    Raises
+    ------
+    ValueError
+        If a value lies outside its range, both or neither of mu and E are given, or both bodies are rigid.
+    """
+    moduli = _shear_modulus(1, mu_1, E_1, nu_1), _shear_modulus(2, mu_2, E_2, nu_2)
     softness = (1 - _checked("nu_1", nu_1)) / moduli[0] + (1 - _checked("nu_2", nu_2)) / moduli[1]
     if np.any(softness == 0):
         raise ValueError("mu_1 and mu_2 are both inf: two rigid bodies have no elastic contact, give one a modulus")
     return np.asarray(1 / softness)
+
+
+def _shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: ArrayLike) -> Array:
+    """The shear modulus of body 1 or 2, which is given itself or by Young's modulus."""
+    if mu is not None and E is None:
+        return _checked(f"mu_{body}", mu)
+    if E is not None and mu is None:
+        return np.asarray(_checked(f"E_{body}", E) / (2 * (1 + _checked(f"nu_{body}", nu))))
+    given = "neither" if mu is None else "both"
+    raise ValueError(f"give one of mu_{body}, the shear modulus, and E_{body}, Young's modulus, got {given}")
 
 
 @beyond_floats
@@ -74,7 +113,9 @@ def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
 
 # What the values of a quantity must do, and whether they do.
 RANGES: dict[str, tuple[str, Condition]] = {
-    **dict.fromkeys(("mu_1", "mu_2", "modulus"), ("be positive (inf for a rigid body)", lambda mu: mu > 0)),
+    **dict.fromkeys(
+        ("mu_1", "mu_2", "E_1", "E_2", "modulus"), ("be positive (inf for a rigid body)", lambda mu: mu > 0)
+    ),
     **dict.fromkeys(("nu_1", "nu_2"), ("lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5))),
     **dict.fromkeys(("rho_1", "rho_2"), ("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf))),
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf))),
@@ -90,7 +131,7 @@ def _checked(name: str, values: ArrayLike) -> Array:
     return checked_numbers(name, values, *RANGES[name])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Interface:
     """Two bodies and the scale of their roughness: turns normalised results into SI units.
 
@@ -98,6 +139,8 @@ class Interface:
     ----------
     mu_1, mu_2 : float
         Shear moduli, in Pa. One may be inf: a rigid body.
+    E_1, E_2 : float
+        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in Pa, which the interface turns into mu.
     nu_1, nu_2 : float
         Poisson's ratios, in (-1, 0.5].
     rho_1, rho_2 : float
@@ -108,7 +151,7 @@ class Interface:
     Raises
     ------
     ValueError
-        If a value lies outside its range, or both bodies are rigid.
+        If a value lies outside its range, both or neither of mu and E are given, or both bodies are rigid.
 
     Examples
     --------
@@ -120,16 +163,23 @@ class Interface:
 
     """
 
-    mu_1: float
-    mu_2: float
+    mu_1: float = None  # type: ignore[assignment]  # until E_1 gives it
+    mu_2: float = None  # type: ignore[assignment]
     nu_1: float
     nu_2: float
     rho_1: float
     rho_2: float
     lambda_0: float
     g_0: float
+    E_1: InitVar[float | None] = None
+    E_2: InitVar[float | None] = None
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
+        moduli = {
+            "mu_1": _shear_modulus(1, self.mu_1, E_1, self.nu_1),
+            "mu_2": _shear_modulus(2, self.mu_2, E_2, self.nu_2),
+        }
+        vars(self).update(moduli)
         # NumPy's own scalars would overflow, or keep all that is made of them to the digits of their type.
         vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in vars(self).items()})
         if not 0 < self.full_contact_pressure < math.inf:  # which refuses two rigid bodies
@@ -138,10 +188,19 @@ class Interface:
                 f"floats, got {self.full_contact_pressure}"
             )
 
+    def _repr_html_(self) -> str:
+        """A table of both bodies, for notebooks."""
+        rows = [
+            [str(body), *(f"{vars(self)[f'{name}_{body}']:.6g}" for name in ("mu", "nu", "rho"))] for body in (1, 2)
+        ]
+        scale = f"lambda_0 = {self.lambda_0:.6g} m, g_0 = {self.g_0:.6g} m, M = {self.composite_modulus:.6g} Pa"
+        header = ["body", "shear modulus mu, Pa", "Poisson's ratio nu", "resistivity rho, ohm m"]
+        return html_table(scale, header, rows, f"p_0* = {self.full_contact_pressure:.6g} Pa")
+
     @property
     def composite_modulus(self) -> float:
         """Composite modulus M, in Pa (3)."""
-        return float(composite_modulus(self.mu_1, self.nu_1, self.mu_2, self.nu_2))
+        return float(composite_modulus(mu_1=self.mu_1, nu_1=self.nu_1, mu_2=self.mu_2, nu_2=self.nu_2))
 
     @property
     def full_contact_pressure(self) -> float:
@@ -151,6 +210,10 @@ class Interface:
     def pressure(self, normalised: ArrayLike) -> Any:
         """Pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
         return self._of_unit("p_0*", normalised)
+
+    def normalised_pressure(self, pressure: ArrayLike) -> Array:
+        """Pressures in p_0*, which `weier.solve` takes, from pressures in Pa, of any shape."""
+        return np.asarray(checked_numbers("pressure", pressure) / self.full_contact_pressure)
 
     def compliance(self, normalised: ArrayLike) -> Any:
         """Compliances, heights and gaps in m, from those in g_0, likewise."""
@@ -166,7 +229,7 @@ class Interface:
         Parameters
         ----------
         data : Dataset or DataArray
-            Of weier, such as a curve of `weier.solve`: the attribute `normalised_by` says what a variable is in.
+            Of weier, such as a curve of `weier.solve`: the attribute `unit` says what a variable is in.
 
         Returns
         -------
@@ -229,17 +292,17 @@ class Interface:
         """Values of one unit; a DataArray that says it is of another one is refused."""
         if not hasattr(normalised, "to_dataset"):
             return _scaled(normalised, self._units[unit][0])
-        own = normalised.attrs.get("normalised_by", unit)
+        own = normalised.attrs.get("unit", unit)
         if own != unit:
             raise ValueError(
                 f"normalised must be in {unit}, got {normalised.name} in {own}: take in_si, or another one"
             )
-        return self.in_si(normalised.assign_attrs(normalised_by=unit))
+        return self.in_si(normalised.assign_attrs(unit=unit))
 
     def _converted(self, variable: Any) -> tuple[Any, Any, dict[str, Any]]:
         """Dimensions, values and attributes of a variable, in SI units where it has a unit."""
         attributes = dict(variable.attrs)
-        unit = attributes.pop("normalised_by", None)
+        unit = attributes.pop("unit", None)
         if unit not in self._units:
             return variable.dims, variable.values, dict(variable.attrs)
         factor, attributes["units"] = self._units[unit]
@@ -251,8 +314,12 @@ class Interface:
 
 @beyond_floats
 def _scaled(normalised: ArrayLike, unit: float) -> Array:
-    """Values in a unit; NaN, where a value is missing, stays NaN."""
-    return np.asarray(checked_numbers("normalised", normalised) * unit)
+    """Values in a unit; NaN, where a value is missing, stays NaN.
+
+    An infinite resistance is that of no contact, which perfect conductors do not have less of: it stays infinite.
+    """
+    values = checked_numbers("normalised", normalised)
+    return np.asarray(np.multiply(values, unit, out=values.copy(), where=np.isfinite(values)))
 
 
 def at_scale_of(curves: Any, bodies: Interface) -> Interface:

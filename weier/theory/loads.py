@@ -2,23 +2,39 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Indices
 from weier.theory.arguments import checked_number, checked_numbers
+from weier.theory.waves import Waves
 
 MAX_LOADS = 10_000  # of a scene or a command
 LOAD_RANGE = 1e-12, 1e12  # p_0*
+FAR_BEYOND = 100.0  # times full contact: where all loads are as heavy, they are Pa by mistake
 
 
-def checked_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array, if they are positive, finite and increasing."""
+def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
+    """Loads in any order, if they are positive and finite: each once and increasing, and where each is among them."""
+    loads, position = np.unique(positive_loads(mean_pressure), return_inverse=True)
+    return loads, position
+
+
+def positive_loads(mean_pressure: ArrayLike) -> Array:
+    """The loads as an array, if they are positive and finite, in the order given."""
     loads = np.atleast_1d(checked_numbers("mean_pressure", mean_pressure))
     if loads.ndim != 1 or loads.size == 0:
         raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
     checked_numbers("mean_pressure", loads, "be finite", np.isfinite)
     checked_numbers("mean_pressure", loads, "be positive", lambda loads: loads > 0)
+    return loads
+
+
+def checked_loads(mean_pressure: ArrayLike) -> Array:
+    """The loads as an array, if they are positive, finite and increasing."""
+    loads = positive_loads(mean_pressure)
     step = np.diff(loads)
     if (step <= 0).any():
         at = int((step <= 0).argmax())
@@ -32,6 +48,20 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
 def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
     """The load, if there is only one and it is positive and finite."""
     return checked_number(name, mean_pressure, "be one load, positive and finite", lambda load: 0 < load < np.inf)
+
+
+def unit_doubt(profile: Waves, loads: Array) -> str:
+    """Why the loads may be in another unit than p_0*, if all of them lie far beyond full contact; empty if not."""
+    if math.isinf(profile.m):
+        return ""
+    with np.errstate(over="ignore"):  # of a series without end, nearly
+        full = float(np.sum(profile.full_contact_pressure))  # at most
+    if loads.min() <= FAR_BEYOND * full:
+        return ""
+    return (
+        f"all loads lie far beyond full contact, which takes {full:.3g} p_0* at most, got {loads.min():.3g} p_0* and "
+        "more: mean pressures are in p_0*, and weier.Interface converts them from and to Pa"
+    )
 
 
 def check_range(loads: Array) -> None:

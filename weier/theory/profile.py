@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -26,6 +27,7 @@ from weier.theory.waves import Waves
 # What tells one series from others beside its phases: fields of a profile, and coordinates of data.
 PARAMETERS = ("D", "gamma", "m")
 MAX_PHASES_DESCRIBED = 8  # phases in a line
+MAX_DEGREES = 3600  # as which phases in degrees may be given by mistake
 MAX_PHASES_LISTED = 1000  # of random ones, which the seed gives as well
 MAX_TERMS_SHOWN = 12  # rows of a notebook's table
 MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, and pi is no ratio
@@ -114,7 +116,8 @@ class Profile(Waves):
             if not (isinstance(phases, float) and phases == 0):
                 raise ValueError(f"phases must be left out where there is a seed, got {shown(phases)}")
             phases = random_phases(seed)
-        fields = {"D": series.checked_dimension(D), "gamma": checked_ratio(gamma), "m": series.checked_terms(m)}
+        m = series.checked_terms(m)
+        fields = {"D": series.checked_dimension(D), "gamma": checked_ratio(gamma), "m": m}
         vars(self).update(fields, phases=checked_phases(phases, m))  # which a frozen dataclass lets nobody assign
 
     @property
@@ -192,6 +195,13 @@ class Profile(Waves):
             return math.inf
 
     @property
+    def listed_phases(self) -> Array:
+        """Phases that results list, in radians: of the infinite series those of two terms, unless they are random."""
+        if math.isfinite(self.m):
+            return self.phase
+        return np.full(1, np.nan) if isinstance(self.phases, RandomPhases) else np.array([0.0, self.phases])
+
+    @property
     def parameters(self) -> dict[str, Any]:
         """What a scene says of this series: see `Profile`."""
         phases = {"seed": self.phases.seed} if isinstance(self.phases, RandomPhases) else {"phases": self.phases}
@@ -242,6 +252,13 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite)
     if values.ndim > 1:
         raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
+    others = np.abs(values[values != 0])
+    if others.size and np.all((others > 2 * math.pi) & (others <= MAX_DEGREES)):
+        warnings.warn(
+            f"all phases that are not 0 exceed 2 pi, got {shown(phases)}: phases are in radians, and numpy.radians "
+            "converts them from degrees",
+            stacklevel=3,  # at the call of Profile
+        )
     if values.ndim == 0:
         return float(values)
     if values.size != m:

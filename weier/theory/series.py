@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_number
 
+INFINITE = ("inf", ".inf", "infinity")  # as Python and YAML write it
 MAX_TERMS = 10**6  # of a finite series, whose amplitudes are an array
 
 
@@ -43,9 +44,11 @@ def checked_dimension(D: float) -> float:
     return checked_number("D", D, "lie in (1, 2)", lambda D: 1 < D < 2)
 
 
-def checked_terms(m: float) -> float:
-    """m, if it is a number of terms: an integer, or inf."""
+def checked_terms(m: float | str) -> float:
+    """m, if it is a number of terms: an integer, or inf, also as a word."""
     condition = f"be a whole number of terms, from 1 to {MAX_TERMS}, or inf"
+    if isinstance(m, str) and m.strip().casefold() in INFINITE:
+        return math.inf
     terms = checked_number("m", m, condition, lambda m: m == math.inf or (1 <= m <= MAX_TERMS and m == m // 1))
     return terms if math.isinf(terms) else int(terms)
 

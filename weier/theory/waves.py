@@ -85,6 +85,11 @@ class Waves(ABC):
         """The waves whose phases results list."""
         return self.terms
 
+    @property
+    def listed_phases(self) -> Array:
+        """Phases that results list, shape (terms,), in radians: one NaN where there are none."""
+        return self.phase[: self.listed_terms] if self.listed_terms else np.full(1, np.nan)
+
     def height(self, x: ArrayLike) -> Array:
         """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
         return self._sum(x, self.amplitude, np.cos)

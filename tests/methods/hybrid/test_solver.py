@@ -10,7 +10,8 @@ from weier import Profile, random_phases
 from weier.methods import hybrid, layer
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.closure import MAX_LOAD
-from weier.methods.hybrid.solver import MIN_LOAD
+from weier.methods.hybrid.solver import MESH_SHARE, MIN_LOAD
+from weier.methods.layer.solver import ACCURACY
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, math.inf, random_phases(2))
@@ -64,3 +65,39 @@ def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
     assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
     assert np.all(found.resistance >= 0)
+
+
+@pytest.mark.parametrize(
+    ("D", "gamma", "seed", "load"),
+    [(1.1214040526102584, 1000, 255, 0.016583), (1.0831, 5505, 1, 3e-5), (1.21, 8077, 2, 1e-3), (1.02, 1e6, 3, 0.1)],
+)
+def test_the_mesh_resolves_what_the_layer_adds_where_the_ratio_is_large(D, gamma, seed, load):
+    """The layer has a thousandth of the height of the first wave, and a mesh of 32 points as large an error."""
+    profile = Profile(D, gamma, math.inf, random_phases(seed))
+    kept, loads = profile.truncated(1), load * np.array([0.5, 1.0, 2.0])
+    found, exact = hybrid.curve(profile, loads, 1), layer.curve(loads, D, gamma, math.inf)
+    error = np.abs(found.compliance - exact.compliance)
+    assert np.all(error < MESH_SHARE * kept.tail_amplitude + ACCURACY * exact.compliance)
+    assert np.all(found.compliance > found.compliance_lower)  # inside, not cut off at the bounds
+    assert np.all(found.compliance < found.compliance_upper)
+    assert found.resistance == pytest.approx(exact.resistance, rel=0.15)  # one to ten nodes touch
+
+
+def test_an_estimate_is_within_its_bounds_on_any_mesh():
+    """One that misses first contact by ten times what the layer adds: the nearest bound is the better estimate."""
+    profile = Profile(1.05, 1e4, math.inf, random_phases(1))
+    loads = np.geomspace(1e-5, 1, 20)
+    coarse, fine = hybrid.curve(profile, loads, 1, 16), hybrid.curve(profile, loads, 1)
+    assert np.any(coarse.compliance == coarse.compliance_lower)
+    assert np.all(coarse.compliance >= coarse.compliance_lower)
+    assert np.all(coarse.compliance <= coarse.compliance_upper)
+    assert np.all(np.abs(coarse.compliance - fine.compliance) <= coarse.compliance_upper - coarse.compliance_lower)
+
+
+@pytest.mark.parametrize("loads", [np.geomspace(1e-3, 500, 20), [0.1], np.geomspace(1e-6, 1e3, 7)])
+@pytest.mark.parametrize(("D", "gamma"), [(1.774737912708558, 1.01), (1.37, 1.0106), (1.98, 1.27), (1.04, 1.03)])
+def test_ratios_close_to_1_put_hundreds_of_waves_into_the_layer(D, gamma, loads):
+    """The layer is far softer than the first wave, which is pressed flat on it at once."""
+    found, exact = hybrid.curve(Profile(D, gamma, math.inf), loads, 1), layer.curve(loads, D, gamma, math.inf)
+    assert found.compliance == pytest.approx(exact.compliance, rel=1e-5, abs=2e-3)
+    assert np.all(found.residual <= newton.TOLERANCE)

@@ -49,7 +49,7 @@ def test_scales_one_by_one_reach_the_infinite_series(D, gamma, m):
 
 def test_too_many_scales_are_refused():
     with pytest.raises(ConvergenceError, match=r"errors of the layer model add up over .* scales") as refused:
-        layer.curve([0.1], 1.9999, 1.1, math.inf)
+        layer.curve([0.1], 1.9999999, 1.01, math.inf)
     assert refused.value.residual > ACCURACY
     with pytest.raises(ConvergenceError, match="a series of 5000 terms still differs from the infinite one"):
         layer.curve([0.1], 1.999, 2, 5000)

@@ -24,7 +24,10 @@ MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each th
 # The last tells apart what is left: studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
 NONE = "-"  # what a trace or a series has no label for; a list of nothing else is hidden
-TITLES = {"gamma": "\N{GREEK SMALL LETTER GAMMA}", "phase": "phase \N{GREEK SMALL LETTER PHI}, rad"}
+TITLES = {
+    "gamma": "\N{GREEK SMALL LETTER GAMMA}",
+    "phase": "phases, rad (one: of all n \N{GREATER-THAN OR EQUAL TO} 1)",
+}
 MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of the drop-down lists, in rem
 AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items() if entry.plot}
 QUANTITIES = [name for name in AXES if VARIABLES[name].dims == CURVE]

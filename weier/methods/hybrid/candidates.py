@@ -12,7 +12,7 @@ from weier.kernels.arrays import Array
 from weier.methods.bem.error_model import compliance_error as mesh_error
 from weier.methods.hybrid import error_model
 from weier.methods.hybrid.closure import MAX_LOAD
-from weier.methods.hybrid.solver import MAX_POINTS, MIN_LOAD, POINTS_PER_WAVE, curve
+from weier.methods.hybrid.solver import MAX_POINTS, MIN_LOAD, POINTS_PER_WAVE, curve, default_points
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile, terms_within
 
@@ -30,7 +30,7 @@ def candidates(task: Task) -> Iterator[Segment]:
 
 
 def _resolved(task: Task, kept: Profile) -> Segment:
-    loads, points = task.mean_pressure, POINTS_PER_WAVE * kept.waves_per_period[-1]
+    loads, points = task.mean_pressure, default_points(kept)
     carried = (loads >= MIN_LOAD) & (loads <= MAX_LOAD)
     estimate = np.where(carried, error_model.compliance_error(loads, kept), np.inf)
     mesh = np.full(loads.size, mesh_error(kept, points))

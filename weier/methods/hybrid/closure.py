@@ -17,9 +17,10 @@ MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # p_0*, which they reach
 
 
 class NodalClosure(NamedTuple):
-    """The layer at a node of self-influence c: ln p over ln(w + c p), and c."""
+    """The layer at a node of self-influence c: ln p over ln s = ln(w + c p), ln s over ln p, and c."""
 
     log_pressure: scipy.interpolate.CubicHermiteSpline
+    log_s: scipy.interpolate.CubicHermiteSpline
     self_influence: float
 
 
@@ -32,8 +33,11 @@ def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
     compression, pressure = gamma ** ((D - 2) * n) * np.exp(log_W), gamma ** ((D - 1) * n) * np.exp(log_xi)
     s = compression + self_influence * pressure
     slope = s / (power * compression + self_influence * pressure)  # d ln p/d ln s
-    log_pressure = scipy.interpolate.CubicHermiteSpline(np.log(s), np.log(pressure), slope)
-    return NodalClosure(log_pressure, self_influence)
+    return NodalClosure(
+        scipy.interpolate.CubicHermiteSpline(np.log(s), np.log(pressure), slope),
+        scipy.interpolate.CubicHermiteSpline(np.log(pressure), np.log(s), 1 / slope),
+        self_influence,
+    )
 
 
 def pressure_at(s: Array, closure: NodalClosure) -> tuple[Array, Array]:
@@ -41,7 +45,20 @@ def pressure_at(s: Array, closure: NodalClosure) -> tuple[Array, Array]:
     inside = s > 0
     positive = np.where(inside, s, 1.0)
     log_s = np.log(positive)
-    near = np.clip(log_s, *closure.log_pressure.x[[0, -1]])
-    power = closure.log_pressure(near, 1)
-    p = np.where(inside, np.exp(closure.log_pressure(near) + power * (log_s - near)), 0.0)
+    log_p, power = _extrapolated(closure.log_pressure, log_s)
+    p = np.where(inside, np.exp(log_p), 0.0)
     return p, power * p / positive
+
+
+def s_at(pressure: Array, closure: NodalClosure) -> Array:
+    """The s at every pressure, shape (N,): that of the nodes' own influence where the pressure is negative."""
+    inside = pressure > 0
+    log_s, _ = _extrapolated(closure.log_s, np.log(np.where(inside, pressure, 1.0)))
+    return np.where(inside, np.exp(log_s), closure.self_influence * pressure)
+
+
+def _extrapolated(spline: scipy.interpolate.CubicHermiteSpline, x: Array) -> tuple[Array, Array]:
+    """A spline and its slope, which is that of the nearest end beyond its ends."""
+    near = np.clip(x, *spline.x[[0, -1]])
+    slope = spline(near, 1)
+    return spline(near) + slope * (x - near), slope

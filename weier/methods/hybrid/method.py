@@ -23,11 +23,11 @@ METHOD = Method(
     solve=_solve,
     settings={
         "terms": "waves to resolve; by default as many as fit on the default grid",
-        "points": "nodes in a period of these waves, by default 32 for each of the finest",
+        "points": "nodes in a period of these waves, by default 32 for each of the finest, or more for thin layers",
     },
     applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
-    solution_error=lambda solved: float(solved.distance_to_bounds.max()),
+    solution_error=lambda solved: solved.distance_to_bounds,
     noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
     candidates=candidates,
 )

@@ -9,7 +9,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.closure import NodalClosure, pressure_at
+from weier.methods.hybrid.closure import NodalClosure, pressure_at, s_at
 from weier.methods.progress import count_load
 from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
@@ -49,12 +49,18 @@ def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure)
 
 
 def _full_contact(problem: Problem, load: float) -> Array:
-    """A state from full contact under this load: s at every node, then the height of the plane."""
-    z, of_itself = problem.height, problem.closure.self_influence
+    """A state to start from: s at every node, then the height of the plane.
+
+    The pressure is that of full contact on a layer as stiff as it is under the mean pressure.
+    """
+    z, closure = problem.height, problem.closure
+    mean = np.array([load])
+    s = s_at(mean, closure)
+    _, slope = pressure_at(s, closure)
     spectrum = np.fft.rfft(z)
-    spectrum[1:] /= problem.influence[1:] + of_itself
+    spectrum[1:] /= problem.influence[1:] + 1 / slope
     spectrum[0] = load * z.size
-    return np.append(of_itself * np.fft.irfft(spectrum, z.size), 0.0)
+    return np.append(s_at(np.fft.irfft(spectrum, z.size), closure), -s[0])
 
 
 def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, float]:

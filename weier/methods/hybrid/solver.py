@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods.bem import checked_points
+from weier.methods.bem.error_model import fewest_points
 from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads
@@ -18,7 +19,8 @@ from weier.theory.halfplane import influence_coefficients
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
-POINTS_PER_WAVE = 32  # of the finest resolved wave: within 9e-4 of its amplitude, as the layer rounds the edges
+POINTS_PER_WAVE = 32  # of the finest resolved wave, at least: within 9e-4 of its amplitude, as the layer rounds edges
+MESH_SHARE = 0.1  # of the amplitude that the layer stands for, which the error of the mesh is at most
 MAX_POINTS = 2**14  # more take minutes
 MIN_LOAD = 1e-6  # p_0*: lighter loads drown in the tolerance
 
@@ -26,7 +28,7 @@ MIN_LOAD = 1e-6  # p_0*: lighter loads drown in the tolerance
 class Curve(NamedTuple):
     """The infinite series over the loads, each of shape (loads,).
 
-    compliance : best estimate of h, in g_0, from the profile whose waves all peak together
+    compliance : best estimate of h within its bounds, in g_0, from the profile whose waves all peak together
     resistance : dh/dp of it, in g_0/p_0*
     compliance_lower, compliance_upper : bounds on h from the resolved terms alone (27), as much wider as
         boundary elements may be off
@@ -58,7 +60,8 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     terms : int
         Waves to resolve, at least 1.
     points : int, optional
-        Nodes in a period of the resolved waves; 32 for each of the finest by default.
+        Nodes in a period of the resolved waves; by default 32 for each of the finest, or as many as keep the error of
+        the mesh below a tenth of what the layer stands for, up to 2^14.
 
     Returns
     -------
@@ -75,7 +78,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     """
     check_infinite(profile)
     kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
-    points = checked_points(kept, points or POINTS_PER_WAVE * kept.waves_per_period[-1])
+    points = checked_points(kept, points or default_points(kept))
     if points > MAX_POINTS:
         raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
     outside = (loads < MIN_LOAD) | (loads > MAX_LOAD)
@@ -86,4 +89,12 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
         )
     closure = closure_at_nodes(kept, float(influence_coefficients(points, kept.period)[0]))
     h, R, residual = solve_loads(kept, loads, points, closure)
-    return Curve(h, R, *bounds(profile, loads, terms), residual)
+    lower, upper = bounds(profile, loads, terms)
+    return Curve(np.clip(h, lower, upper), R, lower, upper, residual)
+
+
+def default_points(kept: Profile) -> int:
+    """Nodes in a period of these terms, on which the error of the mesh is small beside what the layer adds."""
+    finest = kept.waves_per_period[-1]
+    needed = fewest_points(kept, MESH_SHARE * kept.tail_amplitude)
+    return max(POINTS_PER_WAVE * finest, min(needed, MAX_POINTS // finest * finest))

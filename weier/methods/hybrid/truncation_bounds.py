@@ -16,6 +16,7 @@ from weier.theory.profile import Profile
 
 BOUND_SHARE = 0.1  # of the tail's amplitude, that boundary elements may be off when they find the bounds
 RESIDUAL_SHARE = 0.01  # of the same, at which they stop
+MAX_RESIDUAL = 0.01  # g_0, at which they stop at the latest: the tail of a gamma close to 1 is many times as high
 MAX_POINTS = 2**20
 
 
@@ -49,7 +50,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     check_infinite(profile)
     kept = profile.truncated(terms)
     tail = kept.tail_amplitude
-    allowed, residual = BOUND_SHARE * tail, RESIDUAL_SHARE * tail
+    allowed, residual = BOUND_SHARE * tail, min(RESIDUAL_SHARE * tail, MAX_RESIDUAL)
     points = bem.error_model.fewest_points(kept, allowed)
     if points > MAX_POINTS:
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")

@@ -13,6 +13,7 @@ e, its own relative error is (I - J)^-1 e at most. The deviation is measured in 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
@@ -39,16 +40,38 @@ TABLE_SHARE = 0.5  # of the accuracy is for the errors of the table, the rest fo
 MIN_ESTIMATED_LOAD = -8.0  # ln xi: the first guess takes heavier loads from Archard, lighter ones from these
 MAX_GUESS_STEP = 0.1  # of ln W: Newton's method stops there where it only makes a guess
 MAX_NEWTON_STEPS = 40  # 3 to 12 are usual
+MAX_DAMPED_STEPS = 400  # 10 to 60 are usual
 MAX_STEP = 10.0  # of ln W in Newton's method: beyond it the tangents mislead
+MAX_DAMPED_STEP = 0.5  # of ln W, where steps are damped
+DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0  # theta, from Newton's method to T itself
+PART_AGAIN, MIN_PART = 0.25, 1e-3  # of what a step adds to T W, tried again where a wave has no solution
+RESIDUAL_SHARE = 0.1  # of the relative error that a table may have, for the residuals of its waves
+MIN_RESIDUAL = 1e-13  # rounding allows no smaller one
+
+Solver = Callable[[Model, Rows, float], tuple[Rows, Array]]  # of rows near the fixed point, up to a last step
 
 
 def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
-    """The waves of the infinite series of a D and gamma, whatever the m, on a table between these positions."""
-    # At heavy loads errors of ln W add up to as many at least.
-    limit = _limit(model, np.array([model.infinite_amplitude]))
-    rows = _guess(model, lattice(bottom, top))
+    """The waves of the infinite series of a D and gamma, whatever the m, on a table between these positions.
+
+    Where Newton's method misses the fixed point, damped steps follow from the first guess again.
+    """
+    # At heavy loads errors of ln W add up to as many scales at least, and residuals of waves do, too.
+    gain = np.array([model.infinite_amplitude])
+    needed = RESIDUAL_SHARE * TABLE_SHARE * model.accuracy / (1 + model.infinite_amplitude)
+    model = model._replace(tolerance=max(min(model.tolerance, needed), MIN_RESIDUAL))
+    limit = _limit(model, gain)
+    try:
+        return _refined(model, bottom, top, limit, _newton)
+    except ConvergenceError:
+        return _refined(model, bottom, top, limit, _damped_newton)
+
+
+def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solver) -> ComplianceTable:
+    """A table of the fixed point, with as many rows as its accuracy takes."""
+    rows = _guess(model, lattice(bottom, top), solve)
     for _ in range(MAX_HALVINGS):
-        rows, size = _converge(model, rows, math.sqrt(limit))
+        rows, size = solve(model, rows, math.sqrt(limit))
         over_scales = np.linalg.inv(np.eye(len(size)) - size)
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
@@ -79,7 +102,7 @@ def _scale(model: Model, rows: Rows) -> Scale:
     return Scale(coarser_units(rows.closure, model), model.infinite_amplitude, math.inf, model.mesh, model.tolerance)
 
 
-def _guess(model: Model, position: Array) -> Rows:
+def _guess(model: Model, position: Array, solve: Solver) -> Rows:
     """A table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
 
     Contacts under light loads are small, and their pressures are heavy loads to the next finer wave. So each row
@@ -88,32 +111,76 @@ def _guess(model: Model, position: Array) -> Rows:
     heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
     log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
     unknown = np.empty((heavy.size, 0))
-    rows, _ = _converge(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
+    rows, _ = solve(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
     for one in position[position < heavy[0]][::-1]:
         rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
     return rows
 
 
-def _converge(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
+def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
     """The rows at the fixed point, and the largest effect of an error of one row on another, shape (rows, rows).
 
     The last step is the limit at most, and the error that remains is of the order of its square.
     """
-    change, basis = math.inf, scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
+    spline = _spline(rows)
     for _ in range(MAX_NEWTON_STEPS):
         scale = _scale(model, rows)
         image = scale.rows(rows.position, rows.state if rows.state.size else None)
-        derivative, size = _sensitivity(image, scale, basis)
+        derivative, size = _sensitivity(image, scale, spline)
         step = np.linalg.solve(np.eye(len(size)) - derivative, image.log_compliance - rows.log_compliance)
         change = float(np.max(np.abs(step)))
         log_W = rows.log_compliance + np.clip(step, -MAX_STEP, MAX_STEP)
         log_W = np.minimum(log_W, math.log(model.infinite_amplitude))
-        rows = Rows(rows.position, log_W, basis(rows.position, 1) @ log_W, image.state, image.tangent)
+        rows = image._replace(log_compliance=log_W, slope=spline(rows.position, 1) @ log_W)
         if change <= limit:
             return rows, size
-    raise ConvergenceError(
-        f"the layer model of the infinite series still changes by {change:.1e} of itself after "
-        f"{MAX_NEWTON_STEPS} steps, above {limit:.1e}: choose a larger accuracy or other points",
+    raise _unsettled(model, change, limit)
+
+
+def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
+    """The same by steps that follow from the linear interpolant of ln W, and start from T W.
+
+    Its derivatives J are not negative, and their sums over a row are less than 1, since T passes errors on without
+    increasing them. So (I - theta J)^-1 exists for all theta from 0, which leaves T W, to 1, which is Newton's method
+    but for the interpolant. The largest theta is taken whose step is no longer than `MAX_DAMPED_STEP`. If a wave has
+    no solution on the new table, the table comes closer to T W.
+    """
+    spline, identity, top = _spline(rows), np.eye(rows.position.size), math.log(model.infinite_amplitude)
+    image, beyond, size, part, settled = rows, np.zeros(rows.position.size), identity, 1.0, False
+    for _ in range(MAX_DAMPED_STEPS):
+        log_W = np.minimum(image.log_compliance + part * beyond, top)
+        slope = image.slope + spline(rows.position, 1) @ (log_W - image.log_compliance)
+        rows = image._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
+        scale = _scale(model, rows)
+        try:
+            new = scale.rows(rows.position, rows.state if rows.state.size else None)
+        except ConvergenceError:
+            if part < MIN_PART:
+                raise
+            part *= PART_AGAIN
+            continue
+        if settled and part == 1:
+            return rows, size
+        _, size = _sensitivity(new, scale, spline)
+        residual = new.log_compliance - log_W
+        for theta in DAMPINGS:
+            step = np.linalg.solve(identity - theta * size, residual)
+            change = float(np.max(np.abs(step)))
+            if change <= MAX_DAMPED_STEP:
+                break
+        image, beyond, part, settled = new, step - residual, 1.0, theta == 1 and change <= limit
+    raise _unsettled(model, float(np.max(np.abs(beyond))), limit)
+
+
+def _spline(rows: Rows) -> scipy.interpolate.CubicSpline:
+    """The cubic spline through ln W as a function of its rows."""
+    return scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
+
+
+def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
+    return ConvergenceError(
+        f"the layer model of the infinite series of D = {model.D:.6g} and gamma = {model.gamma:.6g} still changes by "
+        f"{change:.1e} of itself from step to step, above {limit:.1e}: choose other points, or a D further from 2",
         change,
     )
 

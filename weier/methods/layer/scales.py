@@ -106,11 +106,17 @@ class Scale(NamedTuple):
     def _check_residual(self, log_load: Array, residual: Array, limit: Array) -> None:
         over = np.flatnonzero(~(residual <= limit))
         if over.size:
-            worst = float(residual[over[0]])
+            worst, load = float(residual[over[0]]), math.exp(log_load[over[0]])
+            if not math.isfinite(worst):
+                raise ConvergenceError(
+                    f"a wave of the layer model has no solution under the mean pressure {load:.6g} in its own p*: "
+                    "try other points, or take another method",
+                    worst,
+                )
             raise ConvergenceError(
                 f"a wave of the layer model stopped at a relative residual of {worst:.1e} under the mean pressure "
-                f"{math.exp(log_load[over[0]]):.6g} in its own p*, above the tolerance {self.tolerance:.1e}; try "
-                "other points or a larger tolerance",
+                f"{load:.6g} in its own p*, above the tolerance {self.tolerance:.1e}; try other points or a larger "
+                "tolerance",
                 worst,
             )
 

@@ -39,7 +39,7 @@ def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
         "claim_holds": (np.array([one.outcome for one in each], "i1"), "whether it fits what is measured here"),
     }
     variables = {
-        name: xr.Variable("claim", values, {"long_name": long_name, "units": "1", "coverage_content_type": CONTENT})
+        name: xr.Variable("claim", values, {"long_name": long_name, "coverage_content_type": CONTENT})
         for name, (values, long_name) in columns.items()
     }
     variables["claim_holds"].attrs |= flags(Check)
