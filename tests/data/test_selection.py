@@ -112,16 +112,16 @@ def test_a_file_is_closed_and_what_is_copied_over_it_is_read(path, tmp_path):
     """Its handle is what a process would keep, and netCDF refuses to write what is open."""
     mine = tmp_path / "mine.nc"
     shutil.copyfile(path, mine)
-    with weier.open(mine) as data:
+    with weier.open_dataset(mine) as data:
         before = data["compliance"].values
-    opened = weier.open(mine)
+    opened = weier.open_dataset(mine)
     opened.close()
     with netCDF4.Dataset(mine, "a") as file:
         file["compliance"][:] = 2 * before
-    with weier.open(mine) as data:
+    with weier.open_dataset(mine) as data:
         np.testing.assert_array_equal(data["compliance"].values, 2 * before)
     shutil.copyfile(path, mine)
-    with weier.open(mine) as data:
+    with weier.open_dataset(mine) as data:
         np.testing.assert_array_equal(data["compliance"].values, before)
     if sys.platform == "linux":
         held = [
