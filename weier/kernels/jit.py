@@ -31,14 +31,21 @@ COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 
 
 @functools.cache
-def _announce(method: str) -> None:
-    print(f"compiling {method}, once for all later runs", file=sys.stderr, flush=True)
+def _announce(what: str) -> None:
+    print(f"compiling {what}, once for all later runs", file=sys.stderr, flush=True)
+
+
+def _owner(module: str) -> str:
+    """The method in whose folder a module of kernels is, or else what it is for."""
+    package, _, name = module.removeprefix("weier.").partition(".")
+    method, _, part = name.partition(".")
+    return method if package == "methods" and part else "what methods share"
 
 
 # Called with the module of each kernel that the cache does not hold, before it is compiled: for many seconds, nothing
 # else would be seen. A method is announced once.
 LISTENERS: list[Callable[[str], None]] = [
-    lambda module: _announce(module.removeprefix("weier.methods.").partition(".")[0])
+    lambda module: _announce(_owner(module))
 ]
 UNKNOWN: list[Kernel] = []  # to numba
 
