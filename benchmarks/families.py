@@ -23,18 +23,17 @@ from weier.methods import patches
 MAX_WAVES = 1000  # of the finest term in a period: patches then take a third of a second a load at most
 LOADS = 8  # of each series
 REFERENCE, TWIN = 1e-12, 1e-11  # tolerances of the patches, and of those on the reflected profile
-FINER = (
-    10  # a difference is judged where the reference is this much finer than what is stated, or than the difference
-)
-MIN_RESISTANCE = 1e-3  # g_0/p_0*: errors of R are relative to it from here on
+MIN_RESISTANCE = 1e-3  # g_0/p_0*: from here on, errors of R are relative to R
 ARRAYS = ("loads", "exact", "uncertainty")  # of a draw
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 
 
 class Draw(NamedTuple):
-    """A series under loads, the settings of boundary elements, and the exact curve; NaN where patches found none.
+    """A series under loads with its exact curve, which is NaN where contact patches find none.
 
-    uncertainty : of h and R, by how much patches on the reflected profile differ, and by their residual
+    exact : compliance and resistance, shape (2, loads)
+    settings : of boundary elements
+    uncertainty : of h and R, by how much patches on the reflected profile differ, and what the residual adds
     """
 
     family: str
@@ -144,16 +143,16 @@ def _near(random: Generator) -> Array:
 
 
 def usual_settings(random: Generator, profile: Profile) -> dict[str, Any]:
-    """The default of 32 points a wave, or another power of 2."""
-    return {"points_per_wave": int(random.choice([16, 32, 32, 32, 64, 128]))}
+    """The default of 64 points a wave, or another number: 12 are the paper's."""
+    return {"points_per_wave": int(random.choice([12, 16, 32, 64, 64, 64, 128]))}
 
 
 def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
     """Odd numbers of points a wave, or any number in the period."""
     waves = profile.waves_per_period[-1]
     if random.random() < 0.5:
-        return {"points_per_wave": 2 * int(random.integers(8, 51)) + 1}
-    return {"points": int(random.integers(16 * waves, 65 * waves))}
+        return {"points_per_wave": 2 * int(random.integers(6, 51)) + 1}
+    return {"points": int(random.integers(12 * waves, 65 * waves))}
 
 
 def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
@@ -170,7 +169,7 @@ Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, 
 
 
 def _family(*features: Callable[..., Any]) -> Features:
-    """The features told, and what is usual for the rest."""
+    """The features that are named, and what is usual for the others."""
     kinds = SERIES, PHASES, PRESSURES, SETTINGS
     return tuple(
         tuple(f for f in features if f in kind) or (usual,) for kind, usual in zip(kinds, DEFAULT, strict=True)
@@ -194,25 +193,41 @@ FAMILIES: dict[str, Features] = {
 }
 
 
-def draw(random: Generator, family: str) -> Draw:
+def draw_one(random: Generator, family: str) -> Draw:
     """A fresh series of a family with its exact curve."""
     series, phases, loads, settings = (choices[random.integers(len(choices))] for choices in FAMILIES[family])
-    D, gamma, m = series(random)
-    while gamma.numerator ** (m - 1) > MAX_WAVES:
-        D, gamma, m = series(random)
-    waves = np.array(Profile(D, gamma, m).waves_per_period, float)
-    profile = Profile(D, gamma, m, tuple(phases(random, waves).tolist()))
+    profile = _profile(random, series, phases, MAX_WAVES)
     pressures = _pressures(random, profile, loads)
     return Draw(family, profile, pressures, settings(random, profile), *solve_exactly(profile, pressures))
 
 
+def usual_profile(random: Generator, max_waves: int) -> Profile:
+    """A series with a ratio of at most 10, whole or not, any phases, and at most so many waves in a period."""
+    series = (usual, usual, usual, rational)[random.integers(4)]
+    return _profile(random, series, any_phases, max_waves)
+
+
+def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array], max_waves: int) -> Profile:
+    while True:
+        D, gamma, m = series(random)
+        if gamma.numerator ** (m - 1) <= max_waves:
+            break
+    waves = np.array(Profile(D, gamma, m).waves_per_period, float)
+    return Profile(D, gamma, m, tuple(phases(random, waves).tolist()))
+
+
 def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, Profile], Array]) -> Array:
-    """Increasing loads; any, where the events of contact patches are not found."""
+    """Increasing loads near births and mergers, or any where contact patches find none of these."""
     try:
         return np.unique(loads(random, profile))
     except ConvergenceError as error:
         click.echo(f"events of {profile!r}: {error}", err=True)
         return np.unique(any_loads(random, profile))
+
+
+def relative_scale(resistance: Array) -> Array:
+    """What errors of a resistance are relative to: itself where it is no smaller than 1e-3 g_0/p_0*, and 1 below."""
+    return np.where(resistance > MIN_RESISTANCE, resistance, 1)
 
 
 def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
@@ -231,15 +246,15 @@ def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
 
 
 def draws(path: Path | None, names: list[str], random: Generator, count: int) -> Iterator[Draw]:
-    """Draws of the families with so many loads: those that the file keeps first, then fresh ones, which it gains."""
+    """Draws of the families with so many loads: first those in the file, then fresh ones, which are added to it."""
     kept = [_from_line(line) for line in path.read_text().splitlines()] if path and path.exists() else []
-    kept = [each for each in kept if each.family in names]
+    kept = [draw for draw in kept if draw.family in names]
     yield from kept
-    missing = count - sum(each.loads.size for each in kept)
+    missing = count - sum(draw.loads.size for draw in kept)
     for name in cycle(names):
         if missing <= 0:
             return
-        fresh = draw(random, name)
+        fresh = draw_one(random, name)
         missing -= fresh.loads.size
         if path:
             with path.open("a") as file:
@@ -247,10 +262,10 @@ def draws(path: Path | None, names: list[str], random: Generator, count: int) ->
         yield fresh
 
 
-def _as_line(each: Draw) -> str:
-    D, gamma, m, phases = each.profile.D, each.profile.gamma, each.profile.m, each.profile.phases
-    arrays = {name: getattr(each, name).tolist() for name in ARRAYS}
-    return json.dumps({**each._asdict(), "profile": [D, str(gamma), m, phases], **arrays})
+def _as_line(draw: Draw) -> str:
+    D, gamma, m, phases = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phases
+    arrays = {name: getattr(draw, name).tolist() for name in ARRAYS}
+    return json.dumps({**draw._asdict(), "profile": [D, str(gamma), m, phases], **arrays})
 
 
 def _from_line(line: str) -> Draw:

@@ -20,8 +20,7 @@ OURS = "weier"
 HEIGHT = 2.0  # inches a panel
 LOOKS: dict[str, dict[str, Any]] = {
     "weier": {"color": style.BLACK, "linestyle": style.DASHES[0], "marker": "o"},
-    "weier_resistance": {"color": style.GREEN, "linestyle": style.DASHES[3], "marker": "s"},
-    "weier_between": {"color": style.PURPLE, "linestyle": style.DASHES[0], "marker": "*"},
+    "weier_default": {"color": style.GREEN, "linestyle": style.DASHES[3], "marker": "s"},
     "tamaas": {"color": style.VERMILLION, "linestyle": style.DASHES[1], "marker": "D"},
     "contact_mechanics": {"color": style.BLUE, "linestyle": style.DASHES[2], "marker": "^"},
     "slippy": {"color": style.ORANGE, "linestyle": style.DASHES[5], "marker": "x"},
@@ -29,15 +28,15 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 WORDS = {
     "points": "nodes $N$",
-    "time": "time for a curve (s)",
+    "time": "processor time for a curve (s)",
     "pairs": "FFT pairs a load",
     "error": "largest error of $h/g_0$",
 }
 
 
-def median(data: xr.Dataset) -> xr.DataArray:
-    """Seconds of each program and size: the median of the repeats."""
-    return data["seconds"].median("repeat")
+def least_seconds(data: xr.Dataset) -> xr.DataArray:
+    """Processor seconds of each program on each grid: the least of its runs, which other work disturbs least."""
+    return data["seconds"].min("repeat")
 
 
 def table(data: xr.Dataset) -> str:
@@ -55,11 +54,11 @@ def table(data: xr.Dataset) -> str:
 def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
     at = {"program": row["program"], "points": row["points"]}
     ours = (
-        float(median(data).sel({"program": OURS, "points": row["points"]}))
+        float(least_seconds(data).sel({"program": OURS, "points": row["points"]}))
         if OURS in data["program"].values
         else np.nan
     )
-    own = float(median(data).sel(at))
+    own = float(least_seconds(data).sel(at))
     wrong_count, failed_count = int(wrong(data).sel(at)), int(failed(data).sel(at))
     faults = [f"{wrong_count} reported as converged"] * (wrong_count > 0)
     faults += [f"{failed_count} not converged"] * (failed_count > 0)
@@ -76,26 +75,30 @@ def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
 
 
 def _preface(data: xr.Dataset) -> list[str]:
-    attributes = data.attrs
-    loads = data["mean_pressure"].values
-    repeats = data.sizes["repeat"]
+    attributes, loads = data.attrs, data["mean_pressure"].values
     return [
         "# Benchmarks",
         "",
-        f"The same curve by several programs: {loads.size} loads in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, "
-        f"D = {attributes['D']:g}, gamma = {attributes['gamma']}, m = {attributes['m']}. {attributes['machine']}; "
-        f"one thread; {attributes['packages']}. Medians of {repeats} runs, taken in turn; seconds for "
-        "the whole curve, from the heaviest load down, each load from the one before; weier begins anew.",
+        "## On the same grid",
+        "",
+        f"`python -m benchmarks` solves one profile under the same loads with several programs: {loads.size} loads "
+        f"in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, D = {attributes['D']:g}, gamma = {attributes['gamma']}, "
+        f"m = {attributes['m']}. {attributes['machine']}; one thread; {attributes['packages']}.",
+        "",
+        f"Seconds are processor time for the whole curve, the least of {data.sizes['repeat']} runs taken in turn on "
+        "a busy machine. The other programs and the dense inversion start each load from the next heavier one; weier "
+        "solves each load by itself. With the staircase kept, the edges of contact are on nodes and the compliance "
+        "is the only result, as with the other programs. With the staircase removed, weier's default, the resistance "
+        "and bounds on both errors are results, too.",
         "",
         f"Every program must reach a residual of {attributes['tolerance']:.0e} g_0: the largest |gap| under pressure "
         f"or penetration elsewhere, from the pressure it returns and a freshly applied operator. "
         f"{attributes['discretisation']} The tolerances of the other programs are, load by load, the loosest that "
-        "leave this residual.",
+        "leave this residual. Work counts pairs of FFTs, those of coarser grids by their size, or dense solutions.",
         "",
-        f"Errors of h, in g_0, are those against method {attributes['reference_method']}, which took "
-        f"{attributes['reference_seconds']:.3g} s for the same curve, at the median of its runs among the others. "
-        "Work counts pairs of FFTs, those of coarser "
-        "grids by their size, or dense solutions.",
+        f"Errors of h, in g_0, are the largest over the loads, against the method `{attributes['reference_method']}` "
+        "at a residual of 1e-12 g_0, "
+        f"which took {attributes['reference_seconds']:.3g} s for the same curve.",
     ]
 
 
@@ -108,7 +111,7 @@ def draw(data: xr.Dataset, path: Path) -> None:
     """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG beside each other."""
     with matplotlib.style.context(style.SHEET, after_reset=True):
         figure, (time, pairs, accuracy) = style.column("", ["", "", ""], HEIGHT)
-        data = data.assign(time=median(data), pairs=_pairs(data))
+        data = data.assign(time=least_seconds(data), pairs=_pairs(data))
         _panel(time, data, "points", "time")
         _panel(pairs, data, "points", "pairs")
         _panel(accuracy, data, "time", "error")
@@ -140,6 +143,13 @@ def _mark_patches(axes: Axes, data: xr.Dataset) -> None:
         at = data.attrs["reference_seconds"]
         axes.axvline(at, color="0.5", linewidth=0.8, zorder=0)
         axes.annotate(
-            "contact patches:\nten digits", (at, 0.05), (-4, 0), xycoords=("data", "axes fraction"),
-            textcoords="offset points", fontsize=6.5, ha="right", va="bottom", color="0.35",
-        )  # fmt: skip
+            "contact patches:\n1e-12 or less",
+            (at, 0.05),
+            (4, 0),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            fontsize=6.5,
+            ha="left",
+            va="bottom",
+            color="0.35",
+        )

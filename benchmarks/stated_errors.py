@@ -1,7 +1,7 @@
 """Do methods keep what they state? On families of hard series, against contact patches at a tight tolerance.
 
-`python -m benchmarks.stated_errors` draws fresh series, prints a row a family, and the worst errors beyond it.
-With a file, exact curves are solved once.
+`python -m benchmarks.stated_errors` draws fresh series, prints how many numbers of a family are beyond what a method
+states of their errors, with the largest share of it, and lists the worst. With a file, exact curves are solved once.
 """
 
 from __future__ import annotations
@@ -14,153 +14,168 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 
-from benchmarks.families import FAMILIES, Draw, draws
+from benchmarks.families import FAMILIES, Draw, draws, relative_scale
 from weier import ConvergenceError
+from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
-from weier.methods.errors import OutOfReachError
-from weier.methods.registry import PLANNED, find_method
-from weier.methods.segment import QUANTITIES
 
-FINER = 10  # a difference is judged where the reference is finer than what is stated, or than it, by this
-MIN_RESISTANCE = 1e-3  # g_0/p_0*: errors of R are relative to it from here on
-OF_QUANTITY = "error of {}: median / 90 % / largest", "judged", "exceeded", "largest ratio", "median width"
-HEADER = ["family", "loads", *(column.format(symbol) for symbol in "hR" for column in OF_QUANTITY), "no patches"]
-HEADER += ["refused"]
-REFUSALS = ConvergenceError, OutOfReachError
+FINER = 10  # A number is judged where the reference is finer by this than what is stated, or than the difference.
 
 
 class Judged(NamedTuple):
     """How far a method is off on a draw, and what it states; each of shape (2, loads): h and R.
 
-    ratio : error over stated error, less what the reference may be off; NaN where the reference is too coarse
-    scale : of errors in the table
+    error : in g_0 and g_0/p_0*; NaN where the method finds no solution
+    stated : compliance_error and resistance_error
+    share : error over stated, after the uncertainty of the reference is taken off; NaN where that is too coarse
     """
 
     error: Array
     stated: Array
-    ratio: Array
-    scale: Array
-    uncertainty: Array
+    share: Array
 
 
-def by_elements(each: Draw, loads: Array) -> Any:
-    """Boundary elements with the settings of a draw."""
-    return bem.curve(each.profile, loads, **each.settings)
+def by_elements(draw: Draw, loads: Array) -> Any:
+    """Boundary elements on the grid of a draw, their staircase removed."""
+    return bem.curve(draw.profile, loads, **draw.settings)
 
 
-def by_patches(each: Draw, loads: Array) -> Any:
-    """Contact patches at their usual tolerance."""
-    return patches.curve(each.profile, loads)
+def by_staircase(draw: Draw, loads: Array) -> Any:
+    """Boundary elements on the same grid with their staircase, as in Section 5.1."""
+    return bem.curve(draw.profile, loads, **draw.settings, staircase="kept")
 
 
-def by_plan(each: Draw, loads: Array) -> Any:
-    """A plan for either quantity within 1e-8 to 0.1, which the draw decides."""
-    random = np.random.default_rng(each.loads.view(np.uint64))
-    tolerance, quantity = 10 ** random.uniform(-8, -1), str(random.choice(QUANTITIES))
-    return find_method(PLANNED).solve(each.profile, loads, tolerance, quantity)
+def by_patches(draw: Draw, loads: Array) -> Any:
+    """Contact patches at a residual of 1e-10 to 1e-6 g_0: below, the reference is no finer than what they state."""
+    random = np.random.default_rng(draw.loads.view(np.uint64))  # the same for the whole draw and its single loads
+    return patches.curve(draw.profile, loads, 10 ** random.uniform(-10, -6))
 
 
-METHODS: dict[str, Callable[[Draw, Array], Any]] = {"bem": by_elements, "patches": by_patches, PLANNED: by_plan}
+METHODS: dict[str, Callable[[Draw, Array], Any]] = {
+    "bem": by_elements,
+    "bem, staircase kept": by_staircase,
+    "patches": by_patches,
+}
+HEADER = ["family", "loads", *(f"{symbol} by {name}" for name in METHODS for symbol in "hR"), "no solution"]
 
 
-def judge(each: Draw, solve: Callable[[Draw, Array], Any] = by_elements) -> Judged:
-    """What a method finds, load by load where the curve is refused; NaN where the load is."""
+def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
+    """Compare a method with the exact curve, load by load where it refuses the curve; NaN where it refuses a load."""
     try:
-        found = _numbers(solve(each, each.loads))
-    except REFUSALS:
-        found = np.concatenate([_solve_or_refuse(each, load, solve) for load in each.loads], axis=1)
-    error, stated = np.abs(found[:2] - each.exact), found[2:]
-    fine = FINER * each.uncertainty <= np.maximum(stated, error)
+        found = _numbers(solve(draw, draw.loads))
+    except ConvergenceError:
+        found = np.concatenate([_solve_or_refuse(draw, load, solve) for load in draw.loads], axis=1)
+    error, stated = np.abs(found[:2] - draw.exact), found[2:]
+    is_known = FINER * draw.uncertainty <= np.maximum(stated, error)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(fine, np.maximum(error - each.uncertainty, 0) / stated, np.nan)
-    R = each.exact[1]
-    scale = np.array([np.ones(R.size), np.where(R > MIN_RESISTANCE, R, 1)])
-    return Judged(error, stated, ratio, scale, each.uncertainty)
+        share = np.where(is_known, np.maximum(error - draw.uncertainty, 0) / stated, np.nan)
+    return Judged(error, stated, share)
 
 
-def _numbers(found: Any) -> Array:
-    """Compliance, resistance and their stated errors, shape (4, loads)."""
-    return np.array([found.compliance, found.resistance, found.compliance_error, found.resistance_error])
+def _numbers(curve: Any) -> Array:
+    """Compliance, resistance and what is stated of their errors, shape (4, loads)."""
+    return np.array([curve.compliance, curve.resistance, curve.compliance_error, curve.resistance_error])
 
 
-def _solve_or_refuse(each: Draw, load: float, solve: Callable[[Draw, Array], Any]) -> Array:
+def _solve_or_refuse(draw: Draw, load: float, solve: Callable[[Draw, Array], Any]) -> Array:
     try:
-        return _numbers(solve(each, np.array([load])))
-    except REFUSALS as error:
-        click.echo(f"{each.profile!r} at {load}, {each.settings}: {error}", err=True)
+        return _numbers(solve(draw, np.array([load])))
+    except ConvergenceError as error:
+        click.echo(f"{draw.profile!r} at {load}, {draw.settings}: {error}", err=True)
         return np.full((4, 1), np.nan)
 
 
-def row(family: str, found: list[tuple[Draw, Judged]]) -> list[str]:
+def judge_all(draw: Draw) -> dict[str, Judged]:
+    """All methods on a draw."""
+    return {name: judge(draw, solve) for name, solve in METHODS.items()}
+
+
+Found = list[tuple[Draw, dict[str, Judged]]]
+
+
+def row(family: str, found: Found) -> list[str]:
     """The numbers of a family, below HEADER."""
-    all_of = Judged(*(np.concatenate(parts, axis=1) for parts in zip(*(judged for _, judged in found), strict=True)))
-    unsolved = np.isnan(all_of.uncertainty[0])
-    refused = np.isnan(all_of.stated[0])
-    cells = [family, str(np.count_nonzero(~unsolved & ~refused))]
-    for h_or_R in range(2):
-        cells += _of_quantity(Judged(*(values[h_or_R][~unsolved & ~refused] for values in all_of)))
-    return [*cells, str(np.count_nonzero(unsolved)), str(np.count_nonzero(refused & ~unsolved))]
+    cells, refused = [family, str(sum(draw.loads.size for draw, _ in found))], 0
+    for name in METHODS:
+        for quantity in range(2):
+            share = np.concatenate([judged[name].share[quantity] for _, judged in found])
+            share = share[~np.isnan(share)]
+            cells.append(f"{np.count_nonzero(share > 1)} of {share.size}, {share.max(initial=0):.2g}")
+        refused += sum(np.count_nonzero(np.isnan(judged[name].stated[0])) for _, judged in found)
+    return [*cells, str(refused)]
 
 
-def _of_quantity(of: Judged) -> list[str]:
-    """Errors, comparisons, exceeded ones, the largest ratio of error to statement, and the median of its inverse."""
-    if of.error.size == 0:
-        return ["-"] * len(OF_QUANTITY)
-    errors = " / ".join(f"{value:.0e}" for value in np.quantile(of.error / of.scale, (0.5, 0.9, 1)))
-    judged = of.ratio[~np.isnan(of.ratio)]
-    width = np.median(of.stated / np.maximum(of.error, of.uncertainty))
-    counts = str(judged.size), str(np.count_nonzero(judged > 1))
-    return [errors, *counts, f"{judged.max(initial=0):.2g}", f"{width:.2g}"]
+def exceeded(found: Found) -> Iterator[tuple[float, str]]:
+    """Errors larger than stated: their share of it, and where they are."""
+    for draw, by_method in found:
+        D, gamma, m, phases = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phase.tolist()
+        for name, judged in by_method.items():
+            for quantity, load in np.argwhere(judged.share > 1):
+                error, stated, uncertainty = (
+                    f"{values[quantity, load]:.2e}" for values in (judged.error, judged.stated, draw.uncertainty)
+                )
+                yield (
+                    float(judged.share[quantity, load]),
+                    f"{'hR'[quantity]} by {name} is off by {error}, stated {stated}, known to {uncertainty} "
+                    f'({draw.family}): Profile({D}, "{gamma}", {m}, {phases}) at {draw.loads[load]}, {draw.settings}',
+                )
 
 
-def exceeded(found: list[tuple[Draw, Judged]]) -> Iterator[tuple[float, str]]:
-    """Errors larger than stated: by which ratio, and where."""
-    for draw, judged in found:
-        D, gamma, m, phase = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phase
-        for at in map(tuple, np.argwhere(judged.ratio > 1)):
-            error, stated, uncertainty = (
-                f"{part[at]:.2e}" for part in (judged.error, judged.stated, judged.uncertainty)
-            )
+def accuracy(found: Found) -> Iterator[str]:
+    """The errors of each method on all draws: of R relative to itself from 1e-3 g_0/p_0* on."""
+    for name in METHODS:
+        for quantity in range(2):
+            errors, stated = [], []
+            for draw, judged in found:
+                scale = relative_scale(draw.exact[1]) if quantity else 1.0
+                errors.append(judged[name].error[quantity] / scale)
+                stated.append(judged[name].stated[quantity] / scale)
+            errors_known = np.concatenate(errors)
+            errors_known = errors_known[~np.isnan(errors_known)]
+            middle, high, most = np.quantile(errors_known, (0.5, 0.9, 1))
             yield (
-                float(judged.ratio[at]),
-                (
-                    f"{'hR'[at[0]]} off by {error}, stated {stated}, known to {uncertainty} ({draw.family}): "
-                    f'Profile({D}, "{gamma}", {m}, {phase.tolist()}) at {draw.loads[at[1]]}, {draw.settings}'
-                ),
+                f"{'hR'[quantity]} by {name}: half of the errors are below {middle:.0e}, 90 % below {high:.0e}, "
+                f"all below {most:.0e}; half of what is stated is below {np.nanmedian(np.concatenate(stated)):.0e}"
             )
 
 
-def report(found: list[tuple[Draw, Judged]], worst: int) -> None:
-    """Print a row a family, one of all, and the worst of what exceeds its statement."""
-    click.echo("| " + " | ".join(HEADER) + " |\n" + "|---" * len(HEADER) + "|")
+def report(found: Found, worst: int) -> None:
+    """Print a row a family, one of all, the errors of each method, and the worst of what exceeds its statement."""
+    rows = []
     for family in (*FAMILIES, "all"):
-        if of_family := [each for each in found if family in (each[0].family, "all")]:
-            click.echo("| " + " | ".join(row(family, of_family)) + " |")
-    for ratio, where in sorted(exceeded(found), reverse=True)[:worst]:
-        click.echo(f"{ratio:.3g} times: {where}")
+        if of_family := [one for one in found if family in (one[0].family, "all")]:
+            rows.append(row(family, of_family))
+    click.echo(markdown.table(HEADER, rows))
+    for line in accuracy(found):
+        click.echo(line)
+    for share, where in sorted(exceeded(found), reverse=True)[:worst]:
+        click.echo(f"{share:.3g} times: {where}")
 
 
 @click.command(context_settings={"show_default": True})
-@click.option("--method", type=click.Choice([*METHODS]), default="bem", help="Which is compared.")
 @click.option("--count", default=6000, help="Loads that are compared.")
-@click.option("--seed", type=int, help="Of the draws; another one each time unless told.")
-@click.option("--families", default=",".join(FAMILIES), help="Which of them, with commas.")
+@click.option("--seed", type=int, help="Seed of the draws; another one each time by default.")
+@click.option("--families", default=",".join(FAMILIES), help="Families to draw from, with commas.")
 @click.option(
     "--file", type=click.Path(dir_okay=False, path_type=Path), help="Where draws and exact curves are kept."
 )
 @click.option("--worst", default=20, help="Exceeded statements to print.")
-def main(method: str, count: int, seed: int | None, families: str, file: Path | None, worst: int) -> None:
-    """Compare a method with tight contact patches on families of hard series; Ctrl-C prints what there is."""
+def main(count: int, seed: int | None, families: str, file: Path | None, worst: int) -> None:
+    """Compare methods with tight contact patches on families of hard series.
+
+    A cell has the numbers beyond what is stated, the numbers judged, and the largest error in what is stated of it.
+    Ctrl-C prints what was found so far.
+    """
     names = [name.strip() for name in families.split(",")]
     if unknown := set(names) - set(FAMILIES):
         raise click.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(FAMILIES)}")
     seed = secrets.randbits(32) if seed is None else seed
     click.echo(f"seed {seed}", err=True)
-    found = []
+    found: Found = []
     try:
-        for each in draws(file, names, np.random.default_rng(seed), count):
-            found.append((each, judge(each, METHODS[method])))
+        for draw in draws(file, names, np.random.default_rng(seed), count):
+            found.append((draw, judge_all(draw)))
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)
     report(found, worst)

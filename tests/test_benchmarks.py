@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, measure, parts, programs, report, to_error
+from benchmarks import command, measure, parts, programs, report, to_error, trade
 from benchmarks.problem import Problem, Reference, examine, fourier, linear_elements
 from benchmarks.programs import PROGRAMS
 from benchmarks.solvers import slippy
@@ -27,8 +26,8 @@ TOLERANCE = 1e-8
 
 @pytest.fixture(scope="module")
 def compared() -> xr.Dataset:
-    """The fast and the dense solver, the latter not asked for the finer grid."""
-    plan = {32: ["weier", "dense"], 64: ["weier"]}
+    """The fast and the dense solver, the latter on the coarser grid alone."""
+    plan = {32: ["weier", "weier_default", "dense"], 64: ["weier", "weier_default"]}
     return measure.compare(PROFILE, LOADS, plan, TOLERANCE, 2, REFERENCE, lambda text: None)
 
 
@@ -42,9 +41,16 @@ def made_up(repeats: int = 2) -> xr.Dataset:
         row["converged"].values[:] = 1
         row["seconds"].values[:] = 0.1 * (rank + 1)
     return data.assign_attrs(
-        D=1.25, gamma="5", m=1, tolerance=TOLERANCE, reference_method="patches", reference_seconds=0.05,
-        packages="numpy 2", machine="a computer", discretisation="Made up.",
-    )  # fmt: skip
+        D=1.25,
+        gamma="5",
+        m=1,
+        tolerance=TOLERANCE,
+        reference_method="patches",
+        reference_seconds=0.05,
+        packages="numpy 2",
+        machine="a computer",
+        discretisation="Made up.",
+    )
 
 
 def test_the_dense_inversion_solves_the_same_system(compared):
@@ -55,6 +61,7 @@ def test_the_dense_inversion_solves_the_same_system(compared):
     assert compared["load_error"].max() <= 1e-12
     coarse_error, fine_error = compared["error"].sel(program="weier").values
     assert fine_error < coarse_error < 5e-3
+    assert np.all(compared["error"].sel(program="weier_default") < 0.2 * compared["error"].sel(program="weier"))
     assert np.isnan(compared["seconds"].sel(program="dense", points=64)).all()
     assert np.all(measure.wrong(compared) == 0)
     assert np.all(measure.failed(compared) == 0)
@@ -104,69 +111,92 @@ def test_the_file_holds_everything(compared, tmp_path: Path):
 
 
 @pytest.fixture
-def one_wave(monkeypatch: pytest.MonkeyPatch) -> to_error.Exact:
+def one_wave(monkeypatch: pytest.MonkeyPatch) -> to_error.Reference:
     """Westergaard's curve in the place of the three waves."""
     monkeypatch.setattr(to_error, "PROFILE", PROFILE)
     monkeypatch.setattr(to_error, "LOADS", LOADS)
-    return to_error.Exact(westergaard.compliance(LOADS), westergaard.resistance(LOADS), 1.0)
+    return to_error.Reference(westergaard.compliance(LOADS), westergaard.resistance(LOADS))
 
 
-@pytest.mark.parametrize(("name", "of_R"), [("dense", 0.2), ("weier", 0.2), ("weier_between", 1e-4)])
-def test_errors_of_both_quantities(name: str, of_R: float, one_wave: to_error.Exact):
-    """The dense inversion stands for those that know no resistance; on 64 nodes a step of the load is 3 % of it."""
-    at = (64, 1e-10, one_wave)
-    assert 1e-9 < to_error.attempt(name, "h", *at).error < 1e-2
-    tried = to_error.attempt(name, "R", *at)
-    assert 1e-9 < tried.error < of_R
-    assert tried.how.startswith("differences by" if name == "dense" else "")
+@pytest.mark.parametrize(("name", "error"), [("dense", 2e-3), ("weier", 2e-3), ("weier_default", 1e-4)])
+def test_the_error_on_a_grid_falls_with_the_second_power_of_the_nodes(
+    name: str, error: float, one_wave: to_error.Reference
+):
+    """The dense inversion stands for programs that are not weier's."""
+    coarse, fine = (to_error.attempt(name, points, 1e-10, one_wave) for points in (64, 256))
+    assert fine.error < coarse.error / 8 < error / 8
+    assert coarse.prepare()() > 0
+
+
+def test_contact_patches_take_one_time_for_all_targets(one_wave, monkeypatch):
+    monkeypatch.setattr(to_error, "MIN_SECONDS", 0.0)
+    reached = to_error.measure(to_error.PATCHES, one_wave)
+    assert len(reached) == len(to_error.TARGETS)
+    assert len({one.seconds for one in reached}) == 1
 
 
 def test_the_smallest_grid_is_found(monkeypatch, capsys):
     tried = []
 
-    def second_order(name, quantity, points, residual, reference):
+    def second_order(name, points, residual, reference):
         tried.append(points)
-        return to_error.Attempt((points / 100) ** -2.0, lambda: int)
+        return to_error.Attempt((points / 100) ** -2.0, lambda: lambda: 1.0)
 
     monkeypatch.setattr(to_error, "attempt", second_order)
-    reached = to_error.smallest("weier", "h", 1e-4, None)
-    assert reached.points == next(size for size in to_error.SIZES if size >= 10_000)
+    reached = to_error.find_smallest("weier", 1e-4, None)
+    assert reached == to_error.Reached(next(size for size in to_error.SIZES if size >= 10_000), 1.0)
     assert 1 < len(tried) < len(to_error.SIZES) / 2
-    assert to_error.smallest("weier", "h", 1e-6, None) is None
-    assert "h within 1e-06 by weier: 65536 nodes leave" in capsys.readouterr().err
+    assert to_error.find_smallest("weier", 1e-7, None) is None
+    assert "1e-07 g_0 by weier: 196608 nodes leave" in capsys.readouterr().err
 
 
 def test_no_grid_is_tried_that_would_take_too_long(monkeypatch):
-    """An attempt that takes that long is the last; what it has not reached is not asked for with more nodes."""
+    """An attempt that takes that long is the last; what it has not reached is not tried with more nodes."""
     clock = iter(np.arange(100) * (to_error.MAX_SECONDS + 1))
-    monkeypatch.setattr(to_error, "process_time", lambda: next(clock))
-    monkeypatch.setattr(to_error, "attempt", lambda *at: to_error.Attempt(at[2] ** -2.0, lambda: int))
-    assert to_error.smallest("tamaas", "h", 1e-7, None).seconds == np.inf
-    assert to_error.smallest("tamaas", "h", 1e-5, None).points == 400
-    tried = json.loads(json.dumps(to_error.measure("tamaas", None)))  # as files keep it
-    assert [seconds for _, seconds, _ in tried["h"]] == [to_error.MAX_SECONDS + 1] * 2 + [np.inf] * 2
+    slow = programs.PROGRAMS["tamaas"]._replace(clock=lambda: next(clock))
+    monkeypatch.setitem(to_error.PROGRAMS, "tamaas", slow)
+    attempt = to_error.Attempt(0.0, lambda: lambda: to_error.MAX_SECONDS + 1)
+    monkeypatch.setattr(to_error, "attempt", lambda *at: attempt._replace(error=at[1] ** -2.0))
+    assert to_error.find_smallest("tamaas", 1e-7, None).seconds == np.inf
+    assert to_error.find_smallest("tamaas", 1e-5, None).points == 512
+    reached = to_error.measure("tamaas", None)
+    assert [one.seconds for one in reached] == [to_error.MAX_SECONDS + 1] * 2 + [np.inf] * 2
 
 
-def test_a_table_of_times_says_what_is_not_reached():
-    found = {
-        (name, quantity, target): to_error.Reached(400, seconds, "")
-        for name, seconds in ((to_error.OURS, 0.01), ("tamaas", 1.0))
-        for quantity, targets in to_error.TARGETS.items()
-        for target in targets
+def test_the_table_of_times_compares_with_the_faster_of_the_two_methods():
+    reached = {
+        to_error.ELEMENTS: [to_error.Reached(512, seconds) for seconds in (0.01, 0.02, 0.05, 1.0)],
+        to_error.PATCHES: [to_error.Reached(0, 0.1)] * 4,
+        "tamaas": [to_error.Reached(512, 1.0)] * 3 + [to_error.Reached(8192, np.inf)],
+        "slippy": [to_error.Reached(512, 1.0)] * 3 + [None],
     }
-    found["tamaas", "R", 1e-2] = to_error.Reached(8192, np.inf, "")
-    found["tamaas", "R", 1e-3] = None
-    *_, ours, tamaas = to_error.table(found, [to_error.OURS, "tamaas"]).splitlines()
-    assert ours.startswith("| weier, edges between nodes | 0.01 s, 400 nodes |")
-    assert tamaas.startswith("| tamaas | 100 times, 1 s, 400 nodes |")
-    assert tamaas.endswith("| over 60 s | not reached |")
+    *_, elements, patches, tamaas, slippy = to_error.table(reached).splitlines()
+    assert elements.startswith("| weier, boundary elements | 0.01 s, 512 nodes | 0.02 s, 512 nodes |")
+    assert patches.startswith("| weier, contact patches | 0.1 s | 0.1 s |")
+    assert tamaas.startswith("| tamaas | 1 s, 512 nodes, 100 times | 1 s, 512 nodes, 50 times |")
+    assert tamaas.endswith("| over 60 s, over 600 times |")
+    assert slippy.endswith("| not reached |")
+    assert all(name in to_error.describe(reached) for name in ("to_error.png", tamaas))
 
 
-def test_the_figure_of_errors_is_written(monkeypatch, tmp_path: Path):
-    tried = to_error.Attempt(1e-3, lambda: int)
-    monkeypatch.setattr(to_error, "attempt", lambda *arguments: tried)
-    to_error.draw(["weier", "tamaas", "slippy"], None, tmp_path / "to_error.pdf")
+def test_the_figure_of_errors_is_written(one_wave, monkeypatch, tmp_path: Path):
+    monkeypatch.setattr(to_error, "attempt", lambda *arguments: to_error.Attempt(1e-3, lambda: float))
+    monkeypatch.setattr(to_error, "SIZES", [64, 128])
+    to_error.draw([to_error.KEPT, to_error.ELEMENTS, "tamaas", "slippy"], one_wave, tmp_path / "to_error.pdf")
     assert {path.suffix for path in tmp_path.iterdir()} == {".pdf", ".svg", ".png"}
+
+
+def test_the_trade_has_bounds_where_a_method_states_them():
+    case = trade.random_case(np.random.default_rng(0))
+    assert case.loads[-1] < case.profile.full_contact_load
+    layer, elements, patches = (
+        trade.row(method, [trade.measure(case, method, {}, 1)]) for method in ("layer", "bem", "patches")
+    )
+    assert len(layer) == len(elements) == len(trade.HEADER)
+    assert layer[3:5] == ["", ""]
+    assert 0 < float(elements[4]) <= 1
+    assert float(patches[4]) <= 1
+    assert {name for name, _ in trade.METHODS.values()} == {"archard", "demelio", "layer", "bem", "patches"}
 
 
 def test_nothing_is_solved_where_no_pressure_is():
@@ -190,7 +220,7 @@ def test_a_missing_program_is_named_with_how_to_install_it(monkeypatch, capsys):
     assert "SLIPPY_PYTHON" in said
 
 
-def test_another_environment_is_asked_through_a_pipe():
+def test_another_environment_answers_through_a_pipe():
     """The worker run by this interpreter, with or without slippy: it ends at what it cannot do."""
     worker = slippy.Worker(sys.executable)
     with worker.process, pytest.raises(RuntimeError, match="has ended"):

@@ -1,1 +1,1 @@
-"""One file for each program compared; foreign ones are imported only when they are asked to begin."""
+"""One file for each program compared; a foreign one is imported only where its first solver begins."""

@@ -1,4 +1,4 @@
-"""slippy: the conjugate gradients of Polonsky and Keer, asked in a process of its own.
+"""slippy: the conjugate gradients of Polonsky and Keer, run in a process of its own.
 
 slippy 0.5.2 wants an older NumPy than weier can have, so it stays in another environment, whose interpreter
 SLIPPY_PYTHON names. The arrays that go to and fro take well below a millisecond a load.

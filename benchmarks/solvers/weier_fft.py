@@ -1,4 +1,4 @@
-"""weier's fast boundary elements: `curve` as a user calls it, and load by load to see the pressure."""
+"""weier's fast boundary elements: whole curves as users call them, and single loads whose pressure is examined."""
 
 from __future__ import annotations
 
@@ -8,41 +8,51 @@ from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array
 from weier.methods.bem import active_set
 from weier.methods.bem import curve as solve_curve
+from weier.methods.bem.staircase import remove_staircase
 
 
-class Descent(NamedTuple):
-    """The grids, and whether they are to find the resistance."""
+class NestedGrids(NamedTuple):
+    """The nested grids of a problem, and whether the staircase is removed from their solutions."""
 
     grids: active_set.NestedSolver
-    with_resistance: bool
+    total_amplitude: float
+    is_staircase_removed: bool
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """The grids keep their own start and tolerance."""
-        self.grids.solve(load)
-        pressure = self.grids.state.pressure.copy()
-        if self.with_resistance:
-            self.grids.solve_rate()
-        return Step(pressure, self.grids.work, self.grids.residual <= self.grids.grid.max_residual)
+        """Solve by the method's own start and tolerance, which make the other two arguments superfluous."""
+        found = self.grids.solve_discrete(load, with_rate=self.is_staircase_removed)
+        plane = remove_staircase(found).plane if self.is_staircase_removed else found.plane
+        converged = found.residual <= self.grids.grid.max_residual
+        return Step(found.pressure, self.grids.work, converged, self.total_amplitude - plane)
 
 
-def begin(problem: Problem, with_resistance: bool = False) -> Descent:
-    """Grids and arrays."""
-    return Descent(active_set.NestedSolver(problem.profile, problem.points, problem.tolerance), with_resistance)
+def begin(problem: Problem) -> NestedGrids:
+    """Make the grids for the paper's scheme, whose edges of contact move from node to node."""
+    return _begin(problem, is_staircase_removed=False)
 
 
-def begin_with_resistance(problem: Problem) -> Descent:
-    """A solver for the heights and, beside these, for the resistance."""
-    return begin(problem, with_resistance=True)
+def begin_default(problem: Problem) -> NestedGrids:
+    """Make the grids for the default, which finds the resistance, too, and removes the staircase."""
+    return _begin(problem, is_staircase_removed=True)
 
 
-def curve(problem: Problem, resistance: bool = False) -> object:
-    """The whole curve in one call."""
+def _begin(problem: Problem, is_staircase_removed: bool) -> NestedGrids:
+    grids = active_set.NestedSolver(problem.profile, problem.points, problem.tolerance)
+    return NestedGrids(grids, problem.profile.total_amplitude, is_staircase_removed)
+
+
+def curve(problem: Problem) -> object:
+    """Solve for the whole compliance curve by the paper's scheme."""
     return solve_curve(
-        problem.profile, problem.loads, points=problem.points, tolerance=problem.tolerance, resistance=resistance,
-        edges="nodes",
-    )  # fmt: skip
+        problem.profile,
+        problem.loads,
+        points=problem.points,
+        tolerance=problem.tolerance,
+        with_resistance=False,
+        staircase="kept",
+    )
 
 
-def curve_with_resistance(problem: Problem) -> object:
-    """The whole curve and its derivative."""
-    return curve(problem, resistance=True)
+def curve_default(problem: Problem) -> object:
+    """Solve for the whole curve as by default: compliance and resistance with their bounds."""
+    return solve_curve(problem.profile, problem.loads, points=problem.points, tolerance=problem.tolerance)
