@@ -44,9 +44,7 @@ def _owner(module: str) -> str:
 
 # Called with the module of each kernel that the cache does not hold, before it is compiled: for many seconds, nothing
 # else would be seen. A method is announced once.
-LISTENERS: list[Callable[[str], None]] = [
-    lambda module: _announce(_owner(module))
-]
+LISTENERS: list[Callable[[str], None]] = [lambda module: _announce(_owner(module))]
 UNKNOWN: list[Kernel] = []  # to numba
 
 
