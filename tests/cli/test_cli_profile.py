@@ -192,7 +192,7 @@ def test_a_figure_without_a_name_is_a_file_that_is_named(run, tmp_path, monkeypa
     assert (code, out) == (0, "")
     assert "the figure is in compliance.png" in err
     assert (tmp_path / "compliance.png").stat().st_size > 10_000
-    assert "bem is left out: m = inf has no finest wave to resolve" in err
+    assert "patches is left out: m = inf has no finest wave to resolve" in err
 
 
 def test_a_figure_shows_in_a_window_where_there_is_a_display(tmp_path, monkeypatch):
