@@ -8,7 +8,7 @@ from weier.theory.arguments import shown
 from weier.theory.profile import Profile
 from weier.theory.waves import MAX_POINTS, Waves
 
-MAX_WAVES = 100_000  # of the finest wave in one period: 3.2 million nodes by default, half a gigabyte
+MAX_WAVES = 100_000  # of the finest wave in one period: 6.4 million nodes by default, 1.2 gigabytes
 MAX_CREST_TERMS = 16_000_000  # waves of the finest term times terms: those of all crests take 4 GB
 NEARBY = 0.01  # relative: a ratio that stands in for one that has no period, or too long a one
 NEARBY_DENOMINATOR = 99

@@ -196,7 +196,7 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
 
 def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
     monkeypatch.setattr(active_set.NestedSolver, "solve_rate", lambda *_: np.inf)
-    with pytest.raises(ConvergenceError, match=r"not the resistance under the mean pressure 0\.1 "):
+    with pytest.raises(ConvergenceError, match=r"under 0\.1 p_0\* but not its derivative by the load"):
         curve(THREE_WAVES, np.array([0.1]), points=400)
 
 

@@ -137,10 +137,32 @@ def test_in_full_contact_all_is_known():
     assert found.contact_fraction[2] == 1
 
 
-@pytest.mark.parametrize("solver", ["fft", "direct"])
-def test_both_solvers_have_the_same_staircase(solver):
+def test_a_mirrored_profile_has_mirrored_edges_and_the_same_numbers():
+    """Contacts and gaps of one node among them: from the right as from the left."""
+    phases = 0.4, 2.1, 5.0
+    one, other = Profile(1.6, 3, 3, phases), Profile(1.6, 3, 3, [-phi for phi in phases])
+    loads = np.linspace(0.05, 0.95, 40) * one.full_contact_load
+    found, mirrored = (curve(profile, loads, points_per_wave=12, tolerance=1e-12) for profile in (one, other))
+    np.testing.assert_allclose(found.compliance, mirrored.compliance, atol=1e-10)
+    np.testing.assert_allclose(found.resistance, mirrored.resistance, atol=1e-7)
+    np.testing.assert_array_equal(found.patch_count, mirrored.patch_count)
+    np.testing.assert_allclose(found.contact_fraction, mirrored.contact_fraction, atol=1e-6)
+
+
+def test_contact_is_full_or_has_a_resistance():
+    """Where the last gap is a node that has closed, nothing is left of mean gap and resistance."""
+    profile = Profile(1.8604, 2, 2, (0.0, 1.0))
+    loads = np.linspace(0.95, 1.0, 60) * profile.full_contact_load
+    found = curve(profile, loads, points_per_wave=16)
+    full = found.patch_count == 0
+    assert np.all((found.resistance == 0) == full)
+    assert np.all(found.compliance[full] == pytest.approx(profile.total_amplitude, rel=1e-14))
+    assert full[:-1].any()
+
+
+def test_both_solvers_have_the_same_staircase():
     profile, loads = Profile(1.5, 3, 3, random_phases(4)), np.geomspace(1e-3, 3, 12)
-    found, other = (curve(profile, loads, points=288, solver=each) for each in (solver, "fft"))
+    found, other = (curve(profile, loads, points=288, solver=each) for each in ("direct", "fft"))
     np.testing.assert_allclose(found.compliance, other.compliance, atol=1e-9)
     np.testing.assert_allclose(found.resistance, other.resistance, rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose(found.contact_edge, other.contact_edge, atol=1e-5)

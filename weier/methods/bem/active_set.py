@@ -107,11 +107,6 @@ def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: 
     np.fft.irfft(spectrum, product.size, out=product)
 
 
-def count_patches(contact: Flags) -> int:
-    """Unbroken runs of contact around the period; 0 when nothing separates them (full contact)."""
-    return int(np.count_nonzero(contact & ~np.roll(contact, 1)))
-
-
 @kernel
 def dot(a: Array, b: Array) -> float:
     """The sum of the products of two arrays."""

@@ -20,7 +20,7 @@ CREST_MISSED = (2 * math.pi) ** 2 / 8
 MIN_MEASURED_POINTS = 12  # for each of the finest waves: coarser grids were not measured
 MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
 MAX_POINTS = 2**21  # a load then takes a second
-MAX_CHORDS = 10**6  # that are drawn at a time: 40 MB
+MAX_OTHERS = 400  # loads of a curve to which chords are drawn from each: more make them hardly closer
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 8e-5
 SECONDS_NODE = 1.3e-8  # of each load and node, for a pair of FFTs, of which there are more for more contacts
@@ -63,30 +63,35 @@ def fewest_points(profile: Waves, error: float) -> int:
 
 
 def errors(
-    profile: Waves, loads: Array, points: int, curve: tuple[Array, Array], residual: Array
+    profile: Waves,
+    loads: Array,
+    points: int,
+    curve: tuple[Array, Array],
+    residual: Array,
+    with_others: bool = True,
 ) -> tuple[Array, Array]:
     """Errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
     From full contact on, both are known. The compliance is known at no load, too, so that the chords of the concave
-    curve between its loads and these two bound the resistance.
+    curve to these two, and to others of its loads if wanted, bound the resistance.
     """
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude
     of_h = np.where(loads < full, solution_error(profile, points, residual), rounding)
-    other = np.concatenate([[0.0], loads, [full]])
+    some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_OTHERS) * with_others).astype(np.int64))
+    other = np.concatenate([[0.0], loads[some], [full]])
     known = np.stack(
         [
-            np.concatenate([[first_contact(profile)], h, [profile.total_amplitude]]),
-            np.concatenate([[rounding], of_h, [rounding]]),
+            np.concatenate([[first_contact(profile)], h[some], [profile.total_amplitude]]),
+            np.concatenate([[rounding], of_h[some], [rounding]]),
         ]
     )
-    of_R = np.zeros(loads.size)
-    for some in np.array_split(np.arange(loads.size), math.ceil(loads.size**2 / MAX_CHORDS)):
-        shape = (some.size, other.size)
+    low, high = np.zeros(loads.size), np.zeros(loads.size)
+    for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / MAX_OTHERS)):
+        shape = (part.size, other.size)
         others = np.broadcast_to(other, shape), np.broadcast_to(known[:, None], (2, *shape))
-        low, high = chord_bounds(loads[some], h[some], of_h[some], *others)
-        of_R[some] = np.maximum(high - R[some], R[some] - low)
-    return of_h, np.where(loads < full, of_R, 0.0)
+        low[part], high[part] = chord_bounds(loads[part], h[part], of_h[part], *others)
+    return of_h, np.where(loads < full, np.maximum(high - R, R - low), 0.0)
 
 
 def seconds(points: float, contacts: Array) -> tuple[float, Array]:

@@ -29,7 +29,7 @@ class Field(NamedTuple):
 def field(profile: Waves, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
     """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
-    The edges of contact are on nodes. Parameters are those of `curve`.
+    The staircase is kept: these are the numbers of the nodes. Parameters are those of `curve`.
 
     Raises
     ------
@@ -44,7 +44,9 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     check_tolerance(tolerance)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     height = profile.sampled_height(points)
-    if load >= full_contact_load(profile, points):  # pressed flat, however heavy: a solver would lose the waves
+    if load >= min(
+        full_contact_load(profile, points), profile.full_contact_load
+    ):  # pressed flat, however heavy: a solver would lose the waves
         return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
     grid = NestedSolver(profile, points, tolerance)
     plane = grid.solve(load)

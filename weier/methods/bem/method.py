@@ -19,7 +19,7 @@ from weier.theory.waves import Waves
 
 # Points for each of the finest waves. Halved, they stay whole.
 POINTS_COMPARED = (12, 16, 32, 64, 128, 256, 512, 1024)
-POINTS_ON_NODES = (12, 96, 768)  # with the staircase: from the paper's 12 on
+POINTS_KEPT = (12, 96, 768)  # with the staircase: from the paper's 12 on
 MAX_POINTS_COMPARED = 100_000  # in one period
 RESIDUAL_SHARE = 1e-3  # of the tolerance of a plan, at which boundary elements stop: it costs a step or two
 
@@ -41,8 +41,8 @@ def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
     """Several grids, without the staircase and with it."""
     waves = profile.waves_per_period[-1]
     largest = MAX_POINTS_COMPARED / waves
-    for count in (count for count in POINTS_ON_NODES if count <= largest):
-        yield f"nodes {count}", {"points": count * waves, "staircase": "kept"}
+    for count in (count for count in POINTS_KEPT if count <= largest):
+        yield f"kept {count}", {"points": count * waves, "staircase": "kept"}
     for count in (count for count in POINTS_COMPARED if count <= largest):
         yield f"{count}", {"points": count * waves}
 
@@ -97,17 +97,8 @@ def _candidates(task: Task) -> Iterator[Segment]:
 def _solve_segment(profile: Waves, points: int, residual: float, loads: Array) -> SegmentSolution:
     grid = curve(profile, loads, points=points, tolerance=residual)
     # The errors of a plan depend on no other load, so that no chord leads from one of them to another.
-    alone = [
-        error_model.errors(
-            profile,
-            loads[i : i + 1],
-            points,
-            (grid.compliance[i : i + 1], grid.resistance[i : i + 1]),
-            grid.residual[i : i + 1],
-        )[1]
-        for i in range(loads.size)
-    ]
-    return SegmentSolution(grid.compliance, grid.resistance, grid.compliance_error, np.concatenate(alone))
+    of_h, of_R = error_model.errors(profile, loads, points, (grid.compliance, grid.resistance), grid.residual, False)
+    return SegmentSolution(grid.compliance, grid.resistance, of_h, of_R)
 
 
 METHOD = Method(

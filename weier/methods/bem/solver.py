@@ -34,8 +34,9 @@ class Curve(NamedTuple):
     work : pairs of FFTs (solver "fft"; those of other grids by their size) or dense solutions ("direct")
     compliance_error : the most that a grid can miss at first touch, and no larger error was measured at any load, in
         g_0; with what the residual adds
-    resistance_error : a bound, in g_0/p_0*, by the chords of the concave curve h(p), which `compliance_error` widens
-    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN
+    resistance_error : by the chords of the concave curve h(p), in g_0/p_0*: a bound if `compliance_error` is one
+    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
+        left edges are in the period
     points : nodes in one period; a scalar
     """
 
@@ -77,7 +78,7 @@ def curve(
         Largest residual, in g_0.
     with_resistance : bool
         Whether the result has the resistance; without, it is NaN. That saves the fast solver a third of its time
-        where the staircase is kept; to remove it takes the same second solution.
+        where the staircase is kept. Removing the staircase needs the same second solution anyway.
     staircase : "removed" or "kept"
         Whether the steps in which edges of contact move from node to node are taken off (docs/bem.md, "The
         staircase"). Kept, all is as in Section 5.1, with edges on nodes.
@@ -99,8 +100,8 @@ def curve(
 
     Notes
     -----
-    Each load is solved by itself, whatever the others are; `resistance_error` alone is smaller where there are
-    more loads. The compliance converges about as N^-2.
+    Each load is solved by itself, whatever the others are (by the dense solver to rounding); `resistance_error` alone
+    is smaller where there are more loads. The compliance converges about as N^-2.
 
     With the staircase, the resistance converges as N^-1: it is then the exact derivative of the discrete h(p),
     which is linear as long as no node changes side, and the edges of contact move by whole nodes.
@@ -133,7 +134,8 @@ def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: i
     for at, each in enumerate(found):
         plane[at], resistance[at], residual[at], work[at] = each.plane, each.resistance, each.residual, each.work
         count[at] = each.edge.size // 2
-        edge[at, : each.edge.size] = each.edge * (float(profile.period) / points)
+        pairs = each.edge.reshape(-1, 2) - points * np.floor(each.edge[::2, None] / points)
+        edge[at, : each.edge.size] = pairs[np.argsort(pairs[:, 0])].ravel() * (float(profile.period) / points)
         if each.edge.size:  # all nodes may touch where the continuum has a gap between two
             fraction[at] = np.sum(each.edge[1::2] - each.edge[::2]) / points
     compliance = profile.total_amplitude - plane
@@ -227,7 +229,7 @@ def check_resistance(resistance: float, load: float, points: int) -> None:
     """Refuse a resistance that the solver gave up, which it says by inf."""
     if np.isinf(resistance):
         raise ConvergenceError(
-            f"boundary elements on {points} points found the compliance but not the resistance under the mean "
-            f"pressure {load:.6g} p_0*; try other points, or contact patches",
+            f"boundary elements on {points} points found the pressure under {load:.6g} p_0* but not its derivative "
+            'by the load; try other points, contact patches, or staircase="kept" without the resistance',
             np.inf,
         )

@@ -2,7 +2,7 @@
 
 On a grid an edge of contact waits at a node while the load rises, and then takes the next one. The resistance is
 therefore a staircase, and the compliance a polygon. From the solution and its derivative by the load follow how far
-each edge is in its step, and the means of compliance and resistance over a step (docs/bem.md, "The staircase").
+each edge is in its step, and compliance and resistance in the continuum (docs/bem.md, "The staircase").
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from weier.kernels.jit import kernel
 
 # From the last node in contact to the edge in the continuum, in nodes, at the middle of a step; `alpha` in the docs.
 EDGE = 0.384947631413
-MEAN_OF_STEP = (
-    1 / 24
-)  # of D (a + b): what the compliance is above the mean over a step, for piecewise-linear pressure
+# What a grid has too much of compliance as a step begins, over D (a + b), for piecewise-linear pressure.
+AT_START_OF_STEP = 1 / 24
 NEIGHBOUR_STIFFNESS = 0.439056239  # r of the docs: pressure that one displaced node takes off the next, over its own
 CLOSED = (5 - NEIGHBOUR_STIFFNESS) / 6  # of a step, from which on a gap of one node is closed in the continuum
 LONE_CONTACT = 1 / (2 * math.log(2))  # square of the half-width of a contact of one node as its step ends, in nodes
@@ -34,7 +33,8 @@ class NodalSolution(NamedTuple):
     pressure : p of the nodes, shape (N,), in p_0*
     gap : g at the nodes, shape (N,), in g_0
     tangent_pressure : q = dp/d(mean pressure), of mean 1, shape (N,)
-    tangent_displacement : A q, which is R in contact, shape (N,), in g_0/p_0*
+    tangent_displacement : A q, which is R in contact, shape (N,), in g_0/p_0*; both are meaningless where R is NaN,
+        since it was not asked for
     contact : whether a node is in contact, shape (N,)
     residual : largest violation of a contact condition, as a length in g_0
     work : solver's own measure of cost
@@ -83,7 +83,7 @@ def _edges_in_their_steps(
                 since[side, j], until[side, j] = a, b
                 if contact[behind] and a + b > 0:
                     D, f = q * t / points, a / (a + b)
-                    of_gap += D * (a + b) * (MEAN_OF_STEP - (f - f * f) / 2)
+                    of_gap += D * (a + b) * (AT_START_OF_STEP - (f - f * f) / 2)
                     of_resistance += (f - 0.5) * D
                     beyond[side, j] += f - 0.5
     return of_gap, of_resistance, beyond, _edges_of_single_nodes(contact, since, until, beyond)
@@ -99,14 +99,15 @@ def _edges_of_single_nodes(
     """
     points, closed = contact.size, np.zeros(contact.size, np.bool_)
     for j in range(points):
-        before, after = (j - 1) % points, (j + 1) % points
-        if contact[j] and not (contact[before] or contact[after]):
+        if contact[j] and not (contact[(j - 1) % points] or contact[(j + 1) % points]):
             a, b = since[0, j], 0.5 * (until[0, j] + until[1, j])
             if a > 0 and b > 0:
                 half_width = np.sqrt(LONE_CONTACT * a / (a + b))
                 shift = (until[1, j] - until[0, j]) / (4 * (a + b))
                 beyond[0, j], beyond[1, j] = half_width + shift, half_width - shift
-        elif contact[before] and contact[after] and not contact[j]:
+    for j in range(points):  # the edges of a gap of one node are known better than those of a contact beside it
+        before, after = (j - 1) % points, (j + 1) % points
+        if contact[before] and contact[after] and not contact[j]:
             a, b = 0.5 * (since[0, before] + since[1, after]), until[0, before]
             if a + b > 0:
                 shift = (since[0, before] - since[1, after]) / (4 * (a + b))
@@ -145,7 +146,10 @@ def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
 
 
 def remove_staircase(solution: NodalSolution) -> ContactPoint:
-    """The mean over the steps of all edges; neither mean gap nor resistance are below 0."""
+    """What the solution says of the continuum: mean gap and resistance, and where the edges are.
+
+    Neither mean gap nor resistance is below 0. Where all gaps have closed, contact is full, and both are 0.
+    """
     of_gap, of_resistance, beyond, closed = _edges_in_their_steps(
         solution.contact,
         solution.pressure,
@@ -156,7 +160,9 @@ def remove_staircase(solution: NodalSolution) -> ContactPoint:
     )
     first, last = contact_runs(solution.contact | closed)
     edge = np.stack([first - beyond[1, first], last + beyond[0, last % closed.size]], axis=1).ravel()
-    plane, resistance = max(solution.plane + of_gap, 0.0), max(solution.resistance - of_resistance, 0.0)
+    is_open = first.size > 0
+    plane = max(solution.plane + of_gap, 0.0) * is_open
+    resistance = max(solution.resistance - of_resistance, 0.0) * is_open
     return ContactPoint(plane, resistance, first, last, edge, solution.residual, solution.work)
 
 

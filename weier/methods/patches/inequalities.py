@@ -44,8 +44,9 @@ MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
 # twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
 SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
 DIRECT_SUMS = 40  # points at which the residuals of many segments are checked without fast sums
-# A state whose compliance is off by e at most is exact for heights that differ by e from those given. Displacements
-# under both differ by 4 e at most, by the argument of `error_bound`, and so do gaps.
+# A state that is exact for heights z' which differ from z by e has displacements u' with u' - u <= 2 e: where that is
+# largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
+# of e comes from tension or load, this is an estimate.
 GAP_FACTOR, GAP_ROUNDING = 4.0, 1e-14  # the second, of the sum of amplitudes, is what sums over waves are rounded by
 
 
@@ -238,13 +239,19 @@ def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Ar
 
 
 def certify(
-    state: ContactState, residual: Array, minima: Records, negative: Records, series: CosineSeries, tolerance: float
+    state: ContactState,
+    residual: Array,
+    minima: Records,
+    negative: Records,
+    series: CosineSeries,
+    tolerance: float,
+    margin: float,
 ) -> ContactState:
     """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
 
     residual : what is left of the equations on each segment
     minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
-        and, of gaps, all that are smaller than they are known to (`gap_margin`)
+        and, of gaps, all below the margin
     negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
 
     ConvergenceError is raised if the conditions are violated, or if contacts do not carry the load.
@@ -261,8 +268,12 @@ def certify(
         on = max(closure, -float(negative["lowest"].min()))
         width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
     state = state._replace(error=error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period))
-    gaps = minima_of_gaps(state) if state.dual else minima
-    return state._replace(narrow_gaps=gaps[gaps["value"] < gap_uncertainty(state.error, series)])
+    uncertainty = gap_uncertainty(state.error, series)
+    if state.dual:
+        minima = minima_of_gaps(state)
+    elif uncertainty > margin:
+        minima = minima_outside(state, series, uncertainty)
+    return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
 
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:

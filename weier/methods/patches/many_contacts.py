@@ -147,7 +147,7 @@ def _solve_to(
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, share = _resistance(problem, step.punches)
                 state = state._replace(resistance=resistance, share=share, cracks=_cracks(state, wrong[~is_open]))
-                return certify(state, residual, minima, negative, problem.series, tolerance), steps
+                return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")

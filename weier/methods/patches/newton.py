@@ -577,14 +577,14 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
     state, steps, system, grids = solve_on_segments(surface, start, tolerance)
     state, more = _add_resistance(state, system, grids, series.period)
     residual = contact_residual(state, series)
-    minima, negative = _violations(state, series, residual.max(), tolerance)
-    return certify(state, residual, minima, negative, series, tolerance), steps + more
+    minima, negative, margin = _violations(state, series, residual.max(), tolerance)
+    return certify(state, residual, minima, negative, series, tolerance, margin), steps + more
 
 
 def _violations(
     state: ContactState, series: CosineSeries, residual: float, tolerance: float
-) -> tuple[Records, Records]:
-    """Minima off the segments that are negative or narrow gaps, and where values on the segments are negative.
+) -> tuple[Records, Records, float]:
+    """Minima off the segments below a margin, where values on the segments are negative, and the margin.
 
     ConvergenceError is raised if there is overlap or tension but by rounding. While the nodes of a segment do not
     resolve its density, the inequalities are not known any better; and an overlap is known as well as the gap on the
@@ -601,4 +601,4 @@ def _violations(
     allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
     if minima["value"].min(initial=0.0) < -limit or np.any(negative["share"] < -allowed):
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
-    return minima, negative
+    return minima, negative, margin
