@@ -96,7 +96,8 @@ def arguments(name):
     """The sound arguments of a function."""
     parameters = inspect.signature(FUNCTIONS[name]).parameters.values()
     known = SOUND | OWN.get(name, {})
-    return {each.name: known[each.name] for each in parameters if each.kind is not each.VAR_KEYWORD}
+    named = [each for each in parameters if each.kind is not each.VAR_KEYWORD]
+    return {each.name: known[each.name] for each in named if each.name in known or each.default is each.empty}
 
 
 ARGUMENTS = [(name, argument) for name in FUNCTIONS for argument in arguments(name)]

@@ -8,7 +8,7 @@ import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
 from weier import Interface, Trace, plan, scene
-from weier import open as open_file
+from weier import open_dataset as open_file
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import checks, comparison, page, traces
