@@ -15,6 +15,7 @@ import numpy as np
 
 from weier import Profile, random_phases
 from weier.methods import bem, hybrid, patches
+from weier.methods.hybrid.solver import POINTS_PER_WAVE
 
 UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
 NODES = (2**14, 2**17, 2**20)
@@ -61,7 +62,7 @@ def _grid(points: int) -> float:
 
 def _on_layer(terms: int) -> float:
     hybrid.curve(Profile(1.5, 2, float("inf"), random_phases(1)), LOADS[1:], terms)
-    return hybrid.POINTS_PER_WAVE * 2 ** (terms - 1)
+    return POINTS_PER_WAVE * 2 ** (terms - 1)
 
 
 def _exact(terms: int) -> float:

@@ -102,7 +102,7 @@ def row(family: str, found: Found) -> list[str]:
             share = np.concatenate([judged[name].share[quantity] for _, judged in found])
             share = share[~np.isnan(share)]
             cells.append(f"{np.count_nonzero(share > 1)} of {share.size}, {share.max(initial=0):.2g}")
-        refused += sum(np.count_nonzero(np.isnan(judged[name].stated[0])) for _, judged in found)
+        refused += sum(int(np.isnan(judged[name].stated[0]).sum()) for _, judged in found)
     return [*cells, str(refused)]
 
 
