@@ -47,7 +47,10 @@ DIRECT_SUMS = 40  # points at which the residuals of many segments are checked w
 # A state that is exact for heights z' which differ from z by e has displacements u' with u' - u <= 2 e: where that is
 # largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
 # of e comes from tension or load, this is an estimate.
-GAP_FACTOR, GAP_ROUNDING = 4.0, 1e-14  # the second, of the sum of amplitudes, is what sums over waves are rounded by
+GAP_FACTOR = 4.0
+GAP_ROUNDING = (
+    1e-13  # of the sum of amplitudes: gaps of a profile and of the same one shifted along x differ by half of it
+)
 
 
 Residual = Callable[[Array], Array]
