@@ -228,8 +228,8 @@ def _error_by_light_contacts(state: ContactState, series: CosineSeries, total_am
     share = (state.resistance / period + 2 * np.log(2.0)) / c if state.dual else state.share[state.pieces[0]]
     rounding = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
     of_width = (2 / c + 0.5) * of_height / force + rounding * r**2 / (4 * force)
-    # A width that may be off by an e-fold may be none. Without the contact the resistance is higher by L f^2 c, and by
-    # no more than twice that where f, of a contact that has hardly begun, is known to a few digits only.
+    # A width that may be off by an e-fold may be none. Without the contact the resistance is higher by L f^2 c, where
+    # the share f of a contact that has hardly begun is known to few digits, for which twice as much is taken.
     return float(period * np.sum(share**2 * np.where(of_width < 1, of_width, 2 * c)))
 
 
