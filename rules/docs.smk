@@ -1,19 +1,4 @@
 # The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
-from importlib.util import find_spec
-
-
-def documentation_tools(wildcards):
-    """No files; the run ends before its first job where the documentation could not be built after its last one."""
-    if missing := [
-        name for name in ("sphinx", "myst_parser", "furo") if not find_spec(name)
-    ]:
-        sys.exit(
-            f"weier: the documentation needs {', '.join(missing)}: "
-            "pip install --require-hashes -r requirements/dev.txt"
-        )
-    return []
-
-
 if "paper" in drawn_together():
 
     rule docs:

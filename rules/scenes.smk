@@ -3,6 +3,7 @@ import signal
 import sys
 from contextlib import contextmanager
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 from weier.data.files import check_target
@@ -149,6 +150,18 @@ def newest_source():
         for part in KERNELS
         for path in (PACKAGE / part).rglob("*.py")
     )
+
+
+def documentation_tools(wildcards):
+    """No files; the run ends before its first job where the documentation could not be built after its last one."""
+    if missing := [
+        name for name in ("sphinx", "myst_parser", "furo") if not find_spec(name)
+    ]:
+        sys.exit(
+            f"weier: the documentation needs {', '.join(missing)}: "
+            "pip install --require-hashes -r requirements/dev.txt"
+        )
+    return []
 
 
 def drawn_together():
