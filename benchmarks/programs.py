@@ -87,7 +87,7 @@ PROGRAMS = {
         curve=weier_fft.curve,
     ),
     "weier_default": Program(
-        "weier, staircase removed, with the resistance",
+        "weier, staircase removed",
         "numba",
         weier_fft.begin_default,
         linear_elements,

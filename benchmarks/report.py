@@ -48,7 +48,8 @@ def table(data: xr.Dataset) -> str:
             row = data.sel({"program": program, "points": points})
             if row["seconds"].notnull().any():
                 rows.append(_cells(data, row))
-    return "\n".join([*_preface(data), "", markdown.table(head, rows), ""])
+    figure = "![Time and pairs of FFTs over the number of nodes, and error over time](benchmark.png)"
+    return "\n".join([*_preface(data), "", markdown.table(head, rows), "", figure, ""])
 
 
 def _cells(data: xr.Dataset, row: xr.Dataset) -> list[str]:
@@ -145,11 +146,11 @@ def _mark_patches(axes: Axes, data: xr.Dataset) -> None:
         axes.annotate(
             "contact patches:\n1e-12 or less",
             (at, 0.05),
-            (4, 0),
+            (-4, 0),
             xycoords=("data", "axes fraction"),
             textcoords="offset points",
             fontsize=6.5,
-            ha="left",
+            ha="right",
             va="bottom",
             color="0.35",
         )

@@ -202,8 +202,8 @@ def describe(reached: Mapping[str, Sequence[Reached | None]]) -> str:
             f"`python -m benchmarks.to_error` gives each program the smallest grid with which its largest error of h "
             f"over the same {LOADS.size} loads is within a target. A residual of a tenth of the target is allowed. "
             "Seconds are processor time for the whole curve, the least of several runs on a busy machine. Factors "
-            "compare with whichever of weier's two methods is faster. Contact patches are right to 1e-12 g_0 or less "
-            "in any case. Both methods give the resistance and bounds in this time, too.",
+            "compare with whichever of weier's two methods is faster. Contact patches have no grid, and an error "
+            "below 1e-12 g_0. Both methods give the resistance and bounds in this time, too.",
             "",
             table(reached),
             "",
@@ -227,7 +227,7 @@ def draw(programs: Sequence[str], reference: Reference, path: Path) -> None:
             axes.set_xscale("log", base=2)
         for name in (name for name in programs if name in MAX_DRAWN):
             sizes = [size for size in SIZES if size <= MAX_DRAWN[name]]
-            look = {**LOOKS[name], "label": PROGRAMS[name].label.removesuffix(", with the resistance")}
+            look = {**LOOKS[name], "label": PROGRAMS[name].label}
             errors = np.array([_errors(name, size, reference) for size in sizes])
             of_h.plot(sizes, errors[:, 0], **look)
             if name in STAIRCASE:
