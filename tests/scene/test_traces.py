@@ -7,8 +7,7 @@ import pytest
 import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
-from weier import Interface, Trace, plan, scene
-from weier import open_dataset as open_file
+from weier import Interface, Trace, open_dataset, plan, scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import checks, comparison, page, traces
@@ -92,7 +91,7 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     studies = [read_study(solutions, name) for name in ("mine", "series")]
     _, panels, _ = comparison.compare(studies, "t", "compliance", BY_DEFAULT)
     assert "(b)  shaft.csv" in [axes.get_title() for axes in panels]
-    with open_file(folder / "contact.nc") as data:
+    with open_dataset(folder / "contact.nc") as data:
         assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
         assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
 

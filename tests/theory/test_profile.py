@@ -21,6 +21,12 @@ EXAMPLES = [
 ]
 
 
+def test_phases_that_look_like_degrees_are_doubted_once():
+    with pytest.warns(UserWarning, match="in radians"):
+        profile = Profile(1.25, 5, 3, (0, 90, 180))
+    assert profile.truncated(2).phases == (0.0, 90.0)  # without a warning, which would be an error here
+
+
 def series(profile, x, derivative=0):
     """The value of (1), or of its derivative, in 50 digits at a rational x."""
     with mp.workdps(50):

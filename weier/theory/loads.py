@@ -13,6 +13,7 @@ from weier.theory.waves import Waves
 
 MAX_LOADS = 10_000  # of a scene or a command
 LOAD_RANGE = 1e-12, 1e12  # p_0*
+MAX_PASCAL = 1e13  # more is no pressure of a contact in Pa
 FAR_BEYOND = 100.0  # times full contact: where all loads are as heavy, they are Pa by mistake
 
 
@@ -56,7 +57,7 @@ def unit_doubt(profile: Waves, loads: Array) -> str:
         return ""
     with np.errstate(over="ignore"):  # of a series without end, nearly
         full = float(np.sum(profile.full_contact_pressure))  # at most
-    if loads.min() <= FAR_BEYOND * full:
+    if loads.min() <= FAR_BEYOND * full or loads.max() > MAX_PASCAL:
         return ""
     return (
         f"all loads lie far beyond full contact, which takes {full:.3g} p_0* at most, got {loads.min():.3g} p_0* and "

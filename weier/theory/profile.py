@@ -168,7 +168,9 @@ class Profile(Waves):
         """The first `terms` of the series, as a profile."""
         terms = checked_count("terms", terms, 1, self.m)
         phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
-        return Profile(self.D, self.gamma, terms, phases)
+        shorter = object.__new__(Profile)  # of parts that are sound already, and doubted once
+        vars(shorter).update(D=self.D, gamma=self.gamma, m=terms, phases=phases)
+        return shorter
 
     def amplitude_beyond(self, terms: float) -> float:
         """Sum of the amplitudes of this series after the first `terms`, in g_0."""
