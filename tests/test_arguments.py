@@ -60,7 +60,7 @@ SOUND = {
     "heights": HEIGHTS, "length": 1e-3, "shortest": 1e-4, "ends": "mirrored", "source": "", "trace": TRACE,
     "unit": "m", "x_unit": "m", "height_unit": "m", "detrend": "tilt", "missing": "refuse", "max_gap": 5,
     "missing_value": -9999.0, "line": 1, "across": "x", "topography": Map(),
-    "pressure": [1e6, 2e6], "longest": 9e-4, "contact_edges": True, "data": contact(), **vars(INTERFACE),
+    "longest": 9e-4, "contact_edges": True, "data": contact(), **vars(INTERFACE),
 }  # fmt: skip
 OWN = {
     "Profile": {"phases": 0.0},
