@@ -57,7 +57,7 @@ def _peak(run: Callable[[int], float], size: int) -> tuple[float, float]:
 
 
 def _grid(points: int) -> float:
-    return bem.curve(Profile(1.5, 2, 5, random_phases(1)), LOADS, points=points, tolerance=1e-6).points
+    return bem.curve(Profile(1.5, 2, 5, random_phases(1)), LOADS, points=points, max_residual=1e-6).points
 
 
 def _on_layer(terms: int) -> float:

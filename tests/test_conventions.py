@@ -28,7 +28,7 @@ methods: [westergaard, demelio, bem, patches]
 tolerance: 0.5
 contact_edges: true
 settings:
-  bem: {residual_tolerance: 1.0e-9}
+  bem: {tolerance: 1.0e-3}
 studies:
   waves: {product: {D: 1.25, gamma: 5, m: [1, 2, .inf]}}
 claims:

@@ -43,7 +43,7 @@ SCENE_KEYS = [
     *("tolerance", "quantity"),
 ]
 METHODS = [name for name in names() if name not in ("westergaard", "hybrid")]  # for one wave only
-SETTINGS = ["points", "residual_tolerance", "tolerance", "accuracy", "solver", "resistance", "quantity"]
+SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance", "quantity"]
 
 
 @st.composite

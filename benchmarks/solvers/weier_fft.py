@@ -47,7 +47,7 @@ def curve(problem: Problem) -> object:
         problem.profile,
         problem.loads,
         points=problem.points,
-        tolerance=problem.tolerance,
+        max_residual=problem.tolerance,
         with_resistance=False,
         staircase="kept",
     )
@@ -55,4 +55,4 @@ def curve(problem: Problem) -> object:
 
 def curve_default(problem: Problem) -> object:
     """Solve for the whole curve as by default: compliance and resistance with their bounds."""
-    return solve_curve(problem.profile, problem.loads, points=problem.points, tolerance=problem.tolerance)
+    return solve_curve(problem.profile, problem.loads, points=problem.points, max_residual=problem.tolerance)

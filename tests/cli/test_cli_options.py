@@ -54,7 +54,7 @@ BAD_INPUT = [
         "points of bem must be a whole number, from 1 to 10000000, got 1000",
     ),
     (
-        [*SOLVE, "--method", "bem", "--set", "bem.residual_tolerance=nan"],
+        [*SOLVE, "--method", "bem", "--set", "bem.tolerance=nan"],
         "of bem must lie in [1e-15, 1), got the text 'nan'",
     ),
     ([*SOLVE, "--set", "layer.points=3"], "'layer', which is not run"),

@@ -51,7 +51,7 @@ def test_what_would_take_a_day_is_refused_unless_settings_are_chosen(seconds):
     seconds(2 * MAX_SECONDS)
     with pytest.raises(ValueError, match=r"got 'patches', which may take 2e\+05 s for D = 1\.25.*method 'planned'"):
         forecast(case("patches", 3), LOADS)
-    assert forecast(case("patches", 3, {"patches": {"residual_tolerance": 1e-6}}), LOADS) == []
+    assert forecast(case("patches", 3, {"patches": {"tolerance": 1e-6}}), LOADS) == []
 
 
 def test_where_no_plan_is_within_reach_the_fast_methods_are_named(seconds, monkeypatch):

@@ -39,7 +39,7 @@ def test_a_file_labels_its_cases(path):
         np.testing.assert_array_equal(data.bem_points, [40, 80, 80, np.nan, np.nan])
         assert data.bem_staircase.values.tolist() == ["kept", "kept", "removed", "", ""]
         np.testing.assert_array_equal(data.seed, [np.nan, np.nan, np.nan, 7, 8])
-        assert "bem_residual_tolerance" not in data.coords  # is left out only by a method that is not run
+        assert "bem_tolerance" not in data.coords  # is left out only by a method that is not run
         assert data.bem_points.attrs["long_name"] == "setting points of method bem"
         assert {"study", "bem_points", "seed"} <= set(data["compliance"].coords)
 

@@ -24,9 +24,7 @@ studies:
 def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     loaded = scene_in(tmp_path, SCENE)
     found = weier.plan(loaded)
-    assert (
-        len(re.findall(r"^  2 +0.01 +0.1 +bem +2 +points [0-9]+, residual_tolerance 1e-06 ", str(found), re.M)) == 2
-    )
+    assert len(re.findall(r"^  2 +0.01 +0.1 +bem +2 +points [0-9]+ ", str(found), re.M)) == 2
     assert found._repr_html_().count('<td style="text-align: left">bem</td>') == 2
     assert "2 of 2 cases can be solved" in str(found)
     assert found.seconds == sum(each.seconds for each in found.plans)

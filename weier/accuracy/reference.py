@@ -26,8 +26,7 @@ from weier.theory.profile import Profile
 MIN_TOUCH = 1e-20  # p_0*: below it the relative error of a contact as a Hertzian one, p times a few, is no digit
 TOUCH_HEIGHT = 1e-12  # g_0: no other crest as close to the highest one is touched there
 AT_FULL_CONTACT = 1 + 1e-12  # times the load of full contact, which is known to rounding
-TOLERANCE = 1e-12
-TIGHTEST = Variant(patches.METHOD.name, patches.METHOD.name, {"residual_tolerance": TOLERANCE})
+TOLERANCES = (1e-12, 1e-11, 1e-10)  # the first that a load can be solved to: many contacts state more than the first
 SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
 MAX_REFERENCE_SECONDS = 60.0  # that a reference by contact patches may take
 
@@ -69,8 +68,7 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
     """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
     if profile.m == 1:
         return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
-    found = attempt(TIGHTEST, _shift(profile), np.array(loads))
-    pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in zip(found.compliance, found.resistance, strict=True)]
+    pairs = _by_patches(_shift(profile), np.array(loads))
     full_contact, touch = profile.full_contact_load * AT_FULL_CONTACT, _single_crest(profile)
     for i, load in enumerate(loads):
         if load >= full_contact:
@@ -80,10 +78,21 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
     return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12")
 
 
+def _by_patches(profile: Profile, loads: Array) -> list[multiprecision.Pair]:
+    """Compliance and resistance by contact patches, each load as tightly as it can be solved; NaN where it cannot."""
+    h, R = np.full((2, loads.size), np.nan)
+    for tolerance in TOLERANCES:
+        if (left := np.isnan(h)).any():
+            variant = Variant(patches.METHOD.name, patches.METHOD.name, {"tolerance": tolerance})
+            found = attempt(variant, profile, loads[left])
+            h[left], R[left] = found.compliance, found.resistance
+    return [(mp.mpf(float(each)), mp.mpf(float(rate))) for each, rate in zip(h, R, strict=True)]
+
+
 def uncertainty(result: Run, profile: Profile) -> tuple[Array, Array]:
     """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,)."""
     total = np.full(result.compliance.size, profile.total_amplitude)
-    h, R = (patches.error_model.error(TOLERANCE, quantity) for quantity in ("compliance", "resistance"))
+    h, R = (patches.error_model.error(TOLERANCES[0], quantity) for quantity in ("compliance", "resistance"))
     return h * total, R * np.maximum(result.resistance, 1)
 
 

@@ -8,10 +8,11 @@ from functools import cache
 from typing import Any
 
 from weier.methods.method import Method
-from weier.methods.registry import METHODS
+from weier.methods.registry import METHODS, find_method
 from weier.theory.arguments import checked_count, checked_flag, checked_number, nearest, shown
 from weier.theory.waves import MAX_POINTS
 
+TOLERANCE = "tolerance"  # the setting that means the same in all methods that have it
 MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
 
 
@@ -78,6 +79,27 @@ def _checked(method: Method, name: str, value: Any) -> Any:
     if value is None and kind.endswith(NONE):
         return None
     return KINDS[kind.removesuffix(NONE)](f"{name} of {method.name}", value)
+
+
+def with_tolerance(
+    methods: Iterable[str], settings: Mapping[str, Mapping[str, Any]], tolerance: float | None
+) -> dict[str, dict[str, Any]]:
+    """Settings by method, where each of these methods that takes a tolerance has this one, unless it has its own.
+
+    ValueError is raised if none takes one.
+    """
+    given = {method: dict(own) for method, own in settings.items()}
+    if tolerance is None:
+        return given
+    takers = [name for name in methods if TOLERANCE in defaults(find_method(name))]
+    if not takers:
+        raise ValueError(
+            f"tolerance is a setting of {', '.join(methods_with(TOLERANCE))}, and none of these is among the methods "
+            f"{', '.join(methods)}"
+        )
+    for name in takers:
+        given[name] = {TOLERANCE: tolerance} | given.get(name, {})
+    return given
 
 
 def all_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from weier.data import provenance
 from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, default_method, find_method
-from weier.methods.settings import checked_settings, described
+from weier.methods.settings import TOLERANCE, checked_settings, described, with_tolerance
 from weier.methods.solve import solve_curve
 from weier.theory.arguments import checked_flag, shown
 from weier.theory.loads import listed_loads, unit_doubt
@@ -44,8 +44,9 @@ def solve(
     contact_edges : bool
         Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
     **settings
-        Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`. With
-        their defaults:
+        Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`, but
+        for a tolerance, which is of all that take one: the largest error of the compliance, in g_0. With their
+        defaults:
 
         {settings}
 
@@ -125,7 +126,9 @@ def _solve_all(
 
 
 def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """The settings of each of several methods, checked."""
+    """The settings of each of several methods, checked; a tolerance is for all that take one."""
+    tolerance = settings.get(TOLERANCE)
+    settings = {name: own for name, own in settings.items() if name != TOLERANCE}
     for name, own in settings.items():
         if not isinstance(own, Mapping):
             raise ValueError(
@@ -134,7 +137,8 @@ def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> d
             )
         if name not in methods:
             raise ValueError(f"settings were given for method {name!r}, which is not run, only {', '.join(methods)}")
-    return {name: checked_settings(find_method(name), own) for name, own in settings.items()}
+    given = with_tolerance(methods, settings, tolerance)
+    return {name: checked_settings(find_method(name), own) for name, own in given.items()}
 
 
 def _listed(lines: Iterable[str]) -> str:

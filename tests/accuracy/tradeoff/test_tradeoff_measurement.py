@@ -10,14 +10,14 @@ from weier.accuracy.metrics import by_load, seconds_per_load, worst_over_loads
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import work_precision
-from weier.methods import demelio, layer, patches
+from weier.methods import demelio, layer
 from weier.methods.error_model import estimate_error
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
 from weier.methods.settings import check_names
 from weier.scene import Figure
 
-TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12)
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11)
 PATCHES = [f"patches {tolerance:.0e}" for tolerance in TOLERANCES]
 
 
@@ -40,13 +40,13 @@ def test_errors_fall_with_points_as_the_order_of_the_method_tells(measured):
 def test_contact_patches_have_an_error_of_their_own(measured):
     """The reference is of the same profile shifted along x: no variant is right by construction."""
     errors = [error(measured, name, quantity="resistance") for name in PATCHES]
-    assert errors[0] < 1e-6
+    assert errors[0] < 1e-4
     assert 0 < errors[-1] < 1e-11
     for tolerance, name in zip(TOLERANCES, PATCHES, strict=True):
-        assert error(measured, name) < patches.error_model.error(tolerance, "compliance")
+        assert error(measured, name) < tolerance
     # One wave is Westergaard's in closed form.
     assert error(measured, "archard", case=0) < 1e-13
-    assert error(measured, "patches 1e-12", case=0) < 1e-13
+    assert error(measured, "patches 1e-11", case=0) < 1e-13
 
 
 def test_estimates_are_within_the_errors_that_plans_expect(measured):

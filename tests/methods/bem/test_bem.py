@@ -104,7 +104,7 @@ def test_both_solvers_solve_the_same_discrete_problem(reference):
 def test_resistance_is_the_slope_of_the_discrete_curve():
     """Between two changes of contact h(p) is a straight line."""
     loads = np.array([0.3, 0.3 * (1 + 1e-6)])
-    found = curve(THREE_WAVES, loads, points=400, tolerance=1e-13)
+    found = curve(THREE_WAVES, loads, points=400, max_residual=1e-13)
     assert found.contact_fraction[0] == found.contact_fraction[1]
     assert np.diff(found.compliance) / np.diff(loads) == pytest.approx(found.resistance[:1], rel=1e-4)
 
@@ -147,8 +147,8 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
         ({"points": np.nan}, "whole number"),
         ({"points": 1e300}, r"at most 10000000, got 1e\+300"),
         ({"points": 10001, "solver": "direct"}, 'at most 10000, got 10001: take solver "fft"'),
-        ({"tolerance": -1.0}, "positive"),
-        ({"tolerance": np.nan}, "positive"),
+        ({"max_residual": -1.0}, "positive"),
+        ({"max_residual": np.nan}, "positive"),
         ({"solver": "lu"}, '"fft" or "direct"'),
         ({"staircase": "taken off"}, '"removed" or "kept", got'),
         ({"points_per_wave": 16.5}, "points_per_wave must be a whole number"),
@@ -190,7 +190,7 @@ def test_what_is_not_a_number_is_an_error():
 @pytest.mark.parametrize("solver", ["fft", "direct"])
 def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
     with pytest.raises(ConvergenceError, match="residual") as caught:
-        curve(THREE_WAVES, np.array([1.0]), points=400, tolerance=1e-30, solver=solver)
+        curve(THREE_WAVES, np.array([1.0]), points=400, max_residual=1e-30, solver=solver)
     assert caught.value.residual > 1e-30
 
 

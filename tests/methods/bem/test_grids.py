@@ -43,7 +43,7 @@ def test_any_number_of_nodes_has_coarser_grids(points):
     assert grids.points[-1] == points
     assert 128 <= grids.points[0] < 256
     assert np.all(np.diff(grids.points) >= 0.45 * grids.points[1:])
-    loads, settings = np.geomspace(1e-3, 2, 40), {"tolerance": 1e-8, "with_resistance": False, "staircase": "kept"}
+    loads, settings = np.geomspace(1e-3, 2, 40), {"max_residual": 1e-8, "with_resistance": False, "staircase": "kept"}
     found = curve(THREE_WAVES, loads, points=points, **settings)
     assert found.work.mean() < 25
 
@@ -56,7 +56,7 @@ def test_thousands_of_contacts_meet_the_contact_conditions(monkeypatch):
     points, load = 2**17, 1.0
     parts, cascade = [], active_set.cascade
     monkeypatch.setattr(active_set, "cascade", lambda *of: parts.append(of) or cascade(*of))
-    found = field(SEVEN_WAVES, load, points=points, tolerance=1e-8)
+    found = field(SEVEN_WAVES, load, points=points, max_residual=1e-8)
     sunk = np.fft.irfft(eigenvalues(points) * np.fft.rfft(found.pressure))
     gap = sunk - SEVEN_WAVES.sampled_height(points)
     gap -= gap[found.pressure > 0].mean()

@@ -74,7 +74,7 @@ def test_one_wave_has_no_staircase_left():
     loads = np.linspace(0.2, 0.8, 61)
     errors = []
     for points in (64, 128):
-        found = curve(Profile(1.25, 5, 1, (0.3,)), loads, points=points, tolerance=1e-13)
+        found = curve(Profile(1.25, 5, 1, (0.3,)), loads, points=points, max_residual=1e-13)
         of_h = np.abs(found.compliance - westergaard.compliance(loads)).max()
         of_R = np.abs(found.resistance - westergaard.resistance(loads)).max()
         errors.append((of_h, of_R))
@@ -142,7 +142,7 @@ def test_a_mirrored_profile_has_mirrored_edges_and_the_same_numbers():
     phases = 0.4, 2.1, 5.0
     one, other = Profile(1.6, 3, 3, phases), Profile(1.6, 3, 3, [-phi for phi in phases])
     loads = np.linspace(0.05, 0.95, 40) * one.full_contact_load
-    found, mirrored = (curve(profile, loads, points_per_wave=12, tolerance=1e-12) for profile in (one, other))
+    found, mirrored = (curve(profile, loads, points_per_wave=12, max_residual=1e-12) for profile in (one, other))
     np.testing.assert_allclose(found.compliance, mirrored.compliance, atol=1e-10)
     np.testing.assert_allclose(found.resistance, mirrored.resistance, atol=1e-7)
     np.testing.assert_array_equal(found.patch_count, mirrored.patch_count)
@@ -192,6 +192,6 @@ def test_points_may_be_given_for_each_of_the_finest_waves(staircase):
 
 def test_both_numbers_cost_45_pairs():
     """Pairs of FFTs a load on 1600 nodes, to a residual of 1e-8."""
-    found = curve(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.geomspace(1e-3, 2, 40), tolerance=1e-8)
+    found = curve(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), np.geomspace(1e-3, 2, 40), max_residual=1e-8)
     print(f"{found.work.mean():.1f} pairs")
     assert found.work.mean() <= 45

@@ -10,7 +10,7 @@ from weier.methods.patches.given_edges import Bounds
 from weier.methods.patches.segments import from_crests, make_segments
 from weier.methods.patches.surface import surface_of
 
-STAGE = Stage(True, 1e-8, 143.0, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
+STAGE = Stage(True, 1e-12, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
 
 
 @one_thread

@@ -32,7 +32,7 @@ def test_twin_crests_are_touched_together():
     loads = np.array([1e-6, 7.8e-6, 1e-3])
     curve = patches.curve(TWIN_CRESTS, loads)
     np.testing.assert_array_equal(curve.patch_count, 2)
-    elements = bem.curve(TWIN_CRESTS, loads, points=2**15, tolerance=1e-9)
+    elements = bem.curve(TWIN_CRESTS, loads, points=2**15, max_residual=1e-9)
     # Nodes beside the crests, z'' h^2/8 = 1e-8 below them, and a contact of few nodes at the lightest load.
     np.testing.assert_allclose(curve.compliance, elements.compliance, atol=1e-7)
 

@@ -6,7 +6,7 @@ import scipy
 
 from tests.hard_series import hard_series
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
-from weier import Profile
+from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.patches import start
@@ -144,9 +144,16 @@ def test_translation_and_mirror_change_nothing(load):
     np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
 
 
-def test_tolerance_within_reach():
+@pytest.mark.parametrize("tolerance", [1e-17, 2.0])
+def test_a_tolerance_that_means_no_number_is_refused(tolerance):
     with pytest.raises(ValueError, match="tolerance must lie in"):
-        patches.curve(THREE_WAVES, 0.1, tolerance=1e-17)
+        patches.curve(THREE_WAVES, 0.1, tolerance=tolerance)
+
+
+def test_a_bound_beyond_the_tolerance_is_no_answer():
+    """Hundreds of contacts are solved without a matrix, to a hundredth of 1e-10 of the indentation."""
+    with pytest.raises(ConvergenceError, match=r"known to .* not to the tolerance of 1e-13: take a larger one"):
+        patches.curve(Profile(1.25, 5, 4, 1.0), [1.0], tolerance=1e-13)
 
 
 def test_thousands_of_waves_under_a_light_load():
@@ -172,17 +179,14 @@ EASY = [
 
 
 def assert_any_tolerance_is_kept(profile, loads):
-    """The error of the compliance is a bound, and the contacts and the resistance are those of the tightest one."""
-    exact = patches.curve(profile, loads, 1e-12)
+    """The error of the compliance is a bound, and the resistance is within its estimate."""
+    exact = patches.curve(profile, loads, 1e-11)
     assert np.all(exact.residual < 1e-10 * exact.indentation)
-    assert np.all(exact.compliance_error < 1e-10)  # rounding, times what may lie between samples of many contacts
-    for tolerance in (1e-6, 1e-8, 1e-10):
+    for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10):
         found = patches.curve(profile, loads, tolerance)
         assert np.all(np.abs(found.compliance - exact.compliance) <= found.compliance_error + exact.compliance_error)
-        assert np.all(found.compliance_error < 100 * tolerance)
-        if tolerance < 1e-6:  # with this one, a gap that opens by a millionth of the load may count as closed
-            np.testing.assert_array_equal(found.patch_count, exact.patch_count)
-        np.testing.assert_allclose(found.resistance, exact.resistance, rtol=1e-6)
+        assert np.all(found.compliance_error <= tolerance)
+        assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error + exact.resistance_error)
 
 
 @pytest.mark.parametrize(("profile", "loads"), EASY)
@@ -236,7 +240,7 @@ def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, sha
 def test_far_from_births_no_contact_adds_to_the_error_of_the_resistance(load, dual):
     R, error = (values[0] for values in patches.curve(THREE_WAVES, [load])[3:5])
     assert patches.solve_load(THREE_WAVES, load).state.dual == dual
-    assert error < 1.01 * patches.error_model.error(1e-10, "resistance") * max(R, 1)
+    assert error < 1e-9 * max(R, 1)
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8])

@@ -9,7 +9,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.grids import full_contact_pressure
-from weier.methods.bem.solver import check_residual, check_tolerance, checked_points, full_contact_load
+from weier.methods.bem.solver import check_max_residual, check_residual, checked_points, full_contact_load
 from weier.theory.loads import checked_load
 from weier.theory.waves import Waves
 
@@ -26,7 +26,7 @@ class Field(NamedTuple):
     displacement: Array
 
 
-def field(profile: Waves, mean_pressure: float, points: int | None = None, tolerance: float = 1e-10) -> Field:
+def field(profile: Waves, mean_pressure: float, points: int | None = None, max_residual: float = 1e-10) -> Field:
     """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
     The staircase is kept: these are the numbers of the nodes. Parameters are those of `curve`.
@@ -36,20 +36,20 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, toler
     ValueError
         If the load is not one positive number, or `points` are too few for the finest wave.
     ConvergenceError
-        If the solution misses the tolerance.
+        If the solution leaves a larger residual.
 
     """
     load = checked_load(mean_pressure)
     points = checked_points(profile, points)
-    check_tolerance(tolerance)
+    check_max_residual(max_residual)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     height = profile.sampled_height(points)
     if load >= min(
         full_contact_load(profile, points), profile.full_contact_load
     ):  # pressed flat, however heavy: a solver would lose the waves
         return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
-    grid = NestedSolver(profile, points, tolerance)
+    grid = NestedSolver(profile, points, max_residual)
     plane = grid.solve(load)
-    check_residual(grid.residual, load, points, tolerance)
+    check_residual(grid.residual, load, points, max_residual)
     deformed = grid.state.deformed
     return Field(x, grid.state.pressure, plane - deformed, height - deformed)

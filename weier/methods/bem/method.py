@@ -10,7 +10,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import Curve, check_tolerance, check_words, checked_points, curve
+from weier.methods.bem.solver import Curve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
@@ -21,20 +21,43 @@ from weier.theory.waves import Waves
 POINTS_COMPARED = (12, 16, 32, 64, 128, 256, 512, 1024)
 POINTS_KEPT = (12, 96, 768)  # with the staircase: from the paper's 12 on
 MAX_POINTS_COMPARED = 100_000  # in one period
-RESIDUAL_SHARE = 1e-3  # of the tolerance of a plan, at which boundary elements stop: it costs a step or two
+RESIDUAL_TOLERANCE = 1e-10  # g_0
+RESIDUAL_SHARE = 1e-3  # of a tolerance, at which boundary elements stop: it costs a step or two
 
 
 def _solve(
     profile: Waves,
     loads: Array,
+    tolerance: float | None = None,
     points_per_wave: int | None = None,
     points: int | None = None,
     staircase: str = "removed",
     solver: str = "fft",
     with_resistance: bool = True,
-    residual_tolerance: float = 1e-10,
 ) -> Curve:
-    return curve(profile, loads, solver, points, residual_tolerance, with_resistance, staircase, points_per_wave)
+    residual = RESIDUAL_TOLERANCE
+    if tolerance is not None:
+        points, residual = _grid_within(profile, tolerance, points, points_per_wave)
+    return curve(profile, loads, solver, points, residual, with_resistance, staircase, points_per_wave)
+
+
+def _grid_within(
+    profile: Waves, tolerance: float, points: int | None = None, points_per_wave: int | None = None
+) -> tuple[int, float]:
+    """The fewest points whose bound is within a tolerance, in g_0, and the residual that leaves room for it.
+
+    ValueError is raised if points are given, too, or if too many are needed.
+    """
+    if points is not None or points_per_wave is not None:
+        raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
+    residual = RESIDUAL_SHARE * tolerance
+    found = error_model.fewest_points(profile, tolerance - RESIDUAL_FACTOR * residual)
+    if found > error_model.MAX_POINTS:
+        raise ValueError(
+            f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than "
+            f'{error_model.MAX_POINTS}: take a larger tolerance or the method "patches"'
+        )
+    return found, residual
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
@@ -53,12 +76,13 @@ def _check(
     staircase: str = "removed",
     points: int | None = None,
     points_per_wave: int | None = None,
-    residual_tolerance: float = 1e-10,
+    tolerance: float | None = None,
     **others: Any,
 ) -> None:
     """Refuse settings that do not go together, or a grid that the finest wave cannot be seen on."""
     check_words(solver, staircase)
-    check_tolerance(residual_tolerance)
+    if tolerance is not None:
+        points, _ = _grid_within(profile, tolerance, points, points_per_wave)
     check_points(checked_points(profile, points, points_per_wave), solver == "direct")
 
 
@@ -76,9 +100,9 @@ def _candidates(task: Task) -> Iterator[Segment]:
     """
     if task.profile.m == 1 or task.quantity != COMPLIANCE:
         return
-    residual = RESIDUAL_SHARE * task.tolerance
-    points = error_model.fewest_points(task.profile, task.tolerance - RESIDUAL_FACTOR * residual)
-    if points > error_model.MAX_POINTS:
+    try:
+        points, residual = _grid_within(task.profile, task.tolerance)
+    except ValueError:
         return
     start, load = error_model.seconds(points, task.contacts)
     yield make_segment(
@@ -86,7 +110,7 @@ def _candidates(task: Task) -> Iterator[Segment]:
         "bem",
         f"{points / task.profile.waves_per_period[-1]:.0f} points for each of the finest waves are the fewest",
         partial(_solve_segment, task.profile, points, residual),
-        settings={"points": points, "residual_tolerance": residual},
+        settings={"points": points},
         discretisation=error_model.solution_error(task.profile, points, np.full(task.mean_pressure.size, residual)),
         seconds_start=start,
         seconds_load=load,
@@ -95,7 +119,7 @@ def _candidates(task: Task) -> Iterator[Segment]:
 
 
 def _solve_segment(profile: Waves, points: int, residual: float, loads: Array) -> SegmentSolution:
-    grid = curve(profile, loads, points=points, tolerance=residual)
+    grid = curve(profile, loads, points=points, max_residual=residual)
     # The errors of a plan depend on no other load, so that no chord leads from one of them to another.
     of_h, of_R = error_model.errors(profile, loads, points, (grid.compliance, grid.resistance), grid.residual, False)
     return SegmentSolution(grid.compliance, grid.resistance, of_h, of_R)
@@ -107,12 +131,12 @@ METHOD = Method(
     summary="boundary elements of linear pressure (5.1), their staircase taken off; finite m",
     solve=_solve,
     settings={
+        "tolerance": "largest error of the compliance that is accepted, in g_0: it chooses the points",
         "points_per_wave": "nodes for each of the finest waves, 64 by default",
         "points": "nodes in one period, in place of points_per_wave",
         "staircase": '"removed", or "kept": the steps in which edges of contact move from node to node',
         "solver": '"fft", or "direct" for the dense matrix of Section 5.1',
         "with_resistance": "whether the result has the resistance, too",
-        "residual_tolerance": "largest residual of a condition, in g_0",
     },
     applies=applies_to_resolvable,
     takes_traces=True,

@@ -20,7 +20,7 @@ from weier.theory.waves import Waves
 
 POINTS_PER_WAVE = 64  # of the finest wave, by default: R is then within 1 % at nine of ten loads (docs/bem.md)
 MIN_POINTS_PER_WAVE = 3  # two show no wave
-MAX_TOLERANCE = 1.0  # of residuals, in g_0: a larger one says nothing
+MAX_RESIDUAL = 1.0  # of residuals, in g_0: a larger one says nothing
 
 
 class Curve(NamedTuple):
@@ -57,7 +57,7 @@ def curve(
     mean_pressure: ArrayLike,
     solver: str = "fft",
     points: int | None = None,
-    tolerance: float = 1e-10,
+    max_residual: float = 1e-10,
     with_resistance: bool = True,
     staircase: str = "removed",
     points_per_wave: int | None = None,
@@ -74,8 +74,8 @@ def curve(
         The fast solver, or the paper's dense one: the same discrete system, equal to rounding.
     points : int, optional
         Nodes in one period; 64 for each of the finest waves by default.
-    tolerance : float
-        Largest residual, in g_0.
+    max_residual : float
+        Largest residual that is accepted, in g_0.
     with_resistance : bool
         Whether the result has the resistance; without, it is NaN. That saves the fast solver a third of its time
         where the staircase is kept. Removing the staircase needs the same second solution anyway.
@@ -96,7 +96,7 @@ def curve(
         If the loads are not positive and increasing, `solver` or `staircase` is unknown, there are too few points
         for the finest wave, or too many, or both their numbers are given.
     ConvergenceError
-        If a load misses the tolerance.
+        If a load leaves a larger residual.
 
     Notes
     -----
@@ -109,17 +109,17 @@ def curve(
     """
     loads = checked_loads(mean_pressure)
     check_words(solver, staircase)
-    check_tolerance(tolerance)
+    check_max_residual(max_residual)
     points = checked_points(profile, points, points_per_wave)
     check_points(points, dense=solver == "direct")
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = [], loads[loads < full]
     if partial.size:  # a matrix is not filled for loads that press all gaps shut
-        grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, tolerance)
+        grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, max_residual)
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     for load in map(float, partial[::-1]):
         solution = grid.solve_discrete(load, with_resistance or staircase == "removed")
-        check_residual(solution.residual, load, points, tolerance)
+        check_residual(solution.residual, load, points, max_residual)
         check_resistance(solution.resistance, load, points)
         found.append(point_of(solution))
         count_load()
@@ -194,8 +194,8 @@ def check_words(solver: str, staircase: str) -> None:
         raise ValueError(f'staircase must be "removed" or "kept", got {staircase!r}')
 
 
-def check_tolerance(tolerance: float) -> None:
-    """Refuse a tolerance, in g_0, that is no positive number, or so large that it says nothing.
+def check_max_residual(max_residual: float) -> None:
+    """Refuse a largest residual, in g_0, that is no positive number, or so large that it says nothing.
 
     Raises
     ------
@@ -203,12 +203,12 @@ def check_tolerance(tolerance: float) -> None:
         If it is not.
 
     """
-    condition = f"be a positive length in g_0, such as 1e-10, and at most {MAX_TOLERANCE:g}"
-    checked_number("tolerance", tolerance, condition, lambda t: 0 < t <= MAX_TOLERANCE)
+    condition = f"be a positive length in g_0, such as 1e-10, and at most {MAX_RESIDUAL:g}"
+    checked_number("max_residual", max_residual, condition, lambda t: 0 < t <= MAX_RESIDUAL)
 
 
 def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:
-    """Refuse a solution with a residual above the tolerance, in g_0, or without one.
+    """Refuse a solution with a residual above the largest, in g_0, or without one.
 
     Raises
     ------
@@ -219,8 +219,8 @@ def check_residual(residual: float, load: float, points: int, max_residual: floa
     if not residual <= max_residual:
         raise ConvergenceError(
             f"boundary elements on {points} points stopped at a residual of {residual:.1e} g_0 under the mean "
-            f"pressure {load:.6g} p_0*, above the tolerance {max_residual:.1e}; try other points or a larger "
-            "residual_tolerance",
+            f"pressure {load:.6g} p_0*, above {max_residual:.1e}; try other points, a larger "
+            'tolerance, or the method "patches"',
             residual,
         )
 

@@ -56,7 +56,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
     loads = checked_loads(mean_pressure)
     with telling():
-        curve = bem.curve(kept, loads, points=points, tolerance=residual, with_resistance=False, staircase="kept")
+        curve = bem.curve(kept, loads, points=points, max_residual=residual, with_resistance=False, staircase="kept")
     error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL_FACTOR * residual
     return complete_bounds(curve.compliance, tail, profile.total_amplitude, error)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
-from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, Curve, curve
+from weier.methods.layer.solver import ACCURACY, POINTS, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.segment import Segment, Task
 from weier.theory.limits import resolvable
@@ -26,9 +26,8 @@ def _solve(
     loads: Array,
     points: int = POINTS,
     accuracy: float = ACCURACY,
-    residual_tolerance: float = TOLERANCE,
 ) -> Curve:
-    return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy, residual_tolerance)
+    return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy)
 
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
@@ -68,7 +67,6 @@ METHOD = Method(
     settings={
         "points": "nodes on half a wave, from 4 to 500",
         "accuracy": "largest relative error of the compliance by tables of the finer waves, from 1e-9 to 0.01",
-        "residual_tolerance": "largest residual of a wave, relative to the compression at its edge of contact",
     },
     uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),

@@ -211,5 +211,5 @@ def _checked_settings(points: int, accuracy: float, tolerance: float) -> tuple[M
     within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
     accuracy = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
     within = f"lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy"
-    held = checked_number("residual_tolerance", tolerance, within, lambda value: MIN_TOLERANCE <= value <= accuracy)
+    held = checked_number("tolerance", tolerance, within, lambda value: MIN_TOLERANCE <= value <= accuracy)
     return midpoints(points), accuracy, held

@@ -57,6 +57,7 @@ MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
 MIN_GROWTH = -0.85  # of a half-width in one step: with less of it left, the contact vanishes
 SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their error
 MAX_UNSETTLED = 0.3  # of the contacts, while their set is corrected: those beside a missing one may never settle
+UNRESOLVED = 2  # coefficients of each contact, the last ones, are 0
 NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
 
 
@@ -153,7 +154,7 @@ class Stage(NamedTuple):
     """How accurately the iteration solves, and what it takes for a violation of the inequalities.
 
     fine : whether edges are to settle, or the set of contacts is still to be corrected
-    tolerance, more_nodes : each contact has as many nodes as its density needs for this tolerance, and some more
+    tolerance : each contact has as many nodes as its density needs for this tolerance
     bounds : of the residual on contacts with given edges
     outside : overlap, in g_0, or (dual) tension, in p_0*, beyond which a segment is missing
     inside : tension over the largest pressure of a contact, or (dual) overlap over the largest gap
@@ -162,7 +163,6 @@ class Stage(NamedTuple):
 
     fine: bool
     tolerance: float
-    more_nodes: float
     bounds: Bounds
     outside: float
     inside: float
@@ -220,7 +220,7 @@ def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
 def _estimate_nodes(problem: Problem, extent: Extent, stage: Stage) -> Indices:
     """Nodes of contacts in order."""
     count = estimate_node_count(extent, problem.series, stage.tolerance)
-    return round_up_nodes(np.asarray(count + stage.more_nodes, float))
+    return round_up_nodes(np.asarray(count + UNRESOLVED, float))
 
 
 def round_up_nodes(count: NDArray[np.float64]) -> Indices:

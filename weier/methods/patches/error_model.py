@@ -7,11 +7,10 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESISTANCE_ROUNDING
 from weier.methods.patches.many_contacts import MIN_CONTACTS
+from weier.methods.segment import COMPLIANCE
 
-COMPLIANCE_FACTOR = 0.01  # error, times the tolerance
-RESISTANCE_FACTOR = 50.0  # the same; 1 but for loads as near as 1e-5 of themselves below a merger
-# Of plans. Looser ones take hardly less time: the set of contacts is corrected to the first of these all the same.
-TOLERANCES = (1e-10, 1e-12)
+# Error of the resistance, times the tolerance; 1 but for loads as near as 1e-5 of themselves below a merger.
+RESISTANCE_FACTOR = 50.0
 
 MAX_CONTACTS = 50_000  # more were not measured: 42 641 took 74 s a load and 3.1 GB
 
@@ -27,9 +26,13 @@ MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
 
 
 def error(tolerance: float, quantity: str) -> float:
-    """Error at this tolerance, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
-    factor = COMPLIANCE_FACTOR if quantity == "compliance" else RESISTANCE_FACTOR
-    return factor * tolerance + RESISTANCE_ROUNDING
+    """Error to expect at this tolerance, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
+    return tolerance if quantity == COMPLIANCE else RESISTANCE_FACTOR * tolerance + RESISTANCE_ROUNDING
+
+
+def loosest_tolerance(wanted: float, quantity: str) -> float:
+    """The loosest tolerance at which this `error` is to be expected; not positive where there is none."""
+    return wanted if quantity == COMPLIANCE else (wanted - RESISTANCE_ROUNDING) / RESISTANCE_FACTOR
 
 
 def seconds(waves: int, contacts: Array) -> Array:

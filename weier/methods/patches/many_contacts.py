@@ -13,11 +13,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Records
+from weier.kernels.arrays import Records
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
+    UNRESOLVED,
     Problem,
     Stage,
     Step,
@@ -26,7 +27,7 @@ from weier.methods.patches.edge_iteration import (
     rearrange,
     take_step,
 )
-from weier.methods.patches.given_edges import Bounds, Punches, solve_forces_on_contacts
+from weier.methods.patches.given_edges import Bounds, Punches, expansion, solve_forces_on_contacts
 from weier.methods.patches.inequalities import (
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
@@ -37,10 +38,12 @@ from weier.methods.patches.inequalities import (
     gap_uncertainty,
 )
 from weier.methods.patches.segments import (
+    COARSE_TOLERANCE,
     MAX_NODES,
     ContactState,
     apply_blocks,
     coefficient_tails,
+    end_sums,
     make_blocks,
     more_nodes,
 )
@@ -48,9 +51,9 @@ from weier.methods.patches.surface import Surface
 
 MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
 MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
-# Of the residual: what comes out is mostly a hundredth of the first, where rounding begins. The second is for where
-# that one fails.
-TOLERANCES = (1e-10, 1e-8)
+LEAST_TOLERANCE = 1e-12  # of the residual; rounding begins at a tenth of it
+FOLLOWED_TOLERANCE = 1e-10  # of states between events, whose loads are sought to ten digits
+LOOSER = 100.0  # over the tolerance: what is tried where that one fails
 TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
 MAX_OVER_TARGET = 10.0  # of what is left in the end: with more, where rounding is not all of it, nodes are too few
 ROUGH_TARGET = 1e-3  # of the height that the load needs, before the set of contacts is right
@@ -58,17 +61,16 @@ ROUNDING = 1e-13  # of the displacement under the whole load, as a height
 REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
 ROUGH_TOLERANCE = 1e-6  # of the finest wave's amplitude, before the set of contacts is right
 ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9  # over the pressure of a contact: before and in the end
-RATE_REDUCTION = 1e-8  # of the residual of the resistance, an energy: its error is far smaller
+LEAST_RATE_REDUCTION = 1e-8  # of the residual of the resistance, an energy: its error is far smaller
 MAX_TAIL = 0.3  # height of the last coefficients, over the target: with more, a contact needs nodes
 MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
-UNRESOLVED = 2  # coefficients of each contact, the last ones, are 0
 MIN_OPENING = 100.0  # over what the forces on contacts are solved to, of a gap or a contact that is cut in
 MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
 MIN_PIECE = 1e-3  # of a contact's width: shorter pieces do not survive a cut
 
 
-def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage]:
+def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> tuple[Stage, Stage]:
     """A rough one, before the set of contacts is right, and a fine one."""
     rough = ROUGH_TOLERANCE * abs(float(problem.series.amplitude[-1]))
     if problem.dual:  # a wave of this pressure has the height of its pressure over the waves in lambda_0
@@ -76,14 +78,23 @@ def _stages(problem: Problem, target: float, scale: float) -> tuple[Stage, Stage
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
     overlap, at_last = (ROUGH_TENSION * problem.load, MAX_TENSION * problem.load) if problem.dual else (rough, target)
     return (
-        Stage(False, 1e-8, 2.0, Bounds(REDUCTION, target, rough), overlap, ROUGH_TENSION, 0.0),
+        Stage(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), overlap, ROUGH_TENSION, 0.0),
         # With a residual above the target, what is left beside a thin gap that was just cut in looks like its end.
-        Stage(True, 1e-9, 5.0, Bounds(REDUCTION, least, target), at_last, MAX_TENSION, MIN_OPENING * least),
+        Stage(
+            True,
+            tolerance,
+            Bounds(REDUCTION, least, target),
+            at_last,
+            MAX_TENSION,
+            MIN_OPENING * least,
+        ),
     )
 
 
-def solve_many_contacts(surface: Surface, guess: ContactState) -> tuple[ContactState, int]:
+def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state in partial contact from a guess under its load, and the steps of Newton's method.
+
+    tolerance : of the residual, over the height that the load needs; at least `LEAST_TOLERANCE` is taken
 
     ConvergenceError is raised if a contact needs more nodes than a matrix of its own should hold, if corrections do
     not end, or if the state fails a check.
@@ -92,9 +103,10 @@ def solve_many_contacts(surface: Surface, guess: ContactState) -> tuple[ContactS
     scale = _scale(problem)
     # Rounding may keep edges of thin gaps from settling to a target that is relative to a light load. What meets a
     # looser one is certified relative to the load all the same.
-    for tolerance, looser in product(TOLERANCES, dict.fromkeys((scale, scale**0.5, 1.0))):
+    first = max(tolerance, LEAST_TOLERANCE)
+    for wanted, looser in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
         try:
-            return _solve_to(problem, guess, tolerance, looser)
+            return _solve_to(problem, guess, wanted, looser)
         except ConvergenceError as error:
             failure = error
     raise failure
@@ -107,7 +119,7 @@ def _solve_to(
     load, wanted = problem.load, tolerance * scale
     target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
     allowed = max(wanted, MAX_OVER_TARGET * target)
-    rough, fine = _stages(problem, target, scale)
+    rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
     moved = False  # whether edges have moved since the set was corrected
     now = make_guess(problem, guess.segments, stage)
@@ -145,8 +157,9 @@ def _solve_to(
             height = 2 * state.segments.half_width * residual if problem.dual else residual
             count = state.segments.node_count
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
-                resistance, share = _resistance(problem, step.punches)
-                state = state._replace(resistance=resistance, share=share, cracks=_cracks(state, wrong[~is_open]))
+                resistance, rate = _resistance(problem, step.punches, tolerance)
+                cracks = _cracks(state, wrong[~is_open])
+                state = state._replace(resistance=resistance, singular_rate=rate, cracks=cracks)
                 return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
@@ -156,10 +169,10 @@ def _solve_to(
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """The contacts of a state under another load, as if none were born or merged in between; without resistance.
 
-    They are followed tightly, whatever the tolerance of the states: the load of an event is sought to ten digits.
+    They are followed tightly, whatever the tolerance of the states.
     """
     problem = Problem(surface.series(start.dual), load, start.dual)
-    return _solve_to(problem, start, TOLERANCES[0], _scale(problem), follows=True)[0]
+    return _solve_to(problem, start, FOLLOWED_TOLERANCE, _scale(problem), follows=True)[0]
 
 
 def _scale(problem: Problem) -> float:
@@ -236,12 +249,16 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
     return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, step.a)
 
 
-def _resistance(problem: Problem, punches: Punches) -> tuple[float, Array]:
+def _resistance(problem: Problem, punches: Punches, tolerance: float) -> tuple[float, NDArray[np.float64]]:
     """What the mean gap changes by when the load does, and no edge moves: to first order, none does.
 
-    And the share of each contact in the load.
+    And the strength of the singularity of the pressure that an increment of the load adds at each edge.
     """
-    none, bounds = np.zeros(punches.segments.node.size), Bounds(RATE_REDUCTION, 0.0, np.inf)
+    none, bounds = np.zeros(punches.segments.node.size), Bounds(max(LEAST_RATE_REDUCTION, tolerance), 0.0, np.inf)
     rate = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
-    share = np.add.reduceat(rate.force, punches.segments.first_node[:-1]) / punches.period
-    return (rate.plane if problem.dual else -rate.plane), share
+    segments = punches.segments
+    psi = end_sums(segments.first_node, expansion(punches, rate.force))
+    strength = np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
+    if problem.dual:  # of the slope of the gap
+        strength /= 2 * np.pi
+    return (rate.plane if problem.dual else -rate.plane), strength

@@ -58,6 +58,7 @@ from weier.methods.patches.segments import (
     increase_node_count,
     make_blocks,
     make_segments,
+    segment_strengths,
 )
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_series
 from weier.theory.halfplane import take_logarithms
@@ -551,20 +552,21 @@ def solve_on_segments(
     raise ConvergenceError(f"the density needs more nodes than expected under the mean pressure {load:.6g} p_0*")
 
 
-def _add_resistance(state: ContactState, system: System, grids: TwoGrids, period: float) -> tuple[ContactState, int]:
-    """The state with its resistance and, d/dp of its force r sum w phi, each contact's share in a new load.
+def _add_resistance(state: ContactState, system: System, grids: TwoGrids) -> tuple[ContactState, int]:
+    """The state with its resistance and the singular pressure that an increment of the load adds at its edges.
 
-    And the corrections to these that it took. ConvergenceError is raised unless they become small.
+    An edge that moves out at the speed v makes K/s^(1/2) with K = A v/2 of the pressure A s^(1/2) beside it. And the
+    corrections to these that it took. ConvergenceError is raised unless they become small.
     """
     steps, error = _find_rate(system, grids)
     if not error <= SENSITIVITY_TOLERANCE:
         why = f"the resistance does not converge under the mean pressure {state.load:.6g} p_0*"
         raise ConvergenceError(why, error)
     segments, rate, N = state.segments, system.rate, state.phi.size
-    growth = np.repeat(rate[N + segments.centre.size : -1], segments.node_count)
-    by_node = segments.weight * (rate[:N] + growth * state.phi)
-    share = segments.half_width / period * np.add.reduceat(by_node, segments.first_node[:-1])
-    return state._replace(resistance=float(rate[-1]), share=share), steps
+    shift, growth = rate[N:-1].reshape(2, -1) * segments.half_width
+    speed = np.stack([growth - shift, growth + shift], axis=1)
+    singular_rate = 0.5 * np.abs(segment_strengths(state) * speed)
+    return state._replace(resistance=float(rate[-1]), singular_rate=singular_rate), steps
 
 
 def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
@@ -575,7 +577,7 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
     series = surface.series(guess.dual)
     start = _own_density(guess, series) if guess.dual else guess  # Hertz's pressure is near enough
     state, steps, system, grids = solve_on_segments(surface, start, tolerance)
-    state, more = _add_resistance(state, system, grids, series.period)
+    state, more = _add_resistance(state, system, grids)
     residual = contact_residual(state, series)
     minima, negative, margin = _violations(state, series, residual.max(), tolerance)
     return certify(state, residual, minima, negative, series, tolerance, margin), steps + more

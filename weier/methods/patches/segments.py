@@ -150,7 +150,8 @@ class ContactState(NamedTuple):
         g_0/lambda_0
     coefficient : of phi in U_k, segment by segment, shape (nodes,)
     resistance : dh/dp, in g_0/p_0*
-    share : of a new load that each contact takes, shape (segments,); without meaning for gaps
+    singular_rate : K at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): of an
+        increment of the mean pressure, the pressure at the distance s within a contact is K/s^(1/2)
     residual : largest violation of a contact condition, in g_0
     error : a bound on that of the approach by these violations, in g_0
     cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
@@ -168,7 +169,7 @@ class ContactState(NamedTuple):
     phi: Array
     coefficient: Array = np.empty(0)
     resistance: float = np.nan
-    share: Array = np.empty(0)
+    singular_rate: NDArray[np.float64] = np.empty((0, 2))
     residual: float = np.nan
     error: float = np.nan
     cracks: NDArray[np.float64] = np.empty((0, 4))
@@ -192,6 +193,29 @@ class ContactState(NamedTuple):
         start[before_crack + 1] = self.cracks[:, 1] + self.cracks[:, 2]
         origin, centre, r = (each[of] for each in self.segments.extent)
         return origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)
+
+
+def segment_strengths(state: ContactState) -> NDArray[np.float64]:
+    """A of the pressure A s^(1/2) at the distance s from the left and right edges, shape (segments, 2), from U_k(1).
+
+    In p_0*/lambda_0^(1/2). Beside the edges of a gap (dual) that is its slope over 2 pi, negative at the right edge.
+    """
+    first_node, scale = state.segments.first_node, np.sqrt(2 / state.segments.half_width)[:, None]
+    strength = scale * end_sums(first_node, state.coefficient * (degrees(first_node) + 1))
+    return strength / (2 * np.pi) if state.dual else strength
+
+
+def edge_strengths(state: ContactState) -> Array:
+    """Of the left and right edges of each contact, shape (contacts, 2), in p_0*/lambda_0^(1/2)."""
+    of, before_crack = state.pieces
+    strength = at_contacts(np.abs(segment_strengths(state)), state.dual)[of]
+    strength[before_crack, 1] = strength[before_crack + 1, 0] = state.cracks[:, 3]
+    return strength
+
+
+def at_contacts(at_segments: NDArray[np.float64], dual: bool) -> NDArray[np.float64]:
+    """Values at the edges of the contacts, shape (contacts, 2): contact j is segment j, or follows gap j (dual)."""
+    return np.stack([at_segments[:, 1], np.roll(at_segments[:, 0], -1)], axis=1) if dual else at_segments
 
 
 @lru_cache(maxsize=256)

@@ -30,7 +30,7 @@ from weier.methods.punches import OFFSET
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.waves import Waves
 
-MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1e-6
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0  # of the compliance, in g_0: rounding, and more than says anything
 MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
 MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
 MAX_LONE = 32  # contacts whose forces are found as forces on lines
@@ -46,10 +46,10 @@ class Starts:
     """Initial guesses for the loads of one surface, each independent of the other loads."""
 
     def __init__(self, profile: Waves, tolerance: float) -> None:
-        """ValueError for a tolerance below rounding, or so large that it would not be one."""
+        """Starts for a compliance within a tolerance, in g_0; ValueError where no number is meant by that."""
         if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
             raise ValueError(
-                f"residual_tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}], got {tolerance}"
+                f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}] for contact patches, got {tolerance}"
             )
         self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
         self._grid = cache(self._make_grid)
@@ -60,15 +60,15 @@ class Starts:
         tolerance = min(GRID_TOLERANCE, WAVE_SHARE * abs(float(self.profile.amplitude[-1])))
         return NestedSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance))
 
-    def guesses(self, load: float) -> Iterator[ContactState]:
-        """What to start from under this load, the most likely first."""
+    def guesses(self, load: float, tolerance: float) -> Iterator[ContactState]:
+        """What to start from under this load, the most likely first, for densities within a relative tolerance."""
         for find, series in ((lone_contacts, self.surface.heights), (lone_gaps, self.surface.tensions)):
             if (lone := find(series, load)) is not None:
                 yield lone
         guess = None
         for per_wave in POINTS_PER_WAVE:
             if (found := self._nodal_contacts(load, per_wave)) is not None:
-                guess = contacts_guess(self.surface, load, *found, self.tolerance)
+                guess = contacts_guess(self.surface, load, *found, tolerance)
                 yield guess
         # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
         if guess is not None and not guess.dual:

@@ -69,7 +69,7 @@ def _count(kept: Profile) -> tuple[Array, Array]:
     try:
         with telling():
             found = bem.curve(
-                kept, loads, points=points, tolerance=COUNTED_RESIDUAL, with_resistance=False, staircase="kept"
+                kept, loads, points=points, max_residual=COUNTED_RESIDUAL, with_resistance=False, staircase="kept"
             )
     except ConvergenceError:  # the most that there can be
         return np.full(loads.size, float(kept.waves_per_period[-1])), COUNTED_LOADS
