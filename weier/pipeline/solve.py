@@ -55,7 +55,8 @@ def solve(
         Of one profile and one method: over the dimension mean_pressure, compliance, in g_0, resistance, in
         g_0/p_0*, and whatever else the method returns: see the table of variables. The profile is in its scalar
         coordinates; settings, defaults among them, versions, and the seconds that it took are attributes.
-        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies.
+        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies. Where a plan misses its tolerance
+        at some loads alone, these are NaN: a warning and the attribute `unsolved` say why.
 
         Where profiles or methods are a list: over case, solution_method and mean_pressure, as the pipeline writes
         it. What cannot be solved is NaN, `status` says so, and a warning says why.
