@@ -25,7 +25,7 @@ def solve_curve(
     given = checked_settings(method, settings)
     solution, seconds = solve_checked(profile, loads, method, given)
     if why := unsolved(solution):
-        warnings.warn(why, stacklevel=3)  # at the call of `weier.solve`
+        warnings.warn(why, stacklevel=4)  # at the call of `weier.solve`
     values = {name: value for name, value in solution._asdict().items() if contact_edges or np.ndim(value) < 2}
     labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
     return dataset.curve(loads, values | {"seconds": seconds}, labels, all_settings(method, given))

@@ -15,7 +15,7 @@ from weier.methods.planned.plan import Plan
 from weier.methods.planned.plan import plan as plan_profile
 from weier.methods.registry import PLANNED
 from weier.scene import Case, Scene
-from weier.theory.arguments import shown
+from weier.theory.arguments import hinting, shown
 from weier.theory.profile import Profile
 from weier.theory.tables import significant
 from weier.theory.trace import Trace
@@ -70,6 +70,7 @@ def plan(
     tolerance: float | None = None,
     quantity: str | None = None,
 ) -> ScenePlan: ...
+@hinting
 def plan(
     subject: Profile | Scene,
     mean_pressure: ArrayLike | None = None,

@@ -16,11 +16,12 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import checked_settings, described
 from weier.methods.solve import solve_curve
-from weier.theory.arguments import checked_flag, shown
+from weier.theory.arguments import checked_flag, hinting, shown
 from weier.theory.loads import listed_loads, unit_doubt
 from weier.theory.waves import Waves, checked_surface
 
 
+@hinting
 def solve(
     profile: Waves | Sequence[Waves],
     mean_pressure: ArrayLike,
@@ -91,7 +92,7 @@ def solve(
     profiles = _list("profile", profile)
     for each in profiles:
         if doubt := unit_doubt(checked_surface(each), loads):
-            warnings.warn(doubt, stacklevel=2)
+            warnings.warn(doubt, stacklevel=3)  # at the call of `solve`, which `hinting` hands on
     method = default_method(*profiles) if method is None else method
     methods = _list("method", method)
     solvers = [find_method(each) for each in methods]
@@ -121,7 +122,7 @@ def _solve_all(
     failures: list[str] = []
     data = solve_batch(cases, loads, edges, done=lambda line: None, failed=failures.append)
     for failure in failures:
-        warnings.warn(failure, stacklevel=3)  # at the call of `solve`
+        warnings.warn(failure, stacklevel=4)  # at the call of `solve`
     return name_cases(data.assign_attrs(provenance.of_results(title)))
 
 
