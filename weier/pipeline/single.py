@@ -38,7 +38,7 @@ def solve_one(
     profile : mapping
         D, gamma, m and phases or seed, as in a scene; or `trace`, what a scene says of one.
     loads : ndarray, shape (loads,)
-        Mean pressures, in p_0*.
+        Mean pressures, increasing, in p_0*.
     methods : sequence of str
         As in `solve`.
     settings : mapping
