@@ -64,9 +64,9 @@ class TableOfVariables(SphinxDirective):
 
 
 class SceneKeys(SphinxDirective):
-    """Every key of a scene, a study, a profile, a trace, a figure, a range and an axis, from the schema of scenes."""
+    """Every key of a scene and of its parts, such as studies and figures, from the schema of scenes."""
 
-    parts = ("", "study", "profile", "trace", "figure", "range", "scale_and_ends")
+    parts = ("", "study", "profile", "trace", "figure", "interface", "range", "scale_and_ends")
 
     def run(self):
         """A table for each."""

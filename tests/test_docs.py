@@ -253,7 +253,7 @@ def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
     assert text.count("<table") == len(PARTS) + 2
 
 
-PARTS = ("study", "profile", "trace", "figure", "range", "scale_and_ends")
+PARTS = ("study", "profile", "trace", "figure", "interface", "range", "scale_and_ends")
 
 
 def test_all_that_is_public_is_described(site):

@@ -11,7 +11,7 @@ SOLVE = ["solve", *PROFILE]
 
 
 WRONG_USAGE = [
-    ([*SOLVE, "--loads", "1:0.1:5"], "mean_pressure must increase"),
+    ([*SOLVE, "--loads", "1:-0.1:5"], "mean_pressure must be positive, got -0.1"),
     ([*SOLVE, "--loads", "-1"], "mean_pressure must be positive, got -1.0"),
     ([*SOLVE, "--loads", "1:2"], 'loads must read "0.1,1" or "first:last:count", got \'1:2\''),
     ([*SOLVE, "--loads", ""], "loads must read"),

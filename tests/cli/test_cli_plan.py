@@ -16,6 +16,15 @@ def test_a_plan_of_one_profile_is_that_of_the_library(run):
     assert out == f"{weier.plan(profile, np.geomspace(0.01, 20, 5), 1e-4, 'resistance')}\n"
 
 
+def test_a_plan_has_each_load_once_and_increasing(run):
+    series = ["-D", "1.25", "--gamma", "5", "-m", "2"]
+    _, sorted_loads, _ = run("plan", *series, "--loads", "0.1,1")
+    code, out, _ = run("plan", *series, "--loads", "1,0.1,1")
+    assert (code, out) == (0, sorted_loads)
+    profile = weier.Profile(1.25, 5, 2)
+    assert str(weier.plan(profile, [1.0, 0.1, 0.1])) == str(weier.plan(profile, [0.1, 1.0]))
+
+
 def test_a_plan_of_one_profile_has_defaults(run):
     code, out, _ = run("plan", "-D", "1.5", "--gamma", "2", "-m", "inf", "--tolerance", "0.5")
     assert code == 0

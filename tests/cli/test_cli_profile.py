@@ -1,9 +1,11 @@
 """`weier solve` and `weier plot`: one profile from the command line."""
 
+import io
 import json
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -72,13 +74,51 @@ def test_csv_is_printed_and_written(run, tmp_path):
     assert [float(row[head.index("compliance")]) for row in rows] == exact.tolist()
 
 
+@pytest.mark.parametrize("text", ["1,0.1,0.1", "1:0.1:2"])
+def test_loads_come_in_the_order_given_and_once_and_increasing_in_netcdf(run, tmp_path, text):
+    wanted = [*PROFILE, "--loads", text, "--method", "demelio"]
+    given = [1.0, 0.1, 0.1] if "," in text else [1.0, 0.1]
+    expected = weier.solve(weier.Profile(1.25, 5, 2, 1.0), given, "demelio").compliance.values.tolist()
+    _, out, _ = run("solve", *wanted)
+    assert json.loads(out)["mean_pressure"] == given
+    assert json.loads(out)["methods"]["demelio"]["compliance"] == expected
+    _, out, _ = run("solve", *wanted, "--csv")
+    assert pd.read_csv(io.StringIO(out))["mean_pressure"].tolist() == given
+    for name in ("curves.json", "curves.nc"):
+        run("solve", *wanted, "-o", tmp_path / name)
+    assert json.loads((tmp_path / "curves.json").read_text())["mean_pressure"] == given
+    with weier.open_dataset(tmp_path / "curves.nc") as data:
+        assert data.mean_pressure.values.tolist() == [0.1, 1.0]
+
+
+def test_a_line_is_drawn_along_its_loads_in_whatever_order_they_come(run, tmp_path):
+    for name, loads in (("one.svg", "0.1,1,2"), ("other.svg", "2,0.1,1,1")):
+        code, _, _ = run("plot", *PROFILE, "--loads", loads, "--method", "demelio", tmp_path / name)
+        assert code == 0
+    assert (tmp_path / "one.svg").read_text() == (tmp_path / "other.svg").read_text()
+    code, _, err = run("plot", *PROFILE, "--loads", "1,1", tmp_path / "none.svg")
+    assert code == 2
+    assert "a curve takes at least 2 loads, got 1" in err
+
+
 def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     series = ["-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1"]
     code, out, err = run("solve", *series, "--method", "bem", "--method", "demelio", "-o", tmp_path / "x.nc")
     assert (code, out) == (1, "")
-    assert err.splitlines()[-1] == "weier: bem does not apply, as said above; the curves of the others are there"
+    assert err.splitlines()[-1] == "weier: bem does not apply, as said above; all other numbers are there"
     with weier.open_dataset(tmp_path / "x.nc") as data:
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
+
+
+def test_a_plan_that_failed_at_some_loads_is_delivered_and_says_so(run, unsolvable):
+    unsolvable(0.1)
+    code, out, err = run("solve", *PROFILE, "--loads", "0.1,1", "--method", "planned")
+    assert code == 1
+    compliance = json.loads(out)["methods"]["planned"]["compliance"]
+    assert [value is None for value in compliance] == [True, False]
+    why, last = err.splitlines()[-2:]
+    assert "planned: the compliance is not within 0.001 at 1 of 2 loads: bem with 2 terms was expected to do" in why
+    assert last == "weier: planned missed its tolerance at some loads, as said above; all other numbers are there"
 
 
 @pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])

@@ -1,6 +1,7 @@
 """`weier table`: curves of a file for a spreadsheet."""
 
 import csv
+import re
 import shlex
 
 import netCDF4
@@ -81,12 +82,43 @@ def test_a_trace_in_si_units_has_its_own_scale(run, folder):
     assert run("table", "all.nc", "--si", "bare.yaml")[0] == 1
 
 
-@pytest.mark.parametrize("text", ["mu_1: 1.0\n", "- 1\n", "mu_1: [\n"])
-def test_bodies_that_lack_a_value_are_refused(run, folder, text):
+def bodies(**changes):
+    """The file of bodies with other values; None takes one away."""
+    values = {name: value for name, value in (BODIES | changes).items() if value is not None}
+    return "".join(f"{name}: {value}\n" for name, value in values.items())
+
+
+def test_young_s_modulus_may_stand_in_place_of_the_shear_modulus(run, folder):
+    by_shear_modulus = run("table", "curve.nc", "--si", "bodies.yaml")[1]
+    (folder / "young.yaml").write_text(bodies(mu_1=None, E_1=2 * 79e9 * 1.3))
+    code, out, _ = run("table", "curve.nc", "--si", "young.yaml")
+    assert code == 0
+    for one, other in zip(rows(out), rows(by_shear_modulus), strict=True):
+        assert float(one["resistance (ohm m^2)"]) == pytest.approx(float(other["resistance (ohm m^2)"]), rel=1e-15)
+
+
+WRONG_BODIES = [
+    (
+        "mu_1: 1.0\n",
+        "bodies.yaml must have nu_1, .* and a modulus of each body, and lacks nu_1, nu_2, rho_1,",
+    ),
+    ("- 1\n", "and lacks nu_1"),
+    ("mu_1: [\n", "weier: "),
+    (bodies(nu_2=None), "and lacks nu_2$"),
+    (bodies(mu_1=None), "give one of mu_1, the shear modulus, and E_1, Young's modulus, got neither"),
+    (bodies(E_1=1), "got both"),
+    (bodies(mu=1), "has a key 'mu', which is none of .*: did you mean 'mu_2'"),
+    (bodies(mu_1="soft"), "mu_1 must be a number, got 'soft'"),
+]
+
+
+@pytest.mark.parametrize(("text", "why"), WRONG_BODIES)
+def test_bodies_that_are_wrong_are_refused_in_a_sentence(run, folder, text, why):
     (folder / "bodies.yaml").write_text(text)
     code, out, err = run("table", "curve.nc", "--si", "bodies.yaml")
     assert (code, out) == (1, "")
-    assert "Traceback" not in err
+    (line,) = err.splitlines()
+    assert re.search(why, line)
 
 
 def test_a_missing_file_of_bodies_is_named_in_a_sentence(run):

@@ -125,7 +125,7 @@ def test_the_largest_residual_and_stated_errors_stand_beside_the_states():
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
     data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
     table = page._errors(data)
-    assert table.rows == [["demelio", 2, 0, 0, "", "", ""], ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"]]
+    assert table.rows == [["demelio", 2, 0, 0, 0, "", "", ""], ["bem", 2, 0, 0, 0, "7.0e-05", "inf", "3.0e-11"]]
     assert sum("stated" in heading for heading in table.header) == 2
     without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
     assert not any("stated" in heading for heading in without.header)
@@ -231,7 +231,7 @@ def test_errors_of_different_settings_stand_in_different_rows():
     )
     table = page._errors(labelled)
     assert [row[0] for row in table.rows] == ["bem, staircase removed", "bem, points 12, staircase kept"]
-    assert [row[4] for row in table.rows] == ["2.0e-06", "3.0e-02"]
+    assert [row[5] for row in table.rows] == ["2.0e-06", "3.0e-02"]
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
@@ -295,6 +295,16 @@ def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
     ]
     unmeasured = plans.rows(data.sel(solution_method=["planned"]), cost)
     assert {row[7] for row in unmeasured} == {"unknown"}
+
+
+def test_a_plan_that_failed_at_some_loads_says_so(planned):
+    data, cost = planned
+    data["status"].values[0, 1] = Status.partly_solved
+    data["planned_method"].values[0, 1] = "out of reach"
+    data["compliance"].values[0, 1, 1] = np.nan
+    assert plans.rows(data, cost)[0] == [
+        *("westergaard and out of reach", 1, "0.25", "0.5", "2", "1.0e-04", "2.0e-05", "0.0e+00")
+    ]
 
 
 def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):

@@ -66,6 +66,8 @@ def test_a_list_may_hold_ranges(tmp_path):
     study = {"product": {"D": 1.25, "gamma": 5, "m": [1, {"from": 3, "to": 5, "count": 3}]}}
     loaded = scene.load(write(tmp_path, loads=loads, studies={"one": study}))
     assert loaded.loads == pytest.approx([0.1, 0.2, 0.3, 0.5, 1, 10, 100])
+    again = scene.load(write(tmp_path, loads=[*reversed(loads), 0.5], studies={"one": study}))
+    assert again.loads.tolist() == loaded.loads.tolist(), "in whatever order, and each once"
     assert [case.profile.m for case in loaded.studies["one"]] == [1, 3, 4, 5]
     with pytest.raises(scene.SceneError, match="at most 3 cases, got 4"):
         scene.load(write(tmp_path, studies={"one": study}, max_cases=3))

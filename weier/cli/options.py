@@ -17,7 +17,7 @@ from weier.methods.settings import all_names, described, methods_with
 from weier.theory.arguments import nearest
 from weier.theory.heights import DETREND, MAX_GAP, MISSING
 from weier.theory.instruments import AXES
-from weier.theory.loads import MAX_LOADS, checked_loads
+from weier.theory.loads import MAX_LOADS, positive_loads
 from weier.theory.trace import ENDS
 from weier.theory.units import UNITS
 
@@ -30,10 +30,10 @@ PLOTTED_LOADS = "1e-3:4:400"  # so many that steps of the resistance look like s
 
 
 def parse_loads(text: str) -> Array:
-    """Mean pressures from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
+    """Mean pressures in the order given, from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
     try:
         if ":" not in text:
-            return checked_loads([float(part) for part in text.split(",")])
+            return positive_loads([float(part) for part in text.split(",")])
         first, last, count = text.split(":")
         ends, number = (float(first), float(last)), int(count)
     except ValueError as error:
@@ -42,8 +42,8 @@ def parse_loads(text: str) -> Array:
         raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r:.80}') from None
     if not 2 <= number <= MAX_LOADS:
         raise ValueError(f"the count of loads must lie in [2, {MAX_LOADS}], got {number}")
-    checked_loads(ends)
-    return checked_loads(np.geomspace(*ends, number))
+    positive_loads(ends)
+    return positive_loads(np.geomspace(*ends, number))
 
 
 def parse_phases(text: str) -> float | list[float]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
 from weier.kernels.arrays import Array
@@ -30,7 +31,7 @@ def _solve(
         methods, refusals = single.applicable(profile, default)
         for refusal in refusals:
             click.echo(refusal, err=True)
-    return single.solve_one(profile, loads, methods, settings)
+    return single.solve_one(profile, np.unique(loads), methods, settings)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
@@ -40,7 +41,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     """Compute the compliance and resistance of one profile.
 
     Prints JSON to standard output and progress to standard error. Lengths along x are in lambda_0, heights in g_0,
-    pressures in p_0*.
+    pressures in p_0*. Loads may come in any order, which is that of the output; netCDF has each once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
@@ -54,10 +55,11 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
 
     data = _solve((), **options)
+    in_order = data.sel(mean_pressure=options["loads"])
     if output is None:
-        click.echo(result.as_csv(data) if csv else result.as_json(data))
+        click.echo(result.as_csv(in_order) if csv else result.as_json(in_order))
     else:
-        result.write(data, output)
+        result.write(in_order if output.suffix in result.TEXTS else data, output)
     result.check_solved(data)
 
 
@@ -78,7 +80,7 @@ def plot(path: Path | None, quantity: str, **options: Any) -> None:
     from weier.cli import result
     from weier.figures import METADATA, draw, show  # matplotlib takes half a second, and only some commands need it
 
-    if (count := options["loads"].size) < MIN_LOADS:
+    if (count := np.unique(options["loads"]).size) < MIN_LOADS:
         raise click.BadParameter(
             f"a curve takes at least {MIN_LOADS} loads, got {count}: give a range, such as {LOADS}",
             param_hint="--loads",

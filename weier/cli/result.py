@@ -21,7 +21,11 @@ PROFILE = tuple(
     for name, entry in VARIABLES.items()
     if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.optional
 )
-WHY = {Status.not_applicable: "does not apply", Status.not_converged: "missed its tolerance"}
+WHY = {
+    Status.not_applicable: "does not apply",
+    Status.not_converged: "missed its tolerance",
+    Status.partly_solved: "missed its tolerance at some loads",
+}
 
 
 def write(data: xr.Dataset, path: Path) -> None:
@@ -77,7 +81,7 @@ def check_solved(data: xr.Dataset) -> None:
     numbers = zip(data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True)
     missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
     if missing:
-        raise ValueError(f"{', '.join(missing)}, as said above; the curves of the others are there")
+        raise ValueError(f"{', '.join(missing)}, as said above; all other numbers are there")
 
 
 TEXTS = {".json": as_json, ".csv": as_csv}  # by the end of a file's name

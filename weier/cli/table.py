@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from weier.cli.options import FILE, STDOUT, output
 from weier.data.files import write_text
-from weier.data.yaml import parse_yaml
+from weier.data.yaml import number, parse_yaml
+from weier.theory.arguments import suggestion
 from weier.theory.conduction import Interface, at_scale_of
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
     "--si",
     "bodies",
     type=FILE,
-    help="Give SI units; this YAML file has the eight values of weier.Interface, as mu_1. Traces have their own g_0 "
-    "and lambda_0.",
+    help="Give SI units; this YAML file has the eight values of weier.Interface, with mu_1 or E_1 for the stiffness "
+    "of a body. Traces have their own g_0 and lambda_0.",
 )
 def table(contact: Path, path: Path, bodies: Path | None) -> None:
     """Write the curves of a file as comma-separated values.
@@ -71,9 +72,16 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
 
 def _read_interface(path: Path, scaled: bool) -> Interface:
     """The bodies of a file; the size of the roughness may be missing where it stands in no unit."""
-    given = parse_yaml(path.read_text(encoding="utf-8"))
-    names = [field.name for field in fields(Interface)]
+    given, known = parse_yaml(path.read_text(encoding="utf-8")), signature(Interface).parameters
     scale = {} if scaled else {"lambda_0": 1.0, "g_0": 1.0}
-    if not isinstance(given, dict) or set(scale | given) != set(names):
-        raise ValueError(f"{path} must have the keys {', '.join(names)} and no others")
-    return Interface(**(scale | given))
+    needed = [name for name, value in known.items() if value.default is value.empty]
+    given = given if isinstance(given, dict) else {}
+    if strange := [name for name in given if name not in known]:
+        raise ValueError(
+            f"{path} has a key {strange[0]!r}, which is none of {', '.join(known)}{suggestion(strange[0], known)}"
+        )
+    if missing := [name for name in needed if name not in scale | given]:
+        raise ValueError(
+            f"{path} must have {', '.join(needed)} and a modulus of each body, and lacks {', '.join(missing)}"
+        )
+    return Interface(**(scale | {name: number(name, value) for name, value in given.items()}))

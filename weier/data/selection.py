@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from weier.data.variables import CURVE, VARIABLES, Status
+from weier.data.variables import CURVE, VARIABLES
 from weier.kernels.arrays import Flags
 from weier.theory.arguments import checked_number, checked_numbers, shown
 from weier.theory.profile import PARAMETERS, Profile, checked_ratio
@@ -108,10 +108,9 @@ class Curves:
         phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
         labels = [name for name in _labels(data) if name != "case"]
         quantities = [name for name, values in data.data_vars.items() if values.dims == CURVE]
-        rows = data[[*quantities, *(["status"] if "status" in data else [])]].drop_vars("phases", errors="ignore")
+        rows = data[quantities].drop_vars("phases", errors="ignore")
         frame = rows.assign_coords(phases=("case", phases)).to_dataframe(dim_order=CURVE).reset_index()
-        solved = frame["status"] == Status.solved if "status" in data else slice(None)
-        frame = frame[solved][[*labels, "phases", *CURVE[1:], *quantities]]
+        frame = frame.dropna(how="all", subset=quantities)[[*labels, "phases", *CURVE[1:], *quantities]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
 

@@ -32,12 +32,16 @@ MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
 
 class Status(IntEnum):
-    """Why a curve is there, or is not."""
+    """Why a curve is there, or is not.
+
+    partly_solved : at some loads the tolerance was missed, and its numbers are missing
+    """
 
     solved = 0
     not_requested = 1
     not_applicable = 2
     not_converged = 3
+    partly_solved = 4
 
 
 class Check(IntEnum):
@@ -180,7 +184,10 @@ VARIABLES = {
         files=(TRADEOFF, CONVERGENCE),
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
-    "planned_method": _planned(LOAD_DIMS, "method that the plan chose at this load", dtype="U16"),
+    "planned_method": _planned(
+        LOAD_DIMS, "method that the plan chose at this load", dtype="U16",
+        comment='It is "out of reach" where none met the tolerance: the numbers are missing there.',
+    ),
     "planned_terms": _planned(LOAD_DIMS, "terms that the method chosen by the plan models", least=1),
     "planned_points": _planned(LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1),
     "planned_seconds": _planned(("case",), "time that the plan expects all loads to take on one core", "s", least=0),

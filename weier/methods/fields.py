@@ -7,7 +7,7 @@ import xarray as xr
 
 from weier.data.provenance import NORMALISED
 from weier.methods import bem, patches
-from weier.theory.arguments import checked_word
+from weier.theory.arguments import checked_word, hinting
 from weier.theory.limits import check_resolvable
 from weier.theory.loads import checked_load
 from weier.theory.waves import Waves, checked_surface
@@ -30,6 +30,7 @@ ATTRIBUTES = {
 }
 
 
+@hinting
 def fields(
     profile: Waves, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
 ) -> xr.Dataset:

@@ -86,6 +86,12 @@ def stated_compliance_error(solved: Any) -> Array:
     return np.asarray(getattr(solved, "compliance_error", 0.0))
 
 
+def unsolved(solved: Any) -> str | None:
+    """Why a solution has no numbers at some loads, in a sentence; None where it has all of them."""
+    why: str | None = getattr(solved, "unsolved", None)
+    return why
+
+
 @dataclass(frozen=True)
 class Method:
     """A method of solution.
@@ -101,7 +107,8 @@ class Method:
     solve : callable
         From a profile, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
         annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and whatever else the table of
-        variables knows. Raises ConvergenceError rather than return a wrong number.
+        variables knows. Raises ConvergenceError rather than return a wrong number; if some loads alone have
+        none, they are NaN, and `unsolved` says why.
     settings : mapping of str
         What each of these keywords means, with its unit, for people who choose its value.
     applies : callable

@@ -16,7 +16,7 @@ from weier.data import dataset
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.method import Method
+from weier.methods.method import Method, unsolved
 from weier.methods.progress import telling
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
@@ -80,6 +80,9 @@ def solve_batch(
                 with telling(progress):
                     solution, found["seconds"] = _solve(case, method, given, loads, known)
                 found |= solution._asdict() | _bounds(case, method, solution, loads)
+                if why := unsolved(solution):
+                    found["status"] = Status.partly_solved
+                    failed(f"{case.profile.describe()}, {name}: {why}")
             except (NotApplicableError, ConvergenceError) as error:
                 unconverged = isinstance(error, ConvergenceError)
                 found["status"] = Status.not_converged if unconverged else Status.not_applicable

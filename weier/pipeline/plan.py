@@ -15,7 +15,8 @@ from weier.methods.planned.plan import Plan
 from weier.methods.planned.plan import plan as plan_profile
 from weier.methods.registry import PLANNED
 from weier.scene import Case, Scene
-from weier.theory.arguments import shown
+from weier.theory.arguments import hinting, shown
+from weier.theory.loads import listed_loads
 from weier.theory.profile import Profile
 from weier.theory.tables import significant
 from weier.theory.trace import Trace
@@ -70,6 +71,7 @@ def plan(
     tolerance: float | None = None,
     quantity: str | None = None,
 ) -> ScenePlan: ...
+@hinting
 def plan(
     subject: Profile | Scene,
     mean_pressure: ArrayLike | None = None,
@@ -83,7 +85,8 @@ def plan(
     subject : Profile or Scene
         With any number of terms, inf too; a scene as `weier.load_scene` reads it.
     mean_pressure : array_like, shape (loads,)
-        Positive and increasing, in p_0*. By default, those of the scene; a profile has none.
+        Positive, in p_0*, in any order; the plan has each once, increasing. By default, those of the scene; a
+        profile has none.
     tolerance : float
         Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*. By default,
         that of the scene, and 1e-3 for a profile.
@@ -112,7 +115,9 @@ def plan(
     told = {"tolerance": tolerance, "quantity": quantity}
     wanted: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
     if isinstance(subject, Scene):
-        return _plan_scene(subject, subject.loads if mean_pressure is None else mean_pressure, wanted)
+        return _plan_scene(
+            subject, subject.loads if mean_pressure is None else listed_loads(mean_pressure)[0], wanted
+        )
     if isinstance(subject, Trace):
         raise ValueError(
             "subject must be a series to plan for, got a trace: take the one that weier.fit finds for it"
@@ -121,7 +126,7 @@ def plan(
         raise ValueError(f"subject must be a weier.Profile or a scene, got {shown(subject)}")
     if mean_pressure is None:
         raise ValueError("mean_pressure must be given with a profile: only a scene has loads of its own")
-    return plan_profile(subject, mean_pressure, registry.METHODS, **wanted)
+    return plan_profile(subject, listed_loads(mean_pressure)[0], registry.METHODS, **wanted)
 
 
 def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> ScenePlan:

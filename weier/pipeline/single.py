@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 import yaml
 
@@ -37,7 +38,7 @@ def solve_one(
     profile : mapping
         D, gamma, m and phases or seed, as in a scene; or `trace`, what a scene says of one.
     loads : ndarray, shape (loads,)
-        Mean pressures, in p_0*.
+        Mean pressures, increasing, in p_0*.
     methods : sequence of str
         As in `solve`.
     settings : mapping
@@ -52,7 +53,7 @@ def solve_one(
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
         data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS)
-    if not (data["status"] == Status.solved).any():
+    if not np.isin(data["status"], [Status.solved, Status.partly_solved]).any():
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
     return data.assign_attrs(title=title, scene=_text(title, case, loads))

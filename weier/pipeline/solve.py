@@ -16,11 +16,12 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, checked_settings, described, with_tolerance
 from weier.methods.solve import solve_curve
-from weier.theory.arguments import checked_flag, shown
+from weier.theory.arguments import checked_flag, hinting, shown
 from weier.theory.loads import listed_loads, unit_doubt
 from weier.theory.waves import Waves, checked_surface
 
 
+@hinting
 def solve(
     profile: Waves | Sequence[Waves],
     mean_pressure: ArrayLike,
@@ -56,7 +57,8 @@ def solve(
         Of one profile and one method: over the dimension mean_pressure, compliance, in g_0, resistance, in
         g_0/p_0*, and whatever else the method returns: see the table of variables. The profile is in its scalar
         coordinates; settings, defaults among them, versions, and the seconds that it took are attributes.
-        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies.
+        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies. Where a plan misses its tolerance
+        at some loads alone, these are NaN: a warning and the attribute `unsolved` say why.
 
         Where profiles or methods are a list: over case, solution_method and mean_pressure, as the pipeline writes
         it. What cannot be solved is NaN, `status` says so, and a warning says why.
@@ -91,7 +93,7 @@ def solve(
     profiles = _list("profile", profile)
     for each in profiles:
         if doubt := unit_doubt(checked_surface(each), loads):
-            warnings.warn(doubt, stacklevel=2)
+            warnings.warn(doubt, stacklevel=3)  # at the call of `solve`, which `hinting` hands on
     method = default_method(*profiles) if method is None else method
     methods = _list("method", method)
     solvers = [find_method(each) for each in methods]
@@ -121,7 +123,7 @@ def _solve_all(
     failures: list[str] = []
     data = solve_batch(cases, loads, edges, done=lambda line: None, failed=failures.append)
     for failure in failures:
-        warnings.warn(failure, stacklevel=3)  # at the call of `solve`
+        warnings.warn(failure, stacklevel=4)  # at the call of `solve`
     return name_cases(data.assign_attrs(provenance.of_results(title)))
 
 

@@ -35,7 +35,7 @@ from weier.scene.study import (
 )
 from weier.theory.arguments import checked_file, shown, suggestion
 from weier.theory.conduction import Interface
-from weier.theory.loads import check_range, checked_loads
+from weier.theory.loads import check_range, listed_loads
 from weier.theory.profile import PARAMETERS, Profile
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
@@ -140,7 +140,7 @@ def _mapping(raw: Raw, key: str) -> Raw:
 def _loads(raw: Raw) -> Array:
     if "loads" not in raw:  # which the form has told
         return np.empty(0)
-    loads = checked_loads([number("a load", value) for value in axis(raw["loads"])])
+    loads, _ = listed_loads([number("a load", value) for value in axis(raw["loads"])])
     check_range(loads)
     return loads
 

@@ -7,14 +7,16 @@ them for some.
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
+from functools import wraps
 from numbers import Real
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -23,7 +25,30 @@ from weier.kernels.arrays import Array, Flags
 MAX_SHOWN = 60  # characters of a value in a message
 MAX_DIGITS = 40  # of an integer in a message
 
+# What people call an argument that has another name.
+MEANT = dict.fromkeys(("loads", "load", "pressures", "pressure", "p"), "mean_pressure") | {"scene": "subject"}
+
 Condition = Callable[[Any], Any]
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
+
+
+def hinting(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """A function whose TypeError, where it is called by the wrong name of an argument, says the right one."""
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def called(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
+        try:
+            signature.bind(*args, **kwargs)
+        except TypeError as error:
+            own = signature.parameters
+            meant = {name: MEANT.get(name, nearest(name, own)) for name in kwargs if name not in own}
+            hints = [f": did you mean {right!r} by {name!r}?" for name, right in meant.items() if right in own]
+            raise TypeError(f"{function.__name__}() {error}{''.join(hints[:1])}") from None
+        return function(*args, **kwargs)
+
+    return called
 
 
 def checked_number(name: str, value: Any, condition: str = "be a number", holds: Condition = np.isreal) -> float:

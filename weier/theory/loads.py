@@ -70,5 +70,5 @@ def check_range(loads: Array) -> None:
     if loads.size > MAX_LOADS:
         raise ValueError(f"there must be at most {MAX_LOADS} loads, got {loads.size}")
     low, high = LOAD_RANGE
-    if loads[0] < low or loads[-1] > high:
-        raise ValueError(f"loads must lie in [{low:g}, {high:g}] p_0*, got {loads[0]:g} to {loads[-1]:g}")
+    if loads.min() < low or loads.max() > high:
+        raise ValueError(f"loads must lie in [{low:g}, {high:g}] p_0*, got {loads.min():g} to {loads.max():g}")

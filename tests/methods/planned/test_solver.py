@@ -87,6 +87,50 @@ def test_a_load_that_a_solver_gives_up_is_solved_by_another_and_the_others_as_be
         solve(THREE_WAVES, loads[bad : bad + 1], "planned", tolerance=1e-3)
 
 
+def overconfident(name, left, seconds):
+    """A method that expects no error, and leaves one at light loads, in g_0."""
+
+    def candidates(task):
+        def solve(loads):
+            error = np.where(loads < 0.1, left / loads / 100, 0.0)
+            return SegmentSolution(loads + left, 0 * loads, error, 0 * loads)
+
+        yield make_segment(task, name, "a toy", solve, seconds_load=np.full(task.mean_pressure.size, seconds))
+
+    return Method(name=name, label=name, summary="a toy", solve=lambda profile, loads: None, candidates=candidates)
+
+
+def test_what_met_the_tolerance_is_kept_and_the_rest_is_said_to_be_missing():
+    """Of two methods, the second leaves less; at 0.02 p_0* an error of 0.004, and at 0.01 p_0* one of 0.008."""
+    loads, methods = (
+        np.array([0.01, 0.02, 0.05, 1.0]),
+        (overconfident("poor", 0.02, 1), overconfident("fair", 0.008, 2)),
+    )
+    found = planned.curve(THREE_WAVES, loads, methods, 0.0035)
+    assert found.planned_method.tolist() == ["out of reach", "out of reach", "fair", "poor"]
+    np.testing.assert_array_equal(found.compliance, [np.nan, np.nan, 0.05 + 0.008, 1 + 0.02])
+    for values in (found.resistance, found.compliance_error, found.resistance_error, found.planned_terms):
+        assert np.isnan(values).tolist() == [True, True, False, False]
+    assert found.unsolved == (
+        "the compliance is not within 0.0035 at 2 of 4 loads, from 0.01 to 0.02 p_0*: fair with 3 terms was expected "
+        "to do, and left an error of 0.008 at 0.01 p_0*; take a tolerance of 0.0084 for them, or leave them out"
+    )
+    followed = planned.curve(THREE_WAVES, loads, methods, 0.0084)
+    assert followed.unsolved is None
+    assert np.isfinite(followed.compliance).all()
+    with pytest.raises(OutOfReachError, match=r"is not within 0\.0035 at 2 of 2 loads, from 0\.01 to 0\.02 p_0"):
+        planned.curve(THREE_WAVES, loads[:2], methods, 0.0035)
+
+
+def test_a_tolerance_that_nobody_may_ask_for_is_not_suggested():
+    loads = np.array([1e-4, 1.0])
+    found = planned.curve(THREE_WAVES, loads, (overconfident("poor", 0.02, 1),), 0.5)
+    assert found.unsolved == (
+        "the compliance is not within 0.5 at 1 of 2 loads: poor with 3 terms was expected to do, and left an error "
+        "of 2 at 0.0001 p_0*; leave them out"
+    )
+
+
 def test_full_contact_is_closed_form_and_exact():
     curve = weier.solve(THREE_WAVES, [5.0, 10.0], "planned")
     exact = weier.solve(THREE_WAVES, [5.0, 10.0], "patches")

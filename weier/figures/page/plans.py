@@ -46,7 +46,7 @@ def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[Outcome]:
     for number in np.flatnonzero(planned["status"].values != Status.not_requested):
         case = planned.isel(case=number)
         status, wanted = Status(int(case["status"])), json.loads(str(case["settings"].values))
-        took = seconds.get(str(case["key"].values), np.nan) if status == Status.solved else np.nan
+        took = np.nan if status in UNSOLVED else seconds.get(str(case["key"].values), np.nan)
         planned_seconds, expected = float(case["planned_seconds"]), float(case["planned_error"])
         measured = _error(data.isel(case=number), wanted["quantity"])
         methods = UNSOLVED.get(status) or " and ".join(dict.fromkeys(case["planned_method"].values.tolist()))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.candidates import candidates
@@ -141,14 +141,34 @@ def plan(
         raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for a plan, got {loads[0]:g}")
     checked_word("quantity", quantity, QUANTITIES)
     tolerance = checked_number("tolerance", tolerance, "be positive and finite", lambda number: 0 < number < math.inf)
-    offers = [
-        offer
-        for offer in candidates(profile, loads, tolerance, quantity, methods)
-        if not any(offer.fails_like(each) for each in failed)
-    ]
-    if not _cover(offers, tolerance):
+    offers = _offers(profile, loads, methods, tolerance, quantity, failed)
+    if not _covered(offers, loads, tolerance).all():
         raise OutOfReachError(_out_of_reach(profile, loads, tolerance, quantity, methods))
     return Plan(profile, quantity, tolerance, cheapest(offers, tolerance))
+
+
+def within_reach(
+    profile: Profile,
+    loads: Array,
+    methods: Sequence[Method],
+    tolerance: float,
+    quantity: str,
+    failed: Sequence[Segment],
+) -> Flags:
+    """At which loads there is a plan: see `plan`, which is for all of them."""
+    return _covered(_offers(profile, loads, methods, tolerance, quantity, failed), loads, tolerance)
+
+
+def _offers(
+    profile: Profile,
+    loads: Array,
+    methods: Sequence[Method],
+    tolerance: float,
+    quantity: str,
+    failed: Sequence[Segment] = (),
+) -> list[Segment]:
+    offers = candidates(profile, loads, tolerance, quantity, methods)
+    return [offer for offer in offers if not any(offer.fails_like(each) for each in failed)]
 
 
 def cheapest(offers: Sequence[Segment], tolerance: float) -> tuple[Segment, ...]:
@@ -165,9 +185,12 @@ def cheapest(offers: Sequence[Segment], tolerance: float) -> tuple[Segment, ...]
     return tuple(offers[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
 
 
-def _cover(offers: Sequence[Segment], tolerance: float) -> bool:
-    """Whether at every load some offer is within the tolerance."""
-    return bool(offers) and bool(np.all(np.any([offer.error <= tolerance for offer in offers], axis=0)))
+def _covered(offers: Sequence[Segment], loads: Array, tolerance: float) -> Flags:
+    """Whether at each load some offer is within the tolerance."""
+    covered = np.zeros(loads.size, bool)
+    for offer in offers:
+        covered |= offer.error <= tolerance
+    return covered
 
 
 def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]) -> str:
@@ -181,7 +204,9 @@ def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: st
     else:
         need, why = "larger", "no method can hold the contacts or the grid that it takes, or is as accurate"
     wider = (each for each in SUGGESTED if each > tolerance)
-    reached = (each for each in wider if _cover(list(candidates(profile, loads, each, quantity, methods)), each))
+    reached = (
+        each for each in wider if _covered(_offers(profile, loads, methods, each, quantity), loads, each).all()
+    )
     within = next((f"{each:.0e} is within reach" for each in reached), "no power of ten below 1 is within reach")
     return (
         f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: "

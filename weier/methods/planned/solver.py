@@ -10,22 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.data.variables import VARIABLES
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
-from weier.methods.planned.plan import Plan, plan
+from weier.methods.planned.plan import Plan, plan, within_reach
 from weier.methods.progress import telling
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
+from weier.theory.tables import significant
 
 ROUNDING = 1e-9  # of a tolerance: expected errors and those found are sums that may be rounded differently
 MAX_OVERRUN, MIN_OVERRUN_SECONDS = 10, 60.0  # times the seconds planned, and at least, before a segment is stopped
 METHOD_NAME = VARIABLES["planned_method"].dtype
-
-
+OUT_OF_REACH = "out of reach"  # in the place of a method, where none met the tolerance
+MAX_TOLERANCE = 1.0  # that a user may ask for
+MARGIN = 1.05  # of a tolerance that is suggested: more than rounding to two digits takes off
 UNSOLVED = SegmentSolution(*(np.full(1, value) for value in (np.nan, np.nan, np.inf, np.inf)))
 
 
@@ -38,6 +40,7 @@ class Curve(NamedTuple):
     planned_method, planned_terms, planned_points : what was taken at each load; no points where there is no grid
     planned_seconds, planned_error : seconds on one core, and the largest error of the quantity planned for: scalars,
         NaN for a part of a plan
+    unsolved : why some loads have no numbers, in a sentence; None where all have
     """
 
     compliance: Array
@@ -49,11 +52,17 @@ class Curve(NamedTuple):
     planned_points: Array
     planned_seconds: float = np.nan
     planned_error: float = np.nan
+    unsolved: str | None = None
 
     @property
     def arrays(self) -> Sequence[Any]:
         """All that has the shape (loads,)."""
-        return self[:-2]
+        return self[:-3]
+
+    def error(self, quantity: str) -> Array:
+        """The error of a quantity at each load, as tolerances count it: of R, relative to the larger of R and 1."""
+        of_resistance: Array = self.resistance_error / np.fmax(self.resistance, 1)
+        return self.compliance_error if quantity == COMPLIANCE else of_resistance
 
 
 def curve(
@@ -75,12 +84,13 @@ def curve(
     Returns
     -------
     Curve
-        Arrays over the loads, and what the plan expected.
+        Arrays over the loads, and what the plan expected. Where a solution states more than the tolerance, and all
+        others that were expected to meet it do as well, the numbers of that load are NaN, and `unsolved` says so.
 
     Raises
     ------
     OutOfReachError
-        If no method meets the tolerance, as expected or as found.
+        If at some load no method is expected to meet the tolerance, or at no load one is found to.
     ConvergenceError
         If a segment takes more than ten times as long as planned, and over a minute; it names the next best.
 
@@ -92,10 +102,42 @@ def curve(
     modelled, or what the chords of a concave curve within the errors of the compliance allow, if that is less: those
     to no load, and to the loads that a plan for the resistance of a long series solves beside each one that it was
     asked for. A load whose solution states more than the tolerance, as next to births of contacts, is planned and
-    solved again without what left that error: on a finer grid, by contact patches or with more terms.
+    solved again without what left that error: by another method, with other settings, or with more terms, whichever
+    of them is expected to meet the tolerance at the least cost.
     """
     made = plan(profile, mean_pressure, methods, tolerance, quantity)
-    return _run_within(made, methods, ())._replace(planned_seconds=made.seconds, planned_error=made.error)
+    found = _run_within(made, methods, ())._replace(planned_seconds=made.seconds, planned_error=made.error)
+    exceeding = _exceeding(made, found)
+    if not exceeding.any():
+        return found
+    why = _excess_message(made, found, mean_pressure, exceeding)
+    if exceeding.all():
+        raise OutOfReachError(why)
+    for values in found.arrays:
+        values[exceeding] = OUT_OF_REACH if values is found.planned_method else np.nan
+    return found._replace(unsolved=why)
+
+
+def _exceeding(made: Plan, found: Curve) -> Flags:
+    """Where a curve states more than the tolerance of its plan."""
+    return ~(found.error(made.quantity) <= made.tolerance * (1 + ROUNDING))
+
+
+def _excess_message(made: Plan, found: Curve, loads: Array, exceeding: Flags) -> str:
+    """At which loads the tolerance was missed, by how much, and what to do about it."""
+    error = np.where(exceeding, found.error(made.quantity), 0)
+    worst, missing = int(error.argmax()), loads[exceeding]
+    where = f", from {missing[0]:.3g} to {missing[-1]:.3g} p_0*" if missing.size > 1 else ""
+    left, remedy = "stopped", "take a larger tolerance for them, or leave them out"
+    if np.isfinite(error[worst]):
+        left, larger = f"left an error of {error[worst]:.2g}", MARGIN * error[worst]
+        choice = f"take a tolerance of {significant(larger, 2)} for them, or " if larger < MAX_TOLERANCE else ""
+        remedy = f"{choice}leave them out"
+    return (
+        f"the {made.quantity} is not within {made.tolerance:g} at {missing.size} of {loads.size} loads{where}: "
+        f"{found.planned_method[worst]} with {found.planned_terms[worst]:g} terms was expected to do, and {left} at "
+        f"{loads[worst]:.3g} p_0*; {remedy}"
+    )
 
 
 def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[Segment]) -> Curve:
@@ -104,25 +146,23 @@ def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[Segment]
 
 
 def _run_segment(made: Plan, segment: Segment, methods: Sequence[Method], without: Sequence[Segment]) -> Curve:
-    """Run a segment; loads that it leaves with larger errors are planned and run again `without` it."""
+    """Run a segment; loads that it leaves with larger errors are planned and run again `without` it.
 
-    def plan_again(loads: Array) -> Plan:
-        return plan(made.profile, loads, methods, made.tolerance, made.quantity, without)
-
+    Where nothing else is expected to meet the tolerance, the solution of the least error stands.
+    """
+    loads, wanted = segment.mean_pressure, (methods, made.tolerance, made.quantity, without)
     try:
         values = _attempt_in_time(made.profile, segment)
     except TimeoutError as overrun:
-        raise ConvergenceError(f"{overrun}; {_next_best(segment, plan_again)}") from None
-    of_resistance = values.resistance_error / np.fmax(values.resistance, 1)
-    error = values.compliance_error if made.quantity == COMPLIANCE else of_resistance
-    exceeding = ~(error <= made.tolerance * (1 + ROUNDING))
-    if exceeding.any():
-        try:
-            again = _run_within(plan_again(segment.mean_pressure[exceeding]), methods, without)
-        except OutOfReachError as refusal:
-            raise OutOfReachError(f"{refusal}; {_excess_message(segment, error)}") from None
-        for old, new in zip(values.arrays, again.arrays, strict=True):
-            old[exceeding] = new
+        next_best = _next_best(segment, lambda loads: plan(made.profile, loads, *wanted))
+        raise ConvergenceError(f"{overrun}; {next_best}") from None
+    exceeding = np.flatnonzero(_exceeding(made, values))
+    again = exceeding[within_reach(made.profile, loads[exceeding], *wanted)] if exceeding.size else exceeding
+    if again.size:
+        others = _run_within(plan(made.profile, loads[again], *wanted), methods, without)
+        better = ~(values.error(made.quantity)[again] <= others.error(made.quantity))
+        for old, new in zip(values.arrays, others.arrays, strict=True):
+            old[again[better]] = new[better]
     return values
 
 
@@ -168,12 +208,6 @@ def _attempt(profile: Profile, segment: Segment) -> Curve:
             return _curve_of(segment, UNSOLVED)
         halves = slice(None, count // 2), slice(count // 2, None)
         return _concatenate([_attempt(profile, segment.at(half)) for half in halves])
-
-
-def _excess_message(segment: Segment, error: Array) -> str:
-    worst = error.argmax()
-    left = f"left an error of {error[worst]:.2g}" if np.isfinite(error[worst]) else "stopped"
-    return f"{_label(segment)} was expected to do, and {left} at {segment.mean_pressure[worst]:g} p_0*"
 
 
 def run(profile: Profile, segments: Sequence[Segment]) -> Curve:

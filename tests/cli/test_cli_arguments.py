@@ -1,0 +1,80 @@
+"""Every command with its optional arguments left out, also one that is new."""
+
+from __future__ import annotations
+
+import shutil
+from importlib import import_module
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import weier
+from tests.scenes import scene_in, solve_scene
+from weier.accuracy.comparison import Comparison
+from weier.cli import cli
+from weier.figures import draw
+from weier.methods.method import Variant
+from weier.pipeline import claims
+from weier.scene import Case
+
+SCENE = """
+title: test
+loads: [0.1, 1.0]
+methods: [demelio]
+studies: {one: {product: {D: 1.25, gamma: 2, m: 1}}}
+figures: {compliance: {draw: compliance, studies: [one]}}
+claims: {}
+"""
+# Not from their packages, whose functions have these names.
+measurement, conditioning = (
+    import_module(f"weier.accuracy.extremes.{name}") for name in ("measurement", "conditioning")
+)
+# Values of required arguments by their names; a name that is none of a file stands for one to write.
+REQUIRED = {
+    "scene_file": "scene.yaml", "batches": "batches", "description": "batch.json", "contact": "contact.nc",
+    "folder": "drawn", "drawn": "figures", "kind": "work_precision", "data": "new.nc", "path": "new.nc",
+    "table": "new.md", "summary": "new.md",
+}  # fmt: skip
+OWN = {("convergence", "scene_file"): "infinite.yaml"}  # of one command
+# What is no argument, and needed: a profile.
+SERIES = ["-D", "1.25", "--gamma", "2", "-m", "1"]
+NEEDED = {"solve": SERIES, "plot": SERIES, "plan": SERIES}
+# What can be left out of a command line, but not of what it does.
+REFUSED = {"draw": "weier: the figure work_precision is drawn from one file, that of `weier tradeoff`"}
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """The folder of a scene that the pipeline has solved, gathered and drawn."""
+    folder = tmp_path_factory.mktemp("solved")
+    loaded = scene_in(folder, SCENE, weier.load_scene)
+    solutions = solve_scene(loaded, folder / "batches")
+    (folder / "infinite.yaml").write_text(SCENE.replace("m: 1", "m: .inf"))
+    (batch,) = (folder / "batches").glob("*.json")
+    shutil.copy(batch, folder / "batch.json")
+    claims.write(solutions, folder / "contact.nc", folder / "claims.md")
+    with weier.open_dataset(folder / "contact.nc") as data:
+        draw(loaded.figure("compliance"), [data.load()], folder / "figures/compliance.png")
+    return folder
+
+
+@pytest.mark.parametrize("name", cli.commands)
+def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_path, monkeypatch, name):
+    """Or refuses that in a sentence of its own."""
+    one = Case({"D": 1.5, "gamma": 2, "m": 1}, (), {})
+    few = [Comparison("one", one, np.array([0.1]), (Variant("demelio", "demelio", {}),))]
+    monkeypatch.setattr(measurement, "extremes", lambda: few)
+    monkeypatch.setattr(conditioning, "MAX_DENSE", 32)
+    shutil.copytree(solved, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(plt, "get_backend", lambda: "agg")  # a window would wait to be closed
+    required = [parameter.name for parameter in cli.commands[name].params if parameter.required]
+    values = [OWN.get((name, each), REQUIRED[each]) for each in required]
+    code, out, err = run(name, *NEEDED.get(name, []), *values)
+    if name in REFUSED:
+        assert (code, err.splitlines()[-1]) == (1, REFUSED[name])
+    else:
+        assert code == 0, err
+        assert out or err
+        assert all((tmp_path / value).stat().st_size > 0 for value in values if value.startswith("new"))
