@@ -14,7 +14,7 @@ from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, described, methods_with
-from weier.theory.arguments import nearest
+from weier.theory.arguments import checked_workers, nearest
 from weier.theory.heights import DETREND, MAX_GAP, MISSING
 from weier.theory.instruments import AXES
 from weier.theory.loads import MAX_LOADS, checked_loads
@@ -146,6 +146,10 @@ OF_SOLUTION = (
     click.Option(
         ["--set", "settings"], multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
         help="Setting of a method, such as bem.points=512; give this option once for each.",
+    ),
+    click.Option(
+        ["--workers"], type=int, default=1, show_default=True, callback=_read(checked_workers),
+        help="How many processes solve the curves of several methods side by side; -1 for one on each core.",
     ),
 )  # fmt: skip
 

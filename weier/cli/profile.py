@@ -21,7 +21,12 @@ MIN_LOADS = 2  # of a line
 
 
 def _solve(
-    default: Sequence[str], loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any
+    default: Sequence[str],
+    loads: Array,
+    methods: Sequence[str],
+    settings: Mapping[str, Any],
+    workers: int,
+    **series: Any,
 ) -> xr.Dataset:
     from weier.pipeline import single  # xarray, as in `solve`
 
@@ -30,7 +35,7 @@ def _solve(
         methods, refusals = single.applicable(profile, default)
         for refusal in refusals:
             click.echo(refusal, err=True)
-    return single.solve_one(profile, loads, methods, settings)
+    return single.solve_one(profile, loads, methods, settings, workers)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
