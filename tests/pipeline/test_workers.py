@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import weier
+from weier.__main__ import INTERRUPTED, STOPPED
 from weier.data.variables import Status
 from weier.pipeline import workers
 from weier.pipeline.workers import LOST, Curve, solve_curves
@@ -140,3 +141,18 @@ def test_all_processes_end_at_once_with_the_first_one(tmp_path, kill, sent, star
     told = log.read_text()
     assert told.count("Traceback") == (sent == signal.SIGINT)
     assert told.endswith("\nKeyboardInterrupt\n") == (sent == signal.SIGINT)
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_ctrl_c_ends_a_command_with_all_its_processes_in_a_line():
+    series = ["-D", "1.4", "--gamma", "5", "-m", "6", "--loads", "1e-3:1:400"]
+    methods = ["--method", "bem", "--method", "patches", "--workers", "2"]
+    command = [sys.executable, "-m", "weier", "solve", *series, *methods]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    wait_for(lambda: len(processes_of(process.pid)) >= 3)
+    time.sleep(1)
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=3)
+    assert process.returncode == INTERRUPTED
+    assert told.splitlines()[-1] == STOPPED
+    wait_for(lambda: not processes_of(process.pid), seconds=3)
