@@ -130,28 +130,38 @@ OF_SERIES = (
         ["-m", "m"], type=float, help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}."
     ),
     click.Option(
-        ["--phases"], callback=_read(parse_phases),
+        ["--phases"],
+        callback=_read(parse_phases),
         help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
     ),
     click.Option(["--seed"], type=int, help="Seed of random phases."),
-)  # fmt: skip
+)
 
 
 OF_SOLUTION = (
     click.Option(
-        ["--method", "methods"], multiple=True, type=click.Choice(names()),
+        ["--method", "methods"],
+        multiple=True,
+        type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
         f"[default: patches, or bem for a trace; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(
-        ["--set", "settings"], multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
+        ["--set", "settings"],
+        multiple=True,
+        metavar="METHOD.NAME=VALUE",
+        callback=_read(parse_settings),
         help="Setting of a method, such as bem.points=512; give this option once for each.",
     ),
     click.Option(
-        ["--workers"], type=int, default=1, show_default=True, callback=_read(checked_workers),
+        ["--workers"],
+        type=int,
+        default=1,
+        show_default=True,
+        callback=_read(checked_workers),
         help="How many processes solve the curves of several methods side by side; -1 for one on each core.",
     ),
-)  # fmt: skip
+)
 
 
 class SolvingCommand(click.Command):
