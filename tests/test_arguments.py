@@ -53,15 +53,50 @@ class Map:
 
 # Sound values of the arguments, by their names; a function may have others.
 SOUND = {
-    "profile": PROFILE, "subject": PROFILE, "mean_pressure": [0.1, 1.0], "D": 1.25, "gamma": 5, "m": 2,
-    "phases": 0.5, "seed": 7, "low": 0.05, "high": 0.3, "tolerance": 1e-3, "quantity": "compliance", "points": 64,
-    "path": "there/is/none.nc", "x": [0.1, 0.2], "terms": 1, "normalised": [0.1, 0.2], "pressure": 1e6,
-    "radii": [1e-6], "contour_radius": 1e-5, "modulus": 1e9, "compliance_slope": 1e-9,
-    "heights": HEIGHTS, "length": 1e-3, "shortest": 1e-4, "ends": "mirrored", "source": "", "trace": TRACE,
-    "unit": "m", "x_unit": "m", "height_unit": "m", "detrend": "tilt", "missing": "refuse", "max_gap": 5,
-    "missing_value": -9999.0, "line": 1, "across": "x", "topography": Map(),
-    "longest": 9e-4, "contact_edges": True, "data": contact(), **vars(INTERFACE),
-}  # fmt: skip
+    "profile": PROFILE,
+    "subject": PROFILE,
+    "mean_pressure": [0.1, 1.0],
+    "D": 1.25,
+    "gamma": 5,
+    "m": 2,
+    "phases": 0.5,
+    "seed": 7,
+    "low": 0.05,
+    "high": 0.3,
+    "tolerance": 1e-3,
+    "quantity": "compliance",
+    "points": 64,
+    "path": "there/is/none.nc",
+    "x": [0.1, 0.2],
+    "terms": 1,
+    "normalised": [0.1, 0.2],
+    "pressure": 1e6,
+    "radii": [1e-6],
+    "contour_radius": 1e-5,
+    "modulus": 1e9,
+    "compliance_slope": 1e-9,
+    "heights": HEIGHTS,
+    "length": 1e-3,
+    "shortest": 1e-4,
+    "ends": "mirrored",
+    "source": "",
+    "trace": TRACE,
+    "unit": "m",
+    "x_unit": "m",
+    "height_unit": "m",
+    "detrend": "tilt",
+    "missing": "refuse",
+    "max_gap": 5,
+    "missing_value": -9999.0,
+    "line": 1,
+    "across": "x",
+    "topography": Map(),
+    "longest": 9e-4,
+    "workers": 1,
+    "contact_edges": True,
+    "data": contact(),
+    **vars(INTERFACE),
+}
 OWN = {
     "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
@@ -126,43 +161,97 @@ def arguments(name):
 ARGUMENTS = [(name, argument) for name in FUNCTIONS for argument in arguments(name)]
 SETTINGS = [(method, setting) for method in names() for setting in defaults(find_method(method))]
 
-# What no number is made of.
+NO_NUMBERS = [
+    {},
+    {"D": 1},
+    {1.5},
+    object(),
+    slice(1, 2),
+    np.bool_(True),
+    np.complex128(1),
+    np.str_("5"),
+    np.array("5"),
+    np.datetime64("2001-01-01"),
+    np.timedelta64(5, "s"),
+    np.ma.masked,
+    np.array(True),
+    Ellipsis,
+    int,
+    10**400,
+    -(10**5000),
+    Fraction(10**400, 3),
+    xr.Dataset(),
+    math.sqrt,
+    iter([0.5]),
+]
+NO_ARRAYS_OF_NUMBERS = [
+    np.array([True, False]),
+    np.array(["0.1", "0.2"]),
+    np.array([0.1, 1j]),
+    np.ma.array([0.1, 0.2], mask=[0, 1]),
+    np.array([0.1, None], object),
+    [[0.1], [0.2, 0.3]],
+    [np.ones(2), np.ones(3)],
+    "0.1,0.2",
+    [None],
+    np.array(["2001"], "datetime64[s]"),
+    xr.DataArray([True]),
+]
+NUMBERS_OF_NUMPY = [of(2) for of in (np.uint8, np.int8, np.int64, np.float16, np.float32, np.longdouble)]
+ARRAYS_OF_NUMBERS = [
+    np.array(1.5),
+    xr.DataArray(1.5),
+    np.array([0.1, 0.2]),
+    xr.DataArray([0.1, 0.2]),
+    np.ones((2, 2)),
+    range(1, 3),
+    [],
+    [[]],
+    [0.1, 0.1],
+    (0.2, 0.1),
+]
+
 never = (
-    st.text(max_size=5) | st.sampled_from(["0.5", "nan", "1e-3", "5"]) | st.booleans() | st.binary(max_size=4)
-    | st.binary(min_size=1, max_size=2).map(bytearray) | st.complex_numbers() | st.sampled_from([
-        {}, {"D": 1}, {1.5}, object(), slice(1, 2), np.bool_(True), np.complex128(1), np.str_("5"), np.array("5"),
-        np.datetime64("2001-01-01"), np.timedelta64(5, "s"), np.ma.masked, np.array(True), Ellipsis, int, 10**400,
-        -10**5000, Fraction(10**400, 3), xr.Dataset(), math.sqrt, iter([0.5]),
-    ])
-)  # fmt: skip
-arrays_of_none = never.map(lambda value: [value]) | never.map(lambda value: [0.1, value]) | st.sampled_from([
-    np.array([True, False]), np.array(["0.1", "0.2"]), np.array([0.1, 1j]), np.ma.array([0.1, 0.2], mask=[0, 1]),
-    np.array([0.1, None], object), [[0.1], [0.2, 0.3]], [np.ones(2), np.ones(3)], "0.1,0.2", [None],
-    np.array(["2001"], "datetime64[s]"), xr.DataArray([True]),
-])  # fmt: skip
+    st.text(max_size=5)
+    | st.sampled_from(["0.5", "nan", "1e-3", "5"])
+    | st.booleans()
+    | st.binary(max_size=4)
+    | st.binary(min_size=1, max_size=2).map(bytearray)
+    | st.complex_numbers()
+    | st.sampled_from(NO_NUMBERS)
+)
+arrays_of_none = (
+    never.map(lambda value: [value]) | never.map(lambda value: [0.1, value]) | st.sampled_from(NO_ARRAYS_OF_NUMBERS)
+)
 numbers = (
-    st.floats() | st.integers() | st.decimals() | st.fractions()
-    | st.sampled_from([np.uint8, np.int8, np.int64, np.float16, np.float32, np.longdouble]).map(lambda of: of(2))
-    | st.sampled_from([np.array(1.5), xr.DataArray(1.5), np.array([0.1, 0.2]), xr.DataArray([0.1, 0.2]), [], [[]],
-                       np.ones((2, 2)), Decimal("NaN"), Decimal("sNaN"), range(1, 3), [0.1, 0.1], (0.2, 0.1)])
+    st.floats()
+    | st.integers()
+    | st.decimals()
+    | st.fractions()
+    | st.sampled_from([*NUMBERS_OF_NUMPY, Decimal("NaN"), Decimal("sNaN")])
+    | st.sampled_from(ARRAYS_OF_NUMBERS)
     | st.lists(st.floats(), max_size=3)
-)  # fmt: skip
+)
 anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
 
-NOT_NUMBERS = {
-    *("profile", "subject", "method", "quantity", "path", "data", "contact_edges", "study", "ends", "source"),
-    *("trace", "unit", "x_unit", "height_unit", "detrend", "missing", "across", "topography"),
-}
+NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend", "missing", "across"}
+UNITS = {"unit", "x_unit", "height_unit"}
+NOT_NUMBERS = {"profile", "subject", "trace", "topography", "data", "contact_edges", *NAMES, *UNITS}
 TEXT_TOO = {"gamma"}
 TEXTS = {"fft", "direct", "compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {
-    "Profile": {"seed"}, "fields": {"points"}, "Profile.sampled_height": {"terms"},
-    "Trace": {"shortest", "missing_value"}, "Trace.of": {"line"}, "Trace.sampled_height": {"terms"},
+    "Profile": {"seed"},
+    "fields": {"points"},
+    "Profile.sampled_height": {"terms"},
+    "Trace": {"shortest", "missing_value"},
+    "Trace.of": {"line"},
+    "Trace.sampled_height": {"terms"},
     "fit": {"longest", "shortest"},
     "plan": {"tolerance", "quantity"},
-    "Interface": {"E_1", "E_2"}, "composite_modulus": {"E_1", "E_2"},
+    "Interface": {"E_1", "E_2"},
+    "composite_modulus": {"E_1", "E_2"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
-}  # fmt: skip
+}
 
 
 def clear(message, argument):

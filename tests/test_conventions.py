@@ -47,9 +47,18 @@ studies:
 # A mechanics dataset has no place on Earth and no time, was made by a program and by people who give no address, and
 # its keywords are free words. What has no dimension has no units: a figure of xarray would write "[1]" at its axis.
 IMPOSSIBLE = (
-    "geospatial_", "units", "time_coverage_", "standard_name", "instrument", "platform", "creator_email",
-    "creator_url", "publisher_email", "publisher_url", "keywords_vocabulary",
-)  # fmt: skip
+    "geospatial_",
+    "units",
+    "time_coverage_",
+    "standard_name",
+    "instrument",
+    "platform",
+    "creator_email",
+    "creator_url",
+    "publisher_email",
+    "publisher_url",
+    "keywords_vocabulary",
+)
 
 
 @pytest.fixture(scope="module")
@@ -122,8 +131,12 @@ def test_quantities_name_what_says_how_good_they_are(files):
     assert found > 8
     with netCDF4.Dataset(next(path for path in files if path.stem == "contact")) as file:
         assert file["resistance"].ancillary_variables.split() == [
-            "resistance_error", "resistance_lower", "resistance_upper", "residual", "status"
-        ]  # fmt: skip
+            "resistance_error",
+            "resistance_lower",
+            "resistance_upper",
+            "residual",
+            "status",
+        ]
 
 
 def test_the_checker_would_complain(folder, tmp_path):

@@ -22,12 +22,16 @@ from weier.methods.registry import names
 FEW, MANY = 120, 3400  # of three tests at least: 10^4
 LONGEST = 10.0  # s, for what is refused or loaded; a hang takes forever
 
-ODD = [
-    "inf", ".nan", "nan", "5/0", "5/2", "1e-3", "1e400", "../../x", "/etc/passwd", "a\nb", "\x00", "\ud800", "\u0661",
-    "", 1e308, -1e308, 5e-324, 10**30, 10**400, -1, 0, 1, 2, 5, 1.25, 1 + 1e-16, 1.0000001, math.inf, math.nan, True,
-    None, {}, [], [[]], {"from": 1, "to": 2, "count": 10**12}, {"from": 0, "to": 1, "count": 3, "spacing": "log"},
-    {"from": 1, "to": 3, "count": 3.0}, 2.0, 3.0, 1e6, 10**6,
-]  # fmt: skip
+TEXTS = ["inf", ".nan", "nan", "5/0", "5/2", "1e-3", "1e400", "../../x", "/etc/passwd", "a\nb", ""]
+CHARACTERS = ["\x00", "\ud800", "\u0661"]  # none, half of one, and a digit that is no ASCII
+NUMBERS = [-1, 0, 1, 2, 5, 1.25, 1 + 1e-16, 1.0000001, 2.0, 3.0, 1e6, 10**6]
+EXTREME = [1e308, -1e308, 5e-324, 10**30, 10**400, math.inf, math.nan]
+RANGES = [
+    {"from": 1, "to": 2, "count": 10**12},
+    {"from": 0, "to": 1, "count": 3, "spacing": "log"},
+    {"from": 1, "to": 3, "count": 3.0},
+]
+ODD = [*TEXTS, *CHARACTERS, *NUMBERS, *EXTREME, *RANGES, True, None, {}, [], [[]]]
 atoms = (
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.dates() | st.sampled_from(ODD)
 )
@@ -38,10 +42,8 @@ values = st.recursive(
     atoms, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=4), max_leaves=6
 )
 PRODUCT_KEYS = ["D", "gamma", "m", "phases", "seed", "other"]
-SCENE_KEYS = [
-    *("title", "loads", "methods", "settings", "contact_edges", "batch", "figures", "claims", "studies", "max_cases"),
-    *("tolerance", "quantity"),
-]
+SOLVING_KEYS = ["loads", "methods", "settings", "tolerance", "quantity", "contact_edges"]
+SCENE_KEYS = ["title", "studies", "figures", "claims", "batch", "max_cases", *SOLVING_KEYS]
 METHODS = [name for name in names() if name not in ("westergaard", "hybrid")]  # for one wave only
 SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance", "quantity"]
 

@@ -18,10 +18,11 @@ def run() -> None:
     try:
         from weier.cli import main  # within the block: to import it takes some tenths of a second
 
-        main()
+        return main()
     except KeyboardInterrupt:
-        print(STOPPED, file=sys.stderr, flush=True)
-        os._exit(INTERRUPTED)
+        pass  # what it holds is given back here, such as locks that processes share
+    print(STOPPED, file=sys.stderr, flush=True)
+    os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ WRONG_USAGE = [
     ([*SOLVE, "--set", f"bem.points={'[' * 5000}"], "must be a number or a word"),
     ([*SOLVE, "--method", "bme"], "bme"),
     ([*SOLVE, "--lods", "1"], "No such option"),
+    ([*SOLVE, "--workers", "0"], "workers must be a whole number, at least 1, or -1 for all cores, got 0"),
     (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
     (["solve", "--length", "1e-3"], "--length is of a trace: name its file by --trace"),
     (["solve", "--trace", "map.x3p", "--across", "x"], "--across names the axis of a line: say which one by --line"),

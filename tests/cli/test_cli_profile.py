@@ -11,6 +11,7 @@ import xarray as xr
 
 import weier
 from weier import figures, scene
+from weier.pipeline import workers
 from weier.scene import Figure
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
@@ -28,6 +29,19 @@ def test_json_is_what_solve_gives(run):
     assert "contact_fraction" not in found["methods"]["demelio"]
     assert found["methods"]["bem"]["seconds"] > 0
     assert found["units"]["resistance"] == "g_0/p_0*"
+
+
+def test_another_process_solves_the_same(run, monkeypatch):
+    of_methods = []
+    for count in (1, 2):
+        methods = ("--method", "layer", "--method", "bem", "--workers", count)
+        code, out, _ = run("solve", *PROFILE, "--loads", "0.1,1", *methods)
+        assert code == 0
+        of_methods.append(json.loads(out)["methods"])
+        monkeypatch.setattr(workers, "_solve_next", lambda *_: ())  # the first process solves nothing from now on
+    for curve in [curve for methods in of_methods for curve in methods.values()]:
+        assert curve.pop("seconds") > 0
+    assert of_methods[0] == of_methods[1]
 
 
 def test_json_tells_what_a_plan_took_of_the_plan_alone(run):
@@ -252,3 +266,12 @@ def test_one_load_is_no_curve(run, tmp_path):
     assert code == 2
     assert "a curve takes at least 2 loads, got 1: give a range" in err
     assert not (tmp_path / "one.png").exists()
+
+
+def test_a_tolerance_is_of_all_methods_that_take_one(run):
+    methods = [part for name in ("bem", "patches", "demelio") for part in ("--method", name)]
+    code, out, _ = run("solve", *PROFILE, "--loads", "0.1,1", *methods, "--tolerance", "1e-4")
+    assert code == 0
+    found = json.loads(out)["methods"]
+    assert [found[name]["settings"].get("tolerance") for name in found] == [1e-4, 1e-4, None]
+    assert max(found["bem"]["compliance_error"] + found["patches"]["compliance_error"]) <= 1e-4

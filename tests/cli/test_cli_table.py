@@ -14,9 +14,15 @@ from tests.cli.test_cli import described, examples
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
 BODIES = {
-    "mu_1": 79e9, "mu_2": 45e9, "nu_1": 0.3, "nu_2": 0.34, "rho_1": 1.4e-7, "rho_2": 1.7e-8, "lambda_0": 1e-3,
+    "mu_1": 79e9,
+    "mu_2": 45e9,
+    "nu_1": 0.3,
+    "nu_2": 0.34,
+    "rho_1": 1.4e-7,
+    "rho_2": 1.7e-8,
+    "lambda_0": 1e-3,
     "g_0": 1e-6,
-}  # fmt: skip
+}
 
 
 @pytest.fixture(autouse=True)

@@ -223,9 +223,11 @@ def replace_by_another(path):
 
 @pytest.mark.parametrize(
     ("damage", "sentence"),
-    [(cut, "contact.nc is not a whole netCDF file: if weier made it, delete it and make it again"),
-     (replace_by_another, "contact.nc is a netCDF file, but not of weier: move it away and make yours again")],
-)  # fmt: skip
+    [
+        (cut, "contact.nc is not a whole netCDF file: if weier made it, delete it and make it again"),
+        (replace_by_another, "contact.nc is a netCDF file, but not of weier: move it away and make yours again"),
+    ],
+)
 def test_a_damaged_dataset_of_a_scene(checkout, damage, sentence):
     """Nothing depends on it, so that no job would ever look at it."""
     damage(checkout / "results/test/contact.nc")

@@ -19,10 +19,12 @@ OF_FILES = sorted(figures.kinds().keys() - set(OF_STUDIES))
 def write(folder, product=None, other_studies=None, without="", **figure):
     fixed = {"D": 1.5, "gamma": 2, "m": 2}
     text = {
-        "title": "test", "loads": [0.1], "methods": ["layer", "bem"],
+        "title": "test",
+        "loads": [0.1],
+        "methods": ["layer", "bem"],
         "studies": {"one": {"product": fixed | (product or {})}} | (other_studies or {}),
         "figures": {"f": {"draw": "compliance", "studies": ["one"]} | figure},
-    }  # fmt: skip
+    }
     text["figures"]["f"].pop(without, None)
     path = folder / "scene.yaml"
     path.write_text(yaml.safe_dump(text))
@@ -53,7 +55,7 @@ MISTAKES = [
     ({"product": SWEEP}, "f: D and gamma and m vary among the curves and nothing shows it: add `colour: D`"),
     ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .* `colour: phases` or .* or `median"),
     ({"studies": ["one", "two"], "other_studies": ANOTHER}, "f: the settings of bem differ between these studies"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("figure", "said"), MISTAKES)

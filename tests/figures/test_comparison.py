@@ -53,8 +53,12 @@ def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
         assert len(axes.collections) == len(GAMMAS)
         assert len({line.get_color() for line in axes.get_lines()}) == len(GAMMAS)
     assert words(figure) == [
-        *(r"$\gamma=2$", r"$\gamma=5/2$", r"$\gamma=5$"), "line: median over phases", "band: all of them",
-    ]  # fmt: skip
+        r"$\gamma=2$",
+        r"$\gamma=5/2$",
+        r"$\gamma=5$",
+        "line: median over phases",
+        "band: all of them",
+    ]
 
 
 def test_the_legend_says_what_dashes_mean_where_they_are_methods(sweep: xr.Dataset) -> None:
@@ -113,9 +117,8 @@ def test_light_loads_that_were_asked_for_are_seen(sweep: xr.Dataset) -> None:
     """A linear axis of more than two decades would hide them."""
     one = sweep.isel(case=[0])
     wide = one.assign_coords(mean_pressure=np.geomspace(1e-4, 4, LOADS.size))
-    assert [sketch(each).axes[0].get_xscale() for each in (one.isel(mean_pressure=slice(4, None)), wide)] == [
-        "linear", "log",
-    ]  # fmt: skip
+    scales = [sketch(each).axes[0].get_xscale() for each in (one.isel(mean_pressure=slice(4, None)), wide)]
+    assert scales == ["linear", "log"]
     assert sketch(wide).axes[0].get_xlim()[0] == pytest.approx(1e-4)
 
 

@@ -18,11 +18,13 @@ def test_the_loads_of_the_extremes_are_spread_where_things_happen() -> None:
             "mean_pressure": (("case", "mean_pressure"), 10.0 ** powers[None]),
             "solution_method": ("variant", ["archard"]),
             **{name: ("nodes", [1.0, 10.0]) for name in extremes.CONDITIONS},
-            "D": ("case", [1.25]), "gamma": ("case", [5.0]), "m": ("case", [3.0]),
+            "D": ("case", [1.25]),
+            "gamma": ("case", [5.0]),
+            "m": ("case", [3.0]),
             "phases": (("case", "term"), [[0.0, 1.0, 1.0]]),
         },
         {"variant": ["archard"], "nodes": [3, 30]},
-    )  # fmt: skip
+    )
     figure = extremes.draw([data], "")
     figure.draw_without_rendering()
     axes = figure.axes[0]

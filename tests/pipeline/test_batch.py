@@ -12,7 +12,7 @@ from tests.scenes import scene_in
 from weier.methods import registry
 from weier.methods.registry import PLANNED, find_method
 from weier.methods.solve import solve_checked
-from weier.pipeline import batch
+from weier.pipeline import batch, workers
 
 
 def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_path, monkeypatch):
@@ -23,7 +23,7 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
         solved.append((method.name, profile.D, profile.m, settings.get("points")))
         return solve_checked(profile, loads, method, settings)
 
-    monkeypatch.setattr(batch, "solve_checked", counted)
+    monkeypatch.setattr(workers, "solve_checked", counted)
     product = "{product: {D: [1.25, 1.5], gamma: 2, m: [1, 2], seed: [1, 2, 3]}"
     loaded = scene_in(
         tmp_path,

@@ -80,8 +80,9 @@ def test_batches_of_other_methods_and_terms_come_together(tmp_path):
         dataset.write(data, path, study)
     parts = [dataset.read(path) for path in sorted((tmp_path / "batches").glob("*.nc"))]
     assert [(part.solution_method.values.tolist(), part.sizes["term"], part.sizes["edge"]) for part in parts] == [
-        (["demelio"], 2, 10), (["archard", "patches"], 1, 2)
-    ]  # fmt: skip
+        (["demelio"], 2, 10),
+        (["archard", "patches"], 1, 2),
+    ]
     gather(Solutions(mixed, tmp_path / "batches"), tmp_path / "both.nc")
     both = without_studies(dataset.read(tmp_path / "both.nc"))
     xr.testing.assert_equal(both.drop_attrs(), without_seconds(mixed))

@@ -10,7 +10,7 @@ import pytest
 from weier.methods.progress import count_load, telling
 from weier.methods.registry import find_method
 from weier.pipeline import progress
-from weier.pipeline.progress import ERASE, Loads, waiting
+from weier.pipeline.progress import ERASE, Loads, Progress, waiting
 from weier.theory.profile import Profile
 
 LOADS = np.array([0.1, 0.3, 1.0])
@@ -49,7 +49,7 @@ def test_loads_of_another_solve_are_not_told():
 def test_progress_is_told_by_loads_with_the_time_left(monkeypatch):
     said, clock = [], iter(range(0, 100, 4))
     monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
-    loads = Loads(30, 10, 3.0, said.append)
+    loads = Loads(10, Progress(30, 3.0, said.append).add)
     loads()
     loads.end_curve()  # of a method that counts not all
     for _ in range(12):
@@ -57,7 +57,7 @@ def test_progress_is_told_by_loads_with_the_time_left(monkeypatch):
     loads.end_curve()
     loads.end_curve()
     assert said[:2] == ["1 of 30 loads, about 116 s left", "10 of 30 loads, about 16 s left"]
-    assert said[-1] == "20 of 30 loads, about 30 s left"  # and nothing at the end
+    assert said[-1] == "20 of 30 loads, about 26 s left"  # and nothing at the end
 
 
 @pytest.mark.parametrize(

@@ -160,11 +160,15 @@ def test_all_mistakes_are_told_at_once_each_with_its_line(tmp_path):
     places = [re.match(r"  line (\d+): ([^:]+): ", line).groups() for line in told]
     assert head == f"{path} has {len(told)} mistakes:"
     assert places == [
-        ("2", "method"), ("3", "loads.n"),
+        ("2", "method"),
+        ("3", "loads.n"),
         *(("6", f"studies.{study}.product.{key}") for study in ("one", "two") for key in ("D", "gama", "m")),
-        ("7", "studies.one.settings.bem.points"), ("9", "studies.two.product.gamma"), ("10", "studies.two.methods.0"),
-        ("16", "figures.f.studies.1"), ("17", "figures.f.colour"),
-    ]  # fmt: skip
+        ("7", "studies.one.settings.bem.points"),
+        ("9", "studies.two.product.gamma"),
+        ("10", "studies.two.methods.0"),
+        ("16", "figures.f.studies.1"),
+        ("17", "figures.f.colour"),
+    ]
 
 
 def test_a_long_list_of_mistakes_is_cut_short(tmp_path):

@@ -249,7 +249,7 @@ def drawn(kind, **options):
         ({"claims": {"fourth_term": ["mine"]}}, r"claims\.fourth_term: claims are about the Weierstrass series"),
         (mine() | {"max_cases": 1} | mine(file=["a", "b"]), r"max_cases: .*at most 1 cases, got 2"),
     ],
-)  # fmt: skip
+)
 def test_a_mistake_is_told_with_its_line(folder, changes, message):
     path = re.escape(str(folder / "scene.yaml"))
     with pytest.raises(scene.SceneError, match=rf"^{path}, line \d+: {message}"):
@@ -306,5 +306,9 @@ def test_a_page_lists_the_traces_and_their_units(folder):
     with dataset.reading(folder / "contact.nc") as data:
         labels = {name: explorer._labels(data, name) for name in explorer.LABELS}
     assert {name: sorted(texts) for name, texts in labels.items() if name != "case"} == {
-        "trace": ["-", "shaft.csv"], "D": ["-", "1.5"], "gamma": ["-", "2"], "m": ["2", "2"], "phase": ["-", "0"],
-    }  # fmt: skip
+        "trace": ["-", "shaft.csv"],
+        "D": ["-", "1.5"],
+        "gamma": ["-", "2"],
+        "m": ["2", "2"],
+        "phase": ["-", "0"],
+    }

@@ -50,10 +50,20 @@ def cli() -> None:
 
 
 for _command in (
-    profile.solve, profile.plot, plan.plan, table.table,
-    jobs.compile, jobs.batch, jobs.figures, jobs.claims, jobs.page,
-    jobs.tradeoff, jobs.convergence, jobs.extremes, jobs.draw,
-):  # fmt: skip
+    profile.solve,
+    profile.plot,
+    plan.plan,
+    table.table,
+    jobs.compile,
+    jobs.batch,
+    jobs.figures,
+    jobs.claims,
+    jobs.page,
+    jobs.tradeoff,
+    jobs.convergence,
+    jobs.extremes,
+    jobs.draw,
+):
     cli.add_command(_command)
 
 

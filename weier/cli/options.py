@@ -14,7 +14,7 @@ from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, described, methods_with
-from weier.theory.arguments import nearest
+from weier.theory.arguments import checked_workers, nearest
 from weier.theory.heights import DETREND, MAX_GAP, MISSING
 from weier.theory.instruments import AXES
 from weier.theory.loads import MAX_LOADS, positive_loads
@@ -130,24 +130,43 @@ OF_SERIES = (
         ["-m", "m"], type=float, help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}."
     ),
     click.Option(
-        ["--phases"], callback=_read(parse_phases),
+        ["--phases"],
+        callback=_read(parse_phases),
         help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
     ),
     click.Option(["--seed"], type=int, help="Seed of random phases."),
-)  # fmt: skip
+)
 
 
 OF_SOLUTION = (
     click.Option(
-        ["--method", "methods"], multiple=True, type=click.Choice(names()),
+        ["--method", "methods"],
+        multiple=True,
+        type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
         f"[default: patches, or bem for a trace; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(
-        ["--set", "settings"], multiple=True, metavar="METHOD.NAME=VALUE", callback=_read(parse_settings),
+        ["--tolerance"],
+        type=float,
+        help="Largest error of the compliance that is accepted, in g_0, by all methods that take one.",
+    ),
+    click.Option(
+        ["--set", "settings"],
+        multiple=True,
+        metavar="METHOD.NAME=VALUE",
+        callback=_read(parse_settings),
         help="Setting of a method, such as bem.points=512; give this option once for each.",
     ),
-)  # fmt: skip
+    click.Option(
+        ["--workers"],
+        type=int,
+        default=1,
+        show_default=True,
+        callback=_read(checked_workers),
+        help="How many processes solve the curves of several methods side by side; -1 for one on each core.",
+    ),
+)
 
 
 class SolvingCommand(click.Command):

@@ -13,6 +13,7 @@ from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one
 from weier.kernels.arrays import Array
 from weier.methods.registry import PLOTTED
 from weier.methods.segment import QUANTITIES
+from weier.methods.settings import with_tolerance
 from weier.scene import Figure
 
 if TYPE_CHECKING:
@@ -22,7 +23,13 @@ MIN_LOADS = 2  # of a line
 
 
 def _solve(
-    default: Sequence[str], loads: Array, methods: Sequence[str], settings: Mapping[str, Any], **series: Any
+    default: Sequence[str],
+    loads: Array,
+    methods: Sequence[str],
+    tolerance: float | None,
+    settings: Mapping[str, Any],
+    workers: int,
+    **series: Any,
 ) -> xr.Dataset:
     from weier.pipeline import single  # xarray, as in `solve`
 
@@ -31,7 +38,8 @@ def _solve(
         methods, refusals = single.applicable(profile, default)
         for refusal in refusals:
             click.echo(refusal, err=True)
-    return single.solve_one(profile, np.unique(loads), methods, settings)
+    settings = with_tolerance(methods, settings, tolerance)
+    return single.solve_one(profile, np.unique(loads), methods, settings, workers)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
@@ -47,7 +55,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
     weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
-    weier solve -D 1.25 --gamma 5 -m 3 --method planned --set planned.tolerance=1e-4
+    weier solve -D 1.25 --gamma 5 -m 3 --method planned --tolerance 1e-4
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     weier solve --trace shaft.csv --shortest 1e-5 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     weier solve --trace map.x3p --line 120 --detrend form --missing interpolate

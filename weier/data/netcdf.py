@@ -106,9 +106,17 @@ def _create_variable(
     shape = [file.dimensions[dim].size for dim in dims]
     missing = np.nan if values.dtype.kind == "f" and not coordinate else None
     made = file.createVariable(
-        name, dtype, dims, fill_value=missing, shuffle=True, complevel=DEFLATE, zlib=True, fletcher32=True,
-        chunksizes=_chunks(dims, shape, np.dtype(dtype).itemsize), chunk_cache=CACHE_BYTES,
-    )  # fmt: skip
+        name,
+        dtype,
+        dims,
+        fill_value=missing,
+        shuffle=True,
+        complevel=DEFLATE,
+        zlib=True,
+        fletcher32=True,
+        chunksizes=_chunks(dims, shape, np.dtype(dtype).itemsize),
+        chunk_cache=CACHE_BYTES,
+    )
     made.setncatts(values.attrs | ({"_Encoding": "utf-8"} if text else {}))
 
 

@@ -81,8 +81,9 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
         yield "studies", "this key is missing: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
         yield "draw", f"{figure.draw} needs {kind.needs}: true in the scene"
-    products = [product for name in figure.studies if name in loaded.studies
-                for product in loaded.studies[name].products]  # fmt: skip
+    products = [
+        product for name in figure.studies if name in loaded.studies for product in loaded.studies[name].products
+    ]
     if kind.grouped:
         yield from (("", text) for text in _hidden(figure, products))
 

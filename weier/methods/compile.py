@@ -13,7 +13,7 @@ from weier.methods import registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.fields import events, fields
 from weier.methods.registry import find_method
-from weier.methods.solve import solve_curve
+from weier.methods.solve import solve_checked
 from weier.theory.profile import Profile
 
 # Few contacts and few gaps, since the patches have a problem of their own for each; so near each other that boundary
@@ -32,7 +32,7 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
         for settings in (*method.algorithms, *method.options):
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
-                    solve_curve(profile, loads, method, settings)
+                    solve_checked(profile, loads, method, settings)
     if not methods:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])

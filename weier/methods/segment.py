@@ -110,8 +110,14 @@ def make_segment(
     """A segment over all loads of a task; what is not known of it is no error and no cost."""
     none = np.zeros(task.mean_pressure.size)
     fields: dict[str, Any] = {
-        "terms": task.profile.m, "settings": {}, "truncation": task.truncation, "discretisation": none,
-        "estimate": none, "seconds_start": 0.0, "seconds_load": none, "memory": 0.0,
+        "terms": task.profile.m,
+        "settings": {},
+        "truncation": task.truncation,
+        "discretisation": none,
+        "estimate": none,
+        "seconds_start": 0.0,
+        "seconds_load": none,
+        "memory": 0.0,
         "other_loads": np.empty((none.size, 0)),
-    }  # fmt: skip
+    }
     return Segment(task.mean_pressure, method, why=why, solve=solve, **{**fields, **known})

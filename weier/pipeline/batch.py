@@ -15,18 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 from weier.data import dataset
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
-from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method, unsolved
-from weier.methods.progress import telling
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
-from weier.methods.solve import solve_checked
-from weier.pipeline.progress import LOG_SECONDS, Loads
+from weier.pipeline.progress import LOG_SECONDS
+from weier.pipeline.workers import Curve, Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.theory.bounds import first_contact, infinite_series_bounds
 from weier.theory.limits import resolvable
-from weier.theory.profile import PARAMETERS
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
@@ -43,6 +41,7 @@ def solve_batch(
     done: Report = _tell,
     failed: Report = _tell,
     pause: float = LOG_SECONDS,
+    workers: int = 1,
 ) -> xr.Dataset:
     """Solve cases under the same loads, and say every few seconds how far it is.
 
@@ -58,6 +57,8 @@ def solve_batch(
         Take a line of how many loads are done, every few seconds, and one that says why a method has no curve.
     pause : float
         These few seconds.
+    workers : int
+        Processes that solve them side by side.
 
     Returns
     -------
@@ -69,44 +70,30 @@ def solve_batch(
     cases, loads = list(cases), np.asarray(mean_pressure, float)
     methods, terms, edges, optional = layout_of(cases, contact_edges)
     data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"})
-    curves, known = arrays(data), dict[object, tuple[Any, float]]()
-    progress = Loads(sum(len(case.methods) for case in cases) * loads.size, loads.size, pause, done)
+    rows = arrays(data)
+    curves = [Curve(case.profile, name, case.settings.get(name, {})) for case in cases for name in case.methods]
+    outcomes = iter(solve_curves(curves, loads, workers, pause, done))
     for number, case in enumerate(cases):
-        describe_case(curves, number, case)
+        describe_case(rows, number, case)
         for name in case.methods:
-            method, given = find_method(name), case.settings.get(name, {})
-            found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
-            try:
-                with telling(progress):
-                    solution, found["seconds"] = _solve(case, method, given, loads, known)
-                found |= solution._asdict() | _bounds(case, method, solution, loads)
-                if why := unsolved(solution):
-                    found["status"] = Status.partly_solved
-                    failed(f"{case.profile.describe()}, {name}: {why}")
-            except (NotApplicableError, ConvergenceError) as error:
-                unconverged = isinstance(error, ConvergenceError)
-                found["status"] = Status.not_converged if unconverged else Status.not_applicable
-                failed(f"{case.profile.describe()}, {name}: {error}")
-            _store(curves, {"case": number, "solution_method": methods.index(name)}, found)
-            progress.end_curve()
+            found = _found(case, name, next(outcomes), loads, failed)
+            _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
     return data
 
 
-def _solve(
-    case: Case, method: Method, settings: Mapping[str, Any], loads: Array, known: dict[object, tuple[Any, float]]
-) -> tuple[Any, float]:
-    """What a method says of a case, and the seconds that it took.
-
-    Curves that do not depend on the phases are `known` once one case of an ensemble is solved.
-    """
-    profile = case.profile
-    if method.uses_phases:
-        return solve_checked(profile, loads, method, settings)
-    method.check_applies(profile)  # a trace has no D
-    same = method.name, *(getattr(profile, name) for name in PARAMETERS), json.dumps(settings, sort_keys=True)
-    if same not in known:
-        known[same] = solve_checked(profile, loads, method, settings)
-    return known[same]
+def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report) -> dict[str, Any]:
+    """All that is stored of a curve; why there is none is told."""
+    method, given = find_method(name), case.settings.get(name, {})
+    found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
+    if isinstance(outcome, Exception):
+        unconverged = isinstance(outcome, ConvergenceError)
+        failed(f"{case.profile.describe()}, {name}: {outcome}")
+        return found | {"status": Status.not_converged if unconverged else Status.not_applicable}
+    solution, seconds = outcome
+    if why := unsolved(solution):
+        found["status"] = Status.partly_solved
+        failed(f"{case.profile.describe()}, {name}: {why}")
+    return found | solution._asdict() | _bounds(case, method, solution, loads) | {"seconds": seconds}
 
 
 def arrays(data: xr.Dataset) -> Arrays:

@@ -12,28 +12,40 @@ TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # between two words
 
 
 class Loads:
-    """Loads of several curves: calling it counts one, and at times says how many there are."""
+    """The loads of one curve after another: calling it counts one."""
 
-    def __init__(self, total: int, each: int, pause: float, say: Callable[[str], None]) -> None:
-        """Of `total` loads, `each` of a curve; say so after a pause of some seconds."""
-        self.total, self.each, self.pause, self.say = total, each, pause, say
-        self.done, self.end = 0, each  # loads, and how many of them there are when this curve is done
-        self.start = self.told = perf_counter()
+    def __init__(self, each: int, add: Callable[[int], object]) -> None:
+        """There are `each` of a curve; `add` takes numbers of them."""
+        self.each, self.add, self.done = each, add, 0
 
     def __call__(self) -> None:
-        """One load more: a curve may solve some twice."""
-        self.done = min(self.done + 1, self.end)
-        self.tell()
+        """One load of this curve more, which may solve some twice."""
+        if self.done < self.each:
+            self.done += 1
+            self.add(1)
 
     def end_curve(self) -> None:
-        """All loads of a curve are done: a closed form counts none."""
-        self.done, self.end = self.end, self.end + self.each
-        self.tell()
+        """All loads of this curve are done: a closed form counts none."""
+        rest, self.done = self.each - self.done, 0
+        self.add(rest)
 
-    def tell(self) -> None:
-        """Say how far it is, if it is time to."""
-        now = perf_counter()
-        if now - self.told > self.pause and self.done < self.total:
+
+class Progress:
+    """Says at times how many loads of all curves are done."""
+
+    def __init__(self, total: int, pause: float, say: Callable[[str], None]) -> None:
+        """Of `total` loads, after a pause of some seconds."""
+        self.total, self.pause, self.say, self.done = total, pause, say, 0
+        self.start = self.told = perf_counter()
+
+    def add(self, number: int) -> None:
+        """So many loads more are done."""
+        self.tell(self.done + number)
+
+    def tell(self, done: int) -> None:
+        """So many loads are done: say it, if it is time to."""
+        self.done, now = done, perf_counter()
+        if now - self.told > self.pause and 0 < done < self.total:
             self.told = now
             left = (now - self.start) * (self.total - self.done) / self.done
             self.say(f"{self.done} of {self.total} loads, about {left:.0f} s left")

@@ -27,7 +27,11 @@ OF_CASES = ("source", "name", "digest")  # what a case says of a trace, and no s
 
 
 def solve_one(
-    profile: Mapping[str, Any], loads: Array, methods: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+    profile: Mapping[str, Any],
+    loads: Array,
+    methods: Sequence[str],
+    settings: Mapping[str, Mapping[str, Any]],
+    workers: int = 1,
 ) -> xr.Dataset:
     """The curves of one profile, as a dataset of one case with the seconds of each method.
 
@@ -43,6 +47,8 @@ def solve_one(
         As in `solve`.
     settings : mapping
         Of each method.
+    workers : int
+        Processes that solve the curves side by side.
     """
     check_range(loads)
     case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
@@ -52,7 +58,7 @@ def solve_one(
     title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
-        data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS)
+        data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers)
     if not np.isin(data["status"], [Status.solved, Status.partly_solved]).any():
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)

@@ -10,13 +10,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.data import provenance
+from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
+from weier.methods.method import Method, unsolved
 from weier.methods.registry import METHODS, default_method, find_method
-from weier.methods.settings import TOLERANCE, checked_settings, described, with_tolerance
-from weier.methods.solve import solve_curve
-from weier.theory.arguments import checked_flag, hinting, shown
+from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
+from weier.methods.solve import solve_checked
+from weier.theory.arguments import checked_flag, checked_workers, hinting, shown
 from weier.theory.loads import listed_loads, unit_doubt
 from weier.theory.waves import Waves, checked_surface
 
@@ -28,6 +29,7 @@ def solve(
     method: str | Sequence[str] | None = None,
     *,
     contact_edges: bool = False,
+    workers: int = 1,
     **settings: Any,
 ) -> xr.Dataset:
     """Compliance and contact resistance of profiles pressed against a plane.
@@ -44,6 +46,10 @@ def solve(
         {methods}
     contact_edges : bool
         Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
+    workers : int
+        How many processes solve the curves of lists side by side, this one among them; -1 for one on each core. The
+        numbers are the same. Another process starts in about a second, so a list should take some seconds. A script
+        must call `solve` below `if __name__ == "__main__":`, since each process imports it anew.
     **settings
         Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`, but
         for a tolerance, which is of all that take one: the largest error of the compliance, in g_0. With their
@@ -70,6 +76,8 @@ def solve(
         does not apply to the profile.
     ConvergenceError
         If a solver misses its tolerance.
+    ChildProcessError
+        If one of several processes ends too early, as where a script lacks the guard named above.
 
     Notes
     -----
@@ -90,6 +98,7 @@ def solve(
 
     """
     (loads, position), edges = listed_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
+    workers = checked_workers(workers)
     profiles = _list("profile", profile)
     for each in profiles:
         if doubt := unit_doubt(checked_surface(each), loads):
@@ -98,9 +107,9 @@ def solve(
     methods = _list("method", method)
     solvers = [find_method(each) for each in methods]
     if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
-        curves = _solve_all(profiles, loads, methods, settings, edges)
+        curves = _solve_all(profiles, loads, methods, settings, edges, workers)
     else:
-        curves = solve_curve(profiles[0], loads, solvers[0], settings, edges)
+        curves = _solve_one(profiles[0], loads, solvers[0], settings, edges)
     return curves if np.array_equal(position, range(loads.size)) else curves.isel(mean_pressure=position)
 
 
@@ -111,17 +120,28 @@ def _list(name: str, given: Any) -> list[Any]:
     return listed
 
 
+def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], edges: bool) -> xr.Dataset:
+    """One curve with all that it depends on, over mean_pressure."""
+    given = checked_settings(method, settings)
+    solution, seconds = solve_checked(profile, loads, method, given)
+    if why := unsolved(solution):
+        warnings.warn(why, stacklevel=4)  # at the call of `weier.solve`
+    values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
+    labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
+    return dataset.curve(loads, values | {"seconds": seconds}, labels, all_settings(method, given))
+
+
 def _solve_all(
-    profiles: list[Waves], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool
+    profiles: list[Waves], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool, workers: int
 ) -> xr.Dataset:
-    from weier.pipeline.batch import solve_batch  # scenes and threads, which one curve does not need
+    from weier.pipeline.batch import solve_batch  # scenes, which one curve does not need
     from weier.scene.case import Case
 
     checked = settings_by_method(methods, settings)
     cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
-    data = solve_batch(cases, loads, edges, done=lambda line: None, failed=failures.append)
+    data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers)
     for failure in failures:
         warnings.warn(failure, stacklevel=4)  # at the call of `solve`
     return name_cases(data.assign_attrs(provenance.of_results(title)))

@@ -31,7 +31,12 @@ KEPT_TRACES = 16  # in memory: each method of a case asks for its trace
 
 @dataclass(frozen=True)
 class Case:
-    """One profile with the methods to run on it and their settings, as plain values of the scene file."""
+    """One profile with the methods to run on it and their settings, as plain values of the scene file.
+
+    parameters : D, gamma, m, and phases or seed; or those of a trace, as `trace_parameters` gives them
+    methods, settings : names of methods, and the settings of each
+    surface : the profile itself, where it was not made from the parameters
+    """
 
     parameters: Mapping[str, Any]
     methods: tuple[str, ...]

@@ -19,9 +19,13 @@ if TYPE_CHECKING:
     from jsonschema import ValidationError
 
 KINDS = {
-    "string": "a text", "object": "a mapping", "array": "a list", "integer": "a whole number", "number": "a number",
+    "string": "a text",
+    "object": "a mapping",
+    "array": "a list",
+    "integer": "a whole number",
+    "number": "a number",
     "boolean": "true or false",
-}  # fmt: skip
+}
 LIMITS = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "more than"}
 # What numpy.linspace and others call the keys of a range.
 SYNONYMS = {"n": "count", "num": "count", "start": "from", "min": "from", "stop": "to", "end": "to", "max": "to"}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import os
 from collections.abc import Callable, Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
@@ -24,6 +25,7 @@ from weier.kernels.arrays import Array, Flags
 
 MAX_SHOWN = 60  # characters of a value in a message
 MAX_DIGITS = 40  # of an integer in a message
+ALL_CORES = -1  # of `workers`, as in SciPy
 
 # What people call an argument that has another name.
 MEANT = dict.fromkeys(("loads", "load", "pressures", "pressure", "p"), "mean_pressure") | {"scene": "subject"}
@@ -97,6 +99,22 @@ def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> 
         return least <= number <= most and number == number // 1  # which inf is not
 
     return int(checked_number(name, value, f"be a whole number, {within}", holds))
+
+
+def checked_workers(workers: Any) -> int:
+    """The number of processes; `ALL_CORES` stands for as many as this process has cores."""
+    number = checked_number(
+        "workers",
+        workers,
+        f"be a whole number, at least 1, or {ALL_CORES} for all cores",
+        lambda number: number == ALL_CORES or (number >= 1 and number == number // 1),  # which inf is not
+    )
+    return _cores() if number == ALL_CORES else int(number)
+
+
+def _cores() -> int:
+    """The cores that this process may use, which a cluster or `taskset` may have limited."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def checked_word(name: str, value: Any, choices: Collection[str], where: str = "") -> str:

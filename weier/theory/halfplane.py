@@ -23,9 +23,7 @@ from weier.kernels.jit import kernel
 Number = TypeVar("Number", float, Array)
 
 # 2 sin(pi u)/u in powers of u^2: for |u| <= 1/2, the next term is below 1e-16 of the whole.
-SINE = tuple(
-    float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11)
-)  # fmt: skip
+SINE = tuple(float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11))
 MANTISSA_BITS = 52  # of a double, behind those of its exponent
 ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # its bits as an integer
 LN_2 = float(np.log(2.0))

@@ -146,10 +146,12 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
     )
     fewest = max(MIN_RATIO, float(ratio)) * last
     first = checked_number(
-        "longest", trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
+        "longest",
+        trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
         f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
-        f"trace, {trace.lambda_0:.6g} m", lambda x: fewest <= x * NEAR and x <= trace.lambda_0 * NEAR,
-    )  # fmt: skip
+        f"trace, {trace.lambda_0:.6g} m",
+        lambda x: fewest <= x * NEAR and x <= trace.lambda_0 * NEAR,
+    )
     return first, math.floor(math.log(first / last * NEAR) / math.log(ratio))
 
 

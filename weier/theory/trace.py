@@ -330,11 +330,17 @@ class Trace(Waves):
     def labels(self) -> dict[str, Any]:
         """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
         return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {
-            "m": float(self.m), "phases": "null",
-            "trace": self.source, "trace_digest": self.digest, "trace_ends": self.ends,
-            "trace_length": self.lambda_0, "trace_height": self.g_0, "trace_shortest": self.shortest,
-            "trace_detrend": self.detrend, "trace_filled": float(self.filled.heights),
-        }  # fmt: skip
+            "m": float(self.m),
+            "phases": "null",
+            "trace": self.source,
+            "trace_digest": self.digest,
+            "trace_ends": self.ends,
+            "trace_length": self.lambda_0,
+            "trace_height": self.g_0,
+            "trace_shortest": self.shortest,
+            "trace_detrend": self.detrend,
+            "trace_filled": float(self.filled.heights),
+        }
 
     def describe(self) -> str:
         """The trace in a few words."""

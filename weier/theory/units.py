@@ -10,9 +10,19 @@ from weier.theory.arguments import checked_word, shown
 
 # The names that calls, scenes and options take, in m. The prefix is the micro sign or the Greek letter mu.
 UNITS = {
-    "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6, "nm": 1e-9, "pm": 1e-12,
-    "angstrom": 1e-10, "inch": 0.0254, "mil": 2.54e-5, "uin": 2.54e-8,
-}  # fmt: skip
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "\u00b5m": 1e-6,
+    "\u03bcm": 1e-6,
+    "nm": 1e-9,
+    "pm": 1e-12,
+    "angstrom": 1e-10,
+    "inch": 0.0254,
+    "mil": 2.54e-5,
+    "uin": 2.54e-8,
+}
 # Further names that files use. Names are compared in lower case, but for M, which no file means by a metre.
 SPELLINGS = {
     **{name: name for name in UNITS},

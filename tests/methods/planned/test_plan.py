@@ -48,12 +48,16 @@ def test_each_load_takes_the_method_of_least_seconds_that_does():
     for _ in range(20):
         those = [
             like._replace(
-                method=name, mean_pressure=np.arange(1.0, 6.0), estimate=none, discretisation=none,
+                method=name,
+                mean_pressure=np.arange(1.0, 6.0),
+                estimate=none,
+                discretisation=none,
                 truncation=np.where(random.random(5) < 0.3, np.inf, 0.0) if number else none,
-                seconds_start=random.random(), seconds_load=random.random(5),
+                seconds_start=random.random(),
+                seconds_load=random.random(5),
             )
             for number, name in enumerate("abc")
-        ]  # fmt: skip
+        ]
         least = [
             min((each.seconds_load[load], each.method) for each in those if np.isfinite(each.truncation[load]))
             for load in range(5)

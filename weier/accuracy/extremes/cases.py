@@ -28,9 +28,8 @@ DISTANCES = (1e-12, 1e-8, 1e-4)  # of loads from an event, relative to it
 EVENT_STEP = 3  # of the births and merges, one in so many
 
 SWEEP = 10.0 ** np.array(
-    [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), -3, -2.5, -2, -1.5, -1, -0.5, 0, 0.5, 1, 2, 6, 12,
-     *range(50, 301, 50)]
-)  # fmt: skip
+    [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), *np.arange(-3, 1.5, 0.5), 2, 6, 12, *range(50, 301, 50)]
+)
 USUAL = np.geomspace(1e-6, 100, 25)
 ONE_LOAD = np.array([0.1])
 

@@ -64,7 +64,13 @@ class ShownFigure(NamedTuple):
 
 
 class Section(NamedTuple):
-    """A part of the page, named in its contents."""
+    """A part of the page, named in its contents; what is empty is not on the page.
+
+    anchor, heading : the name of links to it, and its title
+    figures, claims : what it begins with, the claims by their names
+    texts, table : what follows
+    scene : the text of a scene file
+    """
 
     anchor: str
     heading: str

@@ -51,8 +51,11 @@ def curve_explorer(data: xr.Dataset) -> Column:
     """
     data = data.isel(case=np.lexsort([data[name].values for name in reversed(PARAMETERS)]))
     methods = data["solution_method"].values.tolist()
-    table = {f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()
-             for quantity in QUANTITIES for number, method in enumerate(methods)}  # fmt: skip
+    table = {
+        f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()
+        for quantity in QUANTITIES
+        for number, method in enumerate(methods)
+    }
     loads = data["mean_pressure"].values
     nothing = {"mean_pressure": loads, **dict.fromkeys(QUANTITIES, np.full(loads.size, np.nan))}
     sources = [ColumnDataSource(nothing, name=f"curve {method}") for method in methods]
@@ -63,11 +66,18 @@ def curve_explorer(data: xr.Dataset) -> Column:
     selects = [_select(name) for name in LABELS]
     boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
     choose = CustomJS(
-        args={"selects": selects, "labels": {name: _labels(data, name) for name in LABELS}, "methods": methods,
-              "allCurves": ColumnDataSource(table), "sources": sources, "loads": loads.size, "boxes": boxes,
-              "legends": [plot.legend[0] for plot in plots]},
+        args={
+            "selects": selects,
+            "labels": {name: _labels(data, name) for name in LABELS},
+            "methods": methods,
+            "allCurves": ColumnDataSource(table),
+            "sources": sources,
+            "loads": loads.size,
+            "boxes": boxes,
+            "legends": [plot.legend[0] for plot in plots],
+        },
         code=files("weier.figures.page").joinpath("choose.js").read_text(encoding="utf-8"),
-    )  # fmt: skip
+    )
     for select in selects:
         select.js_on_change("value", choose)
     for box in boxes:
@@ -89,29 +99,37 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
     """One label of each case, as text."""
     if name == "case":
         return [text or name for text in case_names(data, but=(*LABELS, "phases", "seed", "trace_digest"))]
-    texts = {each: [label_text(value) for value in data[each].values] if each in data.variables else
-             [""] * data.sizes["case"] for each in (name, "seed", "phases")}  # fmt: skip
     if name == "trace" and name in data.variables:
         labels = data.coords.to_dataset()
         cases = (labels.isel(case=case) for case in range(data.sizes["case"]))
         return [text or NONE for text in names_of_traces(cases)]
     if name != "phase":
-        return [text or NONE for text in texts[name]]
+        return [text or NONE for text in _texts(data, name)]
     return [
         f"seed {seed}: {phase}".rstrip(": ") if seed else phase or NONE
-        for seed, phase in zip(texts["seed"], texts["phases"], strict=True)
+        for seed, phase in zip(_texts(data, "seed"), _texts(data, "phases"), strict=True)
     ]
+
+
+def _texts(data: xr.Dataset, name: str) -> list[str]:
+    """What a coordinate says of each case; empty where the data have none of this name."""
+    return [label_text(value) for value in data[name].values] if name in data.variables else [""] * data.sizes["case"]
 
 
 def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
     pressure = "mean pressure", "@mean_pressure{0.0000e+0}"
     plot = figure(
-        height=400, x_axis_type="log", y_axis_type="log" if quantity == "resistance" else "linear",
-        x_axis_label=AXES["mean_pressure"], y_axis_label=AXES[quantity],
-        tools="pan,wheel_zoom,box_zoom,reset", name=quantity,
+        height=400,
+        x_axis_type="log",
+        y_axis_type="log" if quantity == "resistance" else "linear",
+        x_axis_label=AXES["mean_pressure"],
+        y_axis_label=AXES[quantity],
+        tools="pan,wheel_zoom,box_zoom,reset",
+        name=quantity,
         tooltips=[("method", "$name"), pressure, (quantity, f"@{quantity}{{0.00000}}")],
-        styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"}, **STRETCHED,
-    )  # fmt: skip
+        styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
+        **STRETCHED,
+    )
     for method, source in zip(methods, sources, strict=True):
         (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
     plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve goes
@@ -123,8 +141,16 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as
 def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> None:
     look = style.line(method)
     dash = [] if look["linestyle"] == "-" else [round(LINE_WIDTH * length) for length in look["linestyle"][1]]
-    plot.line("mean_pressure", quantity, source=source, name=look["label"], legend_label=look["label"],
-              color=look["color"], line_dash=dash, line_width=LINE_WIDTH)  # fmt: skip
+    plot.line(
+        "mean_pressure",
+        quantity,
+        source=source,
+        name=look["label"],
+        legend_label=look["label"],
+        color=look["color"],
+        line_dash=dash,
+        line_width=LINE_WIDTH,
+    )
 
 
 def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> None:
@@ -132,5 +158,14 @@ def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource
     count = len(source.data["mean_pressure"])
     view = CDSView(filter=IndexFilter(indices=list(range(0, count, -(-count // MAX_POINTS)))))
     look = style.line(method)
-    plot.scatter("mean_pressure", quantity, source=source, view=view, name=look["label"], legend_label=look["label"],
-                 line_color=look["color"], fill_color="white", size=6)  # fmt: skip
+    plot.scatter(
+        "mean_pressure",
+        quantity,
+        source=source,
+        view=view,
+        name=look["label"],
+        legend_label=look["label"],
+        line_color=look["color"],
+        fill_color="white",
+        size=6,
+    )

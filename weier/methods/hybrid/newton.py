@@ -114,7 +114,12 @@ def _linear_solution(problem: Problem, slope: Array, right: Array, accuracy: flo
     size = (n + 1, n + 1)
     operator = scipy.sparse.linalg.LinearOperator
     solution, _ = scipy.sparse.linalg.gmres(
-        operator(size, equations), right, rtol=accuracy, atol=0.0, restart=DIRECTIONS, maxiter=RESTARTS,
+        operator(size, equations),
+        right,
+        rtol=accuracy,
+        atol=0.0,
+        restart=DIRECTIONS,
+        maxiter=RESTARTS,
         M=operator(size, uniform),
-    )  # fmt: skip
+    )
     return np.asarray(solution)

@@ -66,6 +66,7 @@ class Scale(NamedTuple):
 
     closure : of that layer, in the units of this wave
     amplitude, log_full : the limit of W, and ln xi where it gets there
+    mesh, tolerance : on which the wave is solved, and to which relative residual
     """
 
     closure: Closure

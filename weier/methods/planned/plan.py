@@ -33,7 +33,11 @@ SUGGESTED = [10.0**exponent for exponent in range(-13, 0)]  # where a tolerance 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to run, load by load; Python shows it as a table."""
+    """What to run, load by load; Python shows it as a table.
+
+    profile, quantity, tolerance : what it was made for, as in `weier.plan`
+    segments : loads that one method solves, in increasing order
+    """
 
     profile: Profile
     quantity: str
@@ -73,20 +77,24 @@ class Plan:
         return f"in all: error {self.error:.1e}, {cost}"
 
 
-HEADER = (
-    *("loads", "from", "to", "method", "terms", "settings"),
-    *("error", "truncation", "discretisation", "estimate", "seconds", "MB", "why"),
-)
+ERRORS = ("error", "truncation", "discretisation", "estimate")  # of a segment
+HEADER = ("loads", "from", "to", "method", "terms", "settings", *ERRORS, "seconds", "MB", "why")
 
 
 def _row(segment: Segment) -> list[str]:
     p = segment.mean_pressure
-    parts = (segment.error, segment.truncation, segment.discretisation, segment.estimate)
+    largest = [getattr(segment, name).max() for name in ERRORS]
     return [
-        *(f"{p.size}", f"{p[0]:.3g}", f"{p[-1]:.3g}", segment.method, f"{segment.terms:g}"),
+        f"{p.size}",
+        f"{p[0]:.3g}",
+        f"{p[-1]:.3g}",
+        segment.method,
+        f"{segment.terms:g}",
         ", ".join(f"{name} {_short(value)}" for name, value in segment.settings.items()),
-        *(f"{part.max():.1e}" if part.max() else "0" for part in parts),
-        *(significant(segment.seconds, 2), significant(segment.memory / 1e6, 2), segment.why),
+        *(f"{error:.1e}" if error else "0" for error in largest),
+        significant(segment.seconds, 2),
+        significant(segment.memory / 1e6, 2),
+        segment.why,
     ]
 
 

@@ -94,6 +94,8 @@ class Condition(NamedTuple):
 class Ensemble(NamedTuple):
     """Profiles that differ in their phases alone; the cases of a member have its phases.
 
+    name : what its members share, for people
+    members : the cases of each
     complete : whether its members are all there are, so that their number does not matter
     """
 
@@ -147,7 +149,13 @@ VOTES = {Check.yes: "say yes", Check.no: "say no", Check.not_decided: "too close
 
 
 class Judgement(NamedTuple):
-    """What came of a claim; what the studies lack for it where it could not be measured."""
+    """What came of a claim.
+
+    statement : what the paper says
+    outcome : of all findings together
+    findings : one for each condition and ensemble
+    missing : what the studies lack for it where it could not be measured
+    """
 
     statement: str
     outcome: Check

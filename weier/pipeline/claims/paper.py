@@ -101,9 +101,13 @@ def _beside_one_wave(cases: Cases) -> list[Ensemble]:
 def _growth(method: str) -> Condition:
     label = find_method(method).label
     return Condition(
-        f"the largest error of {label} grows with D", f"growth of the largest error of {label}, of full contact", "%",
-        partial(measures.growth_of_error, method), positive(NUMERICAL_ERROR), most=True,
-    )  # fmt: skip
+        f"the largest error of {label} grows with D",
+        f"growth of the largest error of {label}, of full contact",
+        "%",
+        partial(measures.growth_of_error, method),
+        positive(NUMERICAL_ERROR),
+        most=True,
+    )
 
 
 CLAIMS = {
@@ -113,13 +117,17 @@ CLAIMS = {
         by_phases,
         Condition(
             "few elements agree closely with Eq. (12) where more than one is in contact",
-            "largest relative error of the compliance with more than one element in contact", "%",
-            lambda case: measures.errors_of_elements(case)[1], at_most(CLOSE_AGREEMENT),
+            "largest relative error of the compliance with more than one element in contact",
+            "%",
+            lambda case: measures.errors_of_elements(case)[1],
+            at_most(CLOSE_AGREEMENT),
         ),
         Condition(
             "they do not agree closely where only one is in contact",
-            "largest relative error of the compliance with only one element in contact", "%",
-            lambda case: measures.errors_of_elements(case)[0], at_least(CLOSE_AGREEMENT),
+            "largest relative error of the compliance with only one element in contact",
+            "%",
+            lambda case: measures.errors_of_elements(case)[0],
+            at_least(CLOSE_AGREEMENT),
         ),
     ),
     "phase_spread": Claim(
@@ -128,17 +136,27 @@ CLAIMS = {
         _coarse_and_fine,
         Condition(
             "the curves lie fairly close to their average at phases that are neither near zero nor near pi",
-            "largest distance from the average at other phases, of full contact", "%",
-            lambda *phases: measures.distances_from_average(*phases)[1], at_most(CLOSE), ensembles=COARSE,
+            "largest distance from the average at other phases, of full contact",
+            "%",
+            lambda *phases: measures.distances_from_average(*phases)[1],
+            at_most(CLOSE),
+            ensembles=COARSE,
         ),
         Condition(
             "phases close to zero and pi are an exception",
-            "largest distance from the average at phases close to zero and pi, of full contact", "%",
-            lambda *phases: measures.distances_from_average(*phases)[0], at_least(CLOSE), ensembles=COARSE,
+            "largest distance from the average at phases close to zero and pi, of full contact",
+            "%",
+            lambda *phases: measures.distances_from_average(*phases)[0],
+            at_least(CLOSE),
+            ensembles=COARSE,
         ),
         Condition(
-            "the effect of the phase is extremely small", "largest spread of all curves, of full contact", "%",
-            measures.spread_of_phases, at_most(EXTREMELY_SMALL), ensembles=FINE,
+            "the effect of the phase is extremely small",
+            "largest spread of all curves, of full contact",
+            "%",
+            measures.spread_of_phases,
+            at_most(EXTREMELY_SMALL),
+            ensembles=FINE,
         ),
     ),
     "archard_above": Claim(
@@ -146,7 +164,8 @@ CLAIMS = {
         by_phases,
         Condition(
             "Archard's compliance is too high at all loads",
-            "least excess of Archard's compliance in partial contact", "g_0",
+            "least excess of Archard's compliance in partial contact",
+            "g_0",
             lambda case: measures.least_excess(case, "archard"),
             at_least(-NUMERICAL_ERROR, factor=1),  # it may meet the numerical curve, as at full contact
         ),
@@ -156,8 +175,10 @@ CLAIMS = {
         by_phases,
         Condition(
             "Demelio's compliance is too low at low loads",
-            "largest excess of Demelio's compliance at low loads", "g_0",
-            lambda case: float(measures.excess_at_low_loads(case, "demelio").max()), negative(NUMERICAL_ERROR),
+            "largest excess of Demelio's compliance at low loads",
+            "g_0",
+            lambda case: float(measures.excess_at_low_loads(case, "demelio").max()),
+            negative(NUMERICAL_ERROR),
         ),
     ),
     "layer_close": Claim(
@@ -166,13 +187,19 @@ CLAIMS = {
         by_phases,
         Condition(
             "the layer underestimates the compliance at high loads",
-            "mean excess of the layer's compliance at high loads", "g_0",
-            lambda case: measures.mean_excess_at_high_loads(case, "layer"), negative(NUMERICAL_ERROR), most=True,
+            "mean excess of the layer's compliance at high loads",
+            "g_0",
+            lambda case: measures.mean_excess_at_high_loads(case, "layer"),
+            negative(NUMERICAL_ERROR),
+            most=True,
         ),
         Condition(
             "the layer gives good results at low loads",
-            "largest error of the layer's compliance at low loads, of full contact", "%",
-            lambda case: measures.error_at_low_loads(case, "layer"), at_most(CLOSE), most=True,
+            "largest error of the layer's compliance at low loads, of full contact",
+            "%",
+            lambda case: measures.error_at_low_loads(case, "layer"),
+            at_most(CLOSE),
+            most=True,
         ),
     ),
     "errors_grow_with_dimension": Claim(
@@ -187,34 +214,48 @@ CLAIMS = {
         by_phases,
         Condition(
             f"the layer's largest error is about {LAYER_ERROR:.0%}",
-            "largest relative error of the layer's resistance", "%",
+            "largest relative error of the layer's resistance",
+            "%",
             lambda case: max(map(abs, measures.resistance_range(case, "layer"))),
             at_most(QUOTED_TOLERANCE * LAYER_ERROR),
         ),
         Condition(
             "the layer's largest error is an overestimate",
-            "largest overestimate of the layer's resistance less its largest underestimate", "%",
-            lambda case: sum(measures.resistance_range(case, "layer")), positive(RESISTANCE_ERROR), most=True,
+            "largest overestimate of the layer's resistance less its largest underestimate",
+            "%",
+            lambda case: sum(measures.resistance_range(case, "layer")),
+            positive(RESISTANCE_ERROR),
+            most=True,
         ),
         Condition(
             "the layer is the best estimate of the resistance",
-            "root mean square error of the layer's resistance less that of the better of the others", "%",
-            measures.layer_behind_others, negative(RESISTANCE_ERROR), most=True,
+            "root mean square error of the layer's resistance less that of the better of the others",
+            "%",
+            measures.layer_behind_others,
+            negative(RESISTANCE_ERROR),
+            most=True,
         ),
         Condition(
             "Archard underestimates the resistance at high loads",
-            "mean relative error of Archard's resistance at high loads", "%",
+            "mean relative error of Archard's resistance at high loads",
+            "%",
             lambda case: measures.mean_resistance_error_at_high_loads(case, "archard"),
-            negative(RESISTANCE_ERROR), most=True,
+            negative(RESISTANCE_ERROR),
+            most=True,
         ),
         Condition(
-            "Demelio overestimates the resistance at all loads", "least relative error of Demelio's resistance", "%",
-            lambda case: measures.resistance_range(case, "demelio")[0], at_least(-RESISTANCE_ERROR, factor=1),
+            "Demelio overestimates the resistance at all loads",
+            "least relative error of Demelio's resistance",
+            "%",
+            lambda case: measures.resistance_range(case, "demelio")[0],
+            at_least(-RESISTANCE_ERROR, factor=1),
         ),
         Condition(
             f"Demelio's errors are at most about {DEMELIO_ERROR:.0%}",
-            "largest relative error of Demelio's resistance", "%",
-            lambda case: measures.resistance_range(case, "demelio")[1], at_most(QUOTED_TOLERANCE * DEMELIO_ERROR),
+            "largest relative error of Demelio's resistance",
+            "%",
+            lambda case: measures.resistance_range(case, "demelio")[1],
+            at_most(QUOTED_TOLERANCE * DEMELIO_ERROR),
         ),
     ),
     "boundary_elements": Claim(
@@ -222,8 +263,10 @@ CLAIMS = {
         by_phases,
         Condition(
             "the resistance by boundary elements is more in error than the compliance",
-            "ratio of the largest relative errors of resistance and compliance by boundary elements", "",
-            measures.discretisation_ratio, at_least(1),
+            "ratio of the largest relative errors of resistance and compliance by boundary elements",
+            "",
+            measures.discretisation_ratio,
+            at_least(1),
         ),
     ),
     "fourth_term": Claim(
@@ -231,13 +274,17 @@ CLAIMS = {
         partial(series, varied="m"),
         Condition(
             "the last term has a relatively small effect",
-            "largest change of the mean gap with the last term, of full contact", "%",
-            measures.last_change, at_most(CLOSE),
+            "largest change of the mean gap with the last term, of full contact",
+            "%",
+            measures.last_change,
+            at_most(CLOSE),
         ),
         Condition(
             "the last term has less effect than those before it",
-            "largest change of the mean gap with the last term over the least with those before", "",
-            measures.last_change_over_others, at_most(1),
+            "largest change of the mean gap with the last term over the least with those before",
+            "",
+            measures.last_change_over_others,
+            at_most(1),
         ),
     ),
     "one_wave_bounds": Claim(
@@ -246,12 +293,17 @@ CLAIMS = {
         _beside_one_wave,
         Condition(
             "all compliances lie within the bounds",
-            "largest distance of an estimate from the one-wave solution, of G_1", "%",
-            measures.distance_from_one_wave, at_most(1 + ROUNDING, factor=1),
+            "largest distance of an estimate from the one-wave solution, of G_1",
+            "%",
+            measures.distance_from_one_wave,
+            at_most(1 + ROUNDING, factor=1),
         ),
         Condition(
-            "all resistances lie within the bounds", "largest distance of a resistance beyond its bounds", "g_0/p_0*",
-            measures.resistance_beyond_bounds, at_most(ROUNDING, factor=1),
+            "all resistances lie within the bounds",
+            "largest distance of a resistance beyond its bounds",
+            "g_0/p_0*",
+            measures.resistance_beyond_bounds,
+            at_most(ROUNDING, factor=1),
         ),
     ),
-}  # fmt: skip
+}

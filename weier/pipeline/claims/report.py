@@ -77,10 +77,14 @@ def details(finding: Finding) -> list[str]:
     """A row of DETAILS."""
     low, high = (written(end(finding.values), finding.unit) for end in (min, max))
     return [
-        f"{finding.statement}: {finding.quantity}", finding.ensemble, written(finding.value, finding.unit),
-        f"{low} and {high}" if len(finding.values) > 1 else "", finding.limit, finding.votes,
+        f"{finding.statement}: {finding.quantity}",
+        finding.ensemble,
+        written(finding.value, finding.unit),
+        f"{low} and {high}" if len(finding.values) > 1 else "",
+        finding.limit,
+        finding.votes,
         Check(finding.outcome).text,
-    ]  # fmt: skip
+    ]
 
 
 def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
@@ -88,13 +92,20 @@ def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
     if not judged:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [f"[{markdown.plain(name)}](#{name})",
-         *map(markdown.plain, (each.statement, each.outcome.text, *decisive_cells(each)))]
+        [
+            f"[{markdown.plain(name)}](#{name})",
+            *map(markdown.plain, (each.statement, each.outcome.text, *decisive_cells(each))),
+        ]
         for name, each in judged.items()
-    ]  # fmt: skip
+    ]
     head = ["claim", "the paper says", "holds", "what decides", "limit", "profiles"]
-    parts = [f"# {title}", markdown.table(head, rows), "## How claims are judged", markdown.plain(RULE),
-             markdown.plain(MEANINGS)]  # fmt: skip
+    parts = [
+        f"# {title}",
+        markdown.table(head, rows),
+        "## How claims are judged",
+        markdown.plain(RULE),
+        markdown.plain(MEANINGS),
+    ]
     for name, each in judged.items():
         parts += [f"## {name}", markdown.plain(each.statement)]
         table = [[markdown.plain(cell) for cell in details(finding)] for finding in each.findings]
