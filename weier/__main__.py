@@ -18,11 +18,10 @@ def run() -> None:
     try:
         from weier.cli import main  # within the block: to import it takes some tenths of a second
 
-        return main()
+        main()
     except KeyboardInterrupt:
-        pass  # what it holds is given back here, such as locks that processes share
-    print(STOPPED, file=sys.stderr, flush=True)
-    os._exit(INTERRUPTED)
+        print(STOPPED, file=sys.stderr, flush=True)
+        os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

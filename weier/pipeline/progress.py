@@ -39,13 +39,9 @@ class Progress:
         self.start = self.told = perf_counter()
 
     def add(self, number: int) -> None:
-        """So many loads more are done."""
-        self.tell(self.done + number)
-
-    def tell(self, done: int) -> None:
-        """So many loads are done: say it, if it is time to."""
-        self.done, now = done, perf_counter()
-        if now - self.told > self.pause and 0 < done < self.total:
+        """So many loads more are done: say how many are, if it is time to."""
+        self.done, now = self.done + number, perf_counter()
+        if now - self.told > self.pause and 0 < self.done < self.total:
             self.told = now
             left = (now - self.start) * (self.total - self.done) / self.done
             self.say(f"{self.done} of {self.total} loads, about {left:.0f} s left")
