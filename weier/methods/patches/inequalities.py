@@ -26,11 +26,12 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import MINIMUM, ContactState, Segments, distances_between
+from weier.methods.patches.segments import MINIMUM, ContactState, Segments, contacts_of, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
 MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by rounding
+MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
 SEARCH_STEPS = 40  # of bisections: to 1e-12 of a bracket
 SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
 # Of the distance of probes. A stencil of h finds a minimum to h^2 of the wavenumber, so that the last is within 1e-8.
@@ -270,8 +271,12 @@ def certify(
     if negative.size > 0:
         on = max(closure, -float(negative["lowest"].min()))
         width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
-    state = state._replace(error=error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period))
-    uncertainty = gap_uncertainty(state.error, series)
+    error = error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period)
+    # A pressure q that is left on a width W moves the surface by about 2 q W: see `error_bound`.
+    of_heights = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
+    tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
+    state = state._replace(error=error, height_error=of_heights, tensions=tensions)
+    uncertainty = gap_uncertainty(of_heights, series)
     if state.dual:
         minima = minima_of_gaps(state)
     elif uncertainty > margin:
@@ -279,8 +284,23 @@ def certify(
     return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
 
 
+def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
+    """Intervals of tension within contacts, as `ContactState.tensions`; those that reach an edge are left to that."""
+    t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
+    return np.stack([negative["segment"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
+
+
+def _tensions_from_minima(state: ContactState, minima: Records, period: float) -> NDArray[np.float64]:
+    """The same from minima of the pressure between gaps (dual), each with the parabola that it has there."""
+    found = minima[minima["value"] < 0]
+    origin, centre, r = (each[found["interval"]] for each in contacts_of(state.segments.extent, True, period))
+    t = (found["position"] - (origin + centre)) / r
+    b = np.sqrt(-2 * found["value"] / np.maximum(found["curvature"], 1e-300)) / r
+    return np.stack([found["interval"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
+
+
 def gap_uncertainty(error: float, series: CosineSeries) -> float:
-    """How far a gap may be off, in g_0, in a state whose compliance may be off by `error`."""
+    """How far a gap may be off, in g_0, in a state that is exact for heights which differ by `error` at most."""
     return GAP_FACTOR * error + GAP_ROUNDING * float(np.abs(series.amplitude).sum())
 
 

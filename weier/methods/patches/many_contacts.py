@@ -29,6 +29,7 @@ from weier.methods.patches.edge_iteration import (
 )
 from weier.methods.patches.given_edges import Bounds, Punches, expansion, solve_forces_on_contacts
 from weier.methods.patches.inequalities import (
+    MAX_INNER,
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
     certify,
@@ -66,7 +67,6 @@ MAX_TAIL = 0.3  # height of the last coefficients, over the target: with more, a
 MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
 MIN_OPENING = 100.0  # over what the forces on contacts are solved to, of a gap or a contact that is cut in
-MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
 MIN_PIECE = 1e-3  # of a contact's width: shorter pieces do not survive a cut
 
 

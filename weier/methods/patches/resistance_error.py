@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.methods.patches.inequalities import gap_uncertainty
+from weier.methods.patches.inequalities import NEW_GAP_WIDTH, gap_uncertainty
 from weier.methods.patches.newton import SENSITIVITY_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,
@@ -33,17 +33,20 @@ def resistance_error(state: ContactState, series: CosineSeries, total_amplitude:
 
 
 def _rise_by_cracks(state: ContactState, period: float) -> float:
-    """What cracks add to the resistance, in g_0/p_0*, whose edges are not solved for.
+    """What gaps in the intervals of tension would add to the resistance, in g_0/p_0*.
 
-    One of half-width b adds pi^2 b^2 q^2/L. To the pressure there, an increment of the load adds about
-    q = K (2/r)^(1/2)/sqrt(1-t^2), with K as at the edges of the contact.
+    A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
+    where an increment of the load adds q to the pressure there. For a lone contact that is K (2/r)^(1/2)/sqrt(1-t^2),
+    with K as at its edges; and where gaps are narrow it is about 1.
     """
-    if state.cracks.size == 0:
+    if state.tensions.size == 0:
         return 0.0
-    of, t, b, _ = state.cracks.T
+    of, t, b = state.tensions.T
     contact = of.astype(np.int64)
-    r, K = state.segments.half_width[contact], state.singular_rate[contact].mean(axis=1)
-    return float(2 * np.pi**2 / period * np.sum((K * b) ** 2 * r / (1 - t**2)))
+    r = contacts_of(state.segments.extent, state.dual, period)[2][contact]
+    K = at_contacts(state.singular_rate, state.dual)[contact].mean(axis=1)
+    q = np.maximum(K * np.sqrt(2 / (r * (1 - t**2))), 1.0)
+    return float(np.pi**2 / period * np.sum((NEW_GAP_WIDTH * b * r * q) ** 2))
 
 
 def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
@@ -58,7 +61,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:
         return 0.0
-    depth = gap_uncertainty(state.error, series) - gaps["value"]
+    depth = gap_uncertainty(state.height_error, series) - gaps["value"]
     half_width = np.sqrt(2 * depth / np.maximum(gaps["curvature"], depth / period**2))
     compliance = -2 * np.log(np.minimum(np.pi * half_width / period, np.exp(-0.5)))
     origin, centre, r = contacts_of(state.segments.extent, state.dual, period)
@@ -88,7 +91,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     origin, centre, r = contacts
     crest, _ = nearest_crests(series, origin + centre)
     lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
-    of_height = state.error + EPS * total_amplitude * lower
+    of_height = state.height_error + EPS * total_amplitude * lower
     strength = np.maximum(at_contacts(np.abs(segment_strengths(state)), state.dual), 1e-300)
     force = np.pi / np.sqrt(8) * r**1.5 * strength.mean(axis=1)
     c = np.maximum(-2 * np.log(np.pi * r / period), 1.0)

@@ -154,12 +154,15 @@ class ContactState(NamedTuple):
         increment of the mean pressure, the pressure at the distance s within a contact is K/s^(1/2)
     residual : largest violation of a contact condition, in g_0
     error : a bound on that of the approach by these violations, in g_0
+    height_error : by how much heights may differ for which the state is exact, in g_0
     cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
         middle and half-width in its coordinate t, and the strength of the pressure at both edges, as in `Solution`;
         shape (cracks, 4), in order
+    tensions : intervals of tension that are left on contacts, where a gap is missing or too narrow to be solved for:
+        the index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
     narrow_gaps : minima of the gap that are smaller than they are known to, so that a contact may be born there
 
-    Of the last seven, those are NaN or empty that nothing has asked for yet.
+    Of the last nine, those are NaN or empty that nothing has asked for yet.
     """
 
     dual: bool
@@ -172,7 +175,9 @@ class ContactState(NamedTuple):
     singular_rate: NDArray[np.float64] = np.empty((0, 2))
     residual: float = np.nan
     error: float = np.nan
+    height_error: float = np.nan
     cracks: NDArray[np.float64] = np.empty((0, 4))
+    tensions: NDArray[np.float64] = np.empty((0, 3))
     narrow_gaps: Records = np.empty(0, MINIMUM)
 
     @property
