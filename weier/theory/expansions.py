@@ -1,6 +1,6 @@
 """Taylor's polynomials of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
-About N equally spaced nodes x_i = i L/N, the coefficients of one order at all nodes are one Fourier transform of
+About N equally spaced nodes x_l = l L/N, the coefficients of one order at all nodes are one Fourier transform of
 a_n exp(i phi_n) (i kappa_n)^j/j!, with kappa_n = 2 pi k_n/N: what it takes to evaluate the series at a point does
 not depend on the number of its waves. Distances t are in steps L/N.
 
