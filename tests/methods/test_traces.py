@@ -1,6 +1,7 @@
 """Measured surfaces by the numerical methods: the waves of a series, closed forms of one contact, and refusals."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from benchmarks.problem import Problem, examine
 from benchmarks.programs import PROGRAMS
 from weier.methods.bem import error_model
 from weier.methods.errors import NotApplicableError
-from weier.theory.limits import check_crests
+from weier.methods.patches.error_model import BYTES_WAVE
+from weier.methods.patches.surface import surface_of
 from weier.theory.profile import Profile
 from weier.theory.trace import Trace
 
@@ -149,8 +151,13 @@ def test_traces_and_series_are_cases_beside_each_other():
     assert len(set(both.key.values)) == 3
 
 
-def test_contact_patches_refuse_more_waves_than_a_computer_holds_at_all_crests():
+def test_what_contact_patches_hold_grows_with_the_waves_and_not_with_their_square():
     trace = Trace(rough(4001, 8004), 1e-3, ends="periodic", unit="m")
-    with pytest.raises(NotApplicableError, match=r"contact patches hold each wave at each crest, at most 1\.6e\+07"):
-        weier.solve(trace, [0.1], "patches")
-    check_crests(Profile(1.2, 2, 17))  # 65 536 waves, of 17 kinds
+    tracemalloc.start()
+    surface_of(trace)
+    memory = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert memory < 4001 * BYTES_WAVE  # each wave at each crest would be four times as much, or more
+    exact, grid = (weier.solve(trace, [0.1], method) for method in ("patches", "bem"))
+    assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error)
+    np.testing.assert_array_equal(exact.patch_count, grid.patch_count)

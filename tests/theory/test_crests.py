@@ -7,7 +7,8 @@ import pytest
 
 from weier import Profile
 from weier.theory import crests
-from weier.theory.crests import find_crests, highest_crest
+from weier.theory.crests import find_crests, highest_crest, sample
+from weier.theory.expansions import expand, phase_angle
 
 
 def series_of(profile):
@@ -56,7 +57,24 @@ def test_a_crest_that_cannot_be_found_is_refused(gamma, m, match):
 def test_crests_are_found_where_the_curvature_vanishes(steeper, count):
     """At x = 0 all waves cancel in z'' for this D, and for larger ones two crests stand side by side there."""
     profile = Profile(np.log(1.8392867552141612) / np.log(5 / 3) + steeper, "5/3", 4, (0, 0, 0, np.pi))
-    x, theta = find_crests(profile.amplitude, profile.waves_per_period, profile.phase, profile.period)
-    wavenumber = profile.full_contact_pressure * 2 * np.pi
-    assert np.abs(np.sin(theta) @ wavenumber).max() < 1e-14 * wavenumber.sum()
-    assert np.sum(np.abs(x) < 0.01) == count
+    expansion = expand(profile.amplitude, profile.waves_per_period, profile.phase)
+    crests = find_crests(profile.amplitude, profile.waves_per_period, expansion)
+    x = (crests.node + crests.offset) * (profile.period / len(expansion))
+    assert np.sum(np.abs(x - profile.period * np.rint(x / profile.period)) < 0.01) == count
+    kappa = 2 * np.pi / len(expansion) * np.array(profile.waves_per_period)
+    angle = [phase_angle(k, crests.node, len(expansion)) for k in profile.waves_per_period]
+    theta = np.stack(angle, axis=-1) + crests.offset[:, None] * kappa + profile.phase
+    assert np.abs(np.sin(theta) @ (kappa * profile.amplitude)).max() < 1e-14 * kappa @ profile.amplitude
+
+
+def test_all_crests_of_a_rough_trace():
+    """As many as the sign of the slope changes at on a grid that is far finer, each between the same two points."""
+    random, waves = np.random.default_rng(4), np.arange(1, 301)
+    amplitude, phase = waves**-1.5, random.uniform(0, 2 * np.pi, waves.size)
+    expansion = expand(amplitude, waves.tolist(), phase)
+    crests = find_crests(amplitude, waves.tolist(), expansion)
+    points = 2**17
+    slope = -sample(amplitude * waves, waves.tolist(), phase - np.pi / 2, points)
+    changes = np.flatnonzero((slope > 0) & (np.roll(slope, -1) <= 0))
+    x = np.sort((crests.node + crests.offset) / len(expansion) % 1)
+    np.testing.assert_array_equal(np.floor(x * points), changes)

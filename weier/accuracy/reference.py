@@ -20,6 +20,7 @@ from weier.methods import multiprecision, patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method, Reference, Variant
 from weier.theory.crests import find_crests
+from weier.theory.expansions import expand
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
@@ -98,8 +99,8 @@ def uncertainty(result: Run, profile: Profile) -> tuple[Array, Array]:
 
 def _single_crest(profile: Profile) -> bool:
     """Whether the lightest loads rest on one crest in each lambda_0."""
-    _, phase = find_crests(profile.amplitude, profile.waves_per_period, profile.phase, profile.period)
-    height = np.cos(phase) @ profile.amplitude
+    expansion = expand(profile.amplitude, profile.waves_per_period, profile.phase)
+    height = find_crests(profile.amplitude, profile.waves_per_period, expansion).expansion[:, 0]
     return profile.period == 1 and int((height > height.max() - TOUCH_HEIGHT).sum()) == 1
 
 

@@ -66,17 +66,17 @@ class Variant(NamedTuple):
     settings: Settings
 
 
-def applies_to_resolvable(profile: Waves, check: Callable[[Waves], None] = check_resolvable) -> None:
+def applies_to_resolvable(profile: Waves) -> None:
     """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
 
-    NotApplicableError is raised if there is no finest wave, or `check` refuses so many waves by a ValueError.
+    NotApplicableError is raised if there is no finest wave, or one that fits too often into the period.
     """
     if math.isinf(profile.m):
         raise NotApplicableError(
             "m = inf has no finest wave to resolve: choose a finite m, or a method for the infinite series"
         )
     try:
-        check(profile)
+        check_resolvable(profile)
     except ValueError as error:
         raise NotApplicableError(str(error)) from None
 

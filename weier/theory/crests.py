@@ -1,9 +1,10 @@
 """The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
-All of them are looked for among samples. Of more than a computer holds, the highest is found wave by wave, in
-bounded memory: the waves are taken from the largest to the smallest, and a place is kept while the waves that have
-been looked at, with all others at their crests, could lift it as high as the best place that is known. This holds for
-heights, whose waves shrink as they become finer, and for pressures of full contact, whose waves grow.
+All of them are looked for among samples, and found by Newton's method on Taylor's polynomials. Of more than a
+computer holds, the highest is found wave by wave, in bounded memory: the waves are taken from the largest to the
+smallest, and a place is kept while the waves that have been looked at, with all others at their crests, could lift it
+as high as the best place that is known. This holds for heights, whose waves shrink as they become finer, and for
+pressures of full contact, whose waves grow.
 """
 
 from __future__ import annotations
@@ -16,8 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
+from weier.theory.expansions import (
+    NODES_PER_WAVE,
+    ORDER,
+    Expansions,
+    derivatives,
+    expand_at,
+    move,
+    phase_angle,
+    values,
+)
 
 SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
+SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)  # of these from a node, in steps
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 MAX_NEWTON_STEPS = 40  # from 1/16 wave away; 6 reach rounding, and 25 where the curvature vanishes, too
 PARTS = 31  # of the two samples about a top, where crests may stand side by side; odd, for these to be symmetric
@@ -49,70 +61,87 @@ def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, poin
         return np.asarray(np.fft.ifft(coefficient).real * points)
     j, total = np.arange(points), np.zeros(points)
     for a, k, phi in zip(amplitude, waves_per_period, phase, strict=True):
-        total += a * np.cos(_angle(k, j, points) + phi)
+        total += a * np.cos(phase_angle(k, j, points) + phi)
     return total
 
 
-def find_crests(
-    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float, highest_only: bool = False
-) -> tuple[Array, Array]:
-    """Positions, shape (crests,), and at each the phases 2 pi k_n x/L + phi_n, shape (crests, terms).
+class Crests(NamedTuple):
+    """The crests of a series, in any order, among the nodes that it is expanded about.
 
-    The phases themselves take Newton's steps: the slope at a crest is 0 to rounding, however fine the waves. Where
-    the highest crest alone is wanted, those that cannot be it are left out: between samples, a crest is higher than
-    they are by an eighth of the largest curvature at most.
+    node, offset : the nearest node, and the distance from there, at most half a step, shape (crests,)
+    expansion : of the series about each crest, shape (crests, ORDER + 1); the slope is 0
     """
-    points = SAMPLES_PER_WAVE * waves_per_period[-1]
-    z = sample(amplitude, waves_per_period, phase, points)
-    is_top = (z >= np.roll(z, 1)) & (z > np.roll(z, -1))
-    if highest_only:
-        angle = 2 * np.pi * np.array(waves_per_period, float) / points
-        is_top &= z >= z.max() - np.abs(amplitude) @ angle**2 / 8
-    top = np.flatnonzero(is_top)
-    wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
-    x = np.asarray(top * (period / points), float)
-    theta = np.stack([_angle(k, top, points) for k in waves_per_period], axis=-1) + phase
-    x, theta = _told_apart(x, theta, amplitude, wavenumber, period / points)
-    rounding, unsettled = 4 * np.finfo(float).eps * (np.abs(amplitude) @ wavenumber), np.arange(x.size)
+
+    node: Indices
+    offset: Array
+    expansion: Expansions
+
+
+def find_crests(amplitude: Array, waves_per_period: Sequence[int], expansion: Expansions) -> Crests:
+    """All crests of a series that is expanded about all nodes, as by `expand`.
+
+    The steps of Newton's method are counted from a node: the slope at a crest is 0 to rounding, however fine the
+    waves.
+    """
+    nodes = len(expansion)
+    z = (expansion @ np.vander(SAMPLE_OFFSETS, ORDER + 1, increasing=True).T).ravel()
+    node, part = np.divmod(_sampled_tops(z), SAMPLE_OFFSETS.size)
+    angle = 2 * np.pi / nodes * np.array(waves_per_period, float)
+    width, slope_scale = 1 / SAMPLE_OFFSETS.size, float(np.abs(amplitude) @ angle)
+    row, offset = _crests_nearby(expansion[node], SAMPLE_OFFSETS[part], width, slope_scale, angle[-1])
+    steps = np.rint(offset)
+    node, offset = (node[row] + steps.astype(np.int64)) % nodes, offset - steps
+    about = move(expansion[node], offset)
+    about[:, 1] = 0.0
+    return Crests(node, offset, about)
+
+
+def _sampled_tops(z: Array) -> Indices:
+    """Indices of the samples of a period that are higher than both neighbours."""
+    return np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
+
+
+def _crests_nearby(
+    expansion: Expansions, t: Array, width: float, slope_scale: float, finest: float
+) -> tuple[Indices, Array]:
+    """The crests by sampled tops, one or several within this width on either side: of which row each is, and where.
+
+    t, width : in steps, shape (tops,)
+    slope_scale, finest : sum |a_n| kappa_n and the largest kappa_n, in radians a step
+    """
+    row, t = _told_apart(expansion, t, width, finest)
+    rounding, unsettled = 4 * np.finfo(float).eps * slope_scale, np.arange(t.size)
     for _ in range(MAX_NEWTON_STEPS):
-        slope, curvature = _slope_and_curvature(theta[unsettled], amplitude, wavenumber)
-        # Not beyond the next sample, where a sampled top stands on a slope that is not concave.
-        step = np.clip(-slope / np.minimum(curvature, -1e-300), -period / points, period / points)
+        slope, curvature = derivatives(expansion[row[unsettled]], t[unsettled])
         off = np.abs(slope) > rounding
         if not off.any():
             break
-        unsettled, step = unsettled[off], step[off]
-        x[unsettled] += step
-        theta[unsettled] += step[:, None] * wavenumber
-    return x, theta
+        # Not beyond the next sample, where a sampled top stands on a slope that is not concave.
+        step = np.clip(-slope / np.minimum(curvature, -1e-300), -width, width)
+        unsettled = unsettled[off]
+        t[unsettled] += step[off]
+    return row, t
 
 
-def _slope_and_curvature(theta: Array, amplitude: Array, wavenumber: Array) -> tuple[Array, Array]:
-    """Of the series, where its waves have these phases."""
-    return -np.sin(theta) @ (amplitude * wavenumber), -np.cos(theta) @ (amplitude * wavenumber**2)
-
-
-def _told_apart(x: Array, theta: Array, amplitude: Array, wavenumber: Array, width: float) -> tuple[Array, Array]:
-    """Positions and phases next to each crest, of sampled tops with one or several within this width on either side.
+def _told_apart(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
+    """Rows and positions next to each crest, of sampled tops with one or several within this width on either side.
 
     Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
     Each is where the slope falls through 0 between points that are so close that the series is concave.
     """
-    near, near_theta = [x[:0]], [theta[:0]]
-    while x.size > 0:
-        shift = width * wavenumber
-        curvature = _slope_and_curvature(np.stack([theta - shift, theta, theta + shift]), amplitude, wavenumber)[1]
-        clear = np.all(curvature < 0, axis=0) | (width * wavenumber[-1] < 2 * np.pi * MIN_PART)
-        near.append(x[clear])
-        near_theta.append(theta[clear])
-        x, theta = x[~clear], theta[~clear]
-        ends = np.linspace(-1, 1, PARTS + 1)[:, None, None]
-        slope = _slope_and_curvature(theta + ends * shift, amplitude, wavenumber)[0]
+    row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
+    while t.size > 0:
+        curvature = derivatives(expansion[row], np.stack([t - width, t, t + width]))[1]
+        clear = np.all(curvature < 0, axis=0) | (width * finest < 2 * np.pi * MIN_PART)
+        rows.append(row[clear])
+        near.append(t[clear])
+        row, t = row[~clear], t[~clear]
+        ends = np.linspace(-width, width, PARTS + 1)
+        slope = derivatives(expansion[row], t + ends[:, None])[0]
         part, of = np.nonzero((slope[:-1] > 0) & (slope[1:] <= 0))
         width /= PARTS
-        middle = width * (2 * part + 1 - PARTS)
-        x, theta = x[of] + middle, theta[of] + middle[:, None] * wavenumber
-    return np.concatenate(near), np.concatenate(near_theta)
+        row, t = row[of], t[of] + width * (2 * part + 1 - PARTS)
+    return np.concatenate(rows), np.concatenate(near)
 
 
 def highest_crest(
@@ -127,10 +156,7 @@ def highest_crest(
     if terms > MAX_TERMS or countable(waves_per_period[-1]):
         if waves_per_period[-1] > MAX_SAMPLED_WAVES:
             raise ValueError(f"the highest of so many crests is looked for in at most {MAX_TERMS} terms, got {terms}")
-        x, theta = find_crests(amplitude, waves_per_period, phase, period, highest_only=True)
-        height = np.cos(theta) @ amplitude
-        highest = int(np.argmax(height))
-        return float(x[highest]), float(height[highest])
+        return _highest_sampled(amplitude, waves_per_period, phase, period)
     search = _Search(amplitude, waves_per_period, phase)
     few, _ = search.places(-np.inf, BEAM)
     places, complete = search.places(search.polish(few)[1], MAX_PLACES)
@@ -141,6 +167,24 @@ def highest_crest(
         )
     position, top = search.polish(places)
     return position * period % period, top
+
+
+def _highest_sampled(
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
+) -> tuple[float, float]:
+    """The highest crest among samples, of those tops that may be it.
+
+    Between samples, a crest is higher than they are by an eighth of the largest curvature at most.
+    """
+    points = SAMPLES_PER_WAVE * waves_per_period[-1]
+    z = sample(amplitude, waves_per_period, phase, points)
+    angle, top = 2 * np.pi / points * np.array(waves_per_period, float), _sampled_tops(z)
+    top = top[z[top] >= z.max() - np.abs(amplitude) @ angle**2 / 8]
+    expansion = expand_at(amplitude, waves_per_period, phase, top, points)
+    row, t = _crests_nearby(expansion, np.zeros(top.size), 1.0, float(np.abs(amplitude) @ angle), angle[-1])
+    height = values(expansion[row], t)
+    highest = int(np.argmax(height))
+    return float((top[row] + t)[highest] * (period / points)), float(height[highest])
 
 
 def crest_heights(
@@ -162,10 +206,6 @@ def crest_heights(
             curvature = -mp.fsum(a_n * k_n**2 * mp.cos(t) for a_n, k_n, t in zip(a, k, theta, strict=True))
             heights.append(mp.fdot(a, map(mp.cos, theta)) - slope**2 / (2 * curvature))
         return heights
-
-
-def _angle(waves_per_period: int, sample: NDArray[np.int64], points: int) -> Array:
-    return np.asarray((waves_per_period * sample % points) * (2 * np.pi / points))
 
 
 class _Places(NamedTuple):

@@ -9,7 +9,6 @@ from weier.theory.profile import Profile
 from weier.theory.waves import MAX_POINTS, Waves
 
 MAX_WAVES = 100_000  # of the finest wave in one period: 6.4 million nodes by default, 1.2 gigabytes
-MAX_CREST_TERMS = 16_000_000  # waves of the finest term times terms: those of all crests take 4 GB
 NEARBY = 0.01  # relative: a ratio that stands in for one that has no period, or too long a one
 NEARBY_DENOMINATOR = 99
 MAX_DENSE_POINTS = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
@@ -26,17 +25,6 @@ def check_resolvable(profile: Waves) -> None:
         raise ValueError(
             f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
             f"exceeds: take {_nearby_ratio(profile)}fewer terms, or a method that does not resolve every wave"
-        )
-
-
-def check_crests(profile: Waves) -> None:
-    """Refuse a surface of more waves than contact patches can hold, which know each of them at each crest."""
-    check_resolvable(profile)
-    if profile.finest * profile.terms > MAX_CREST_TERMS:
-        raise ValueError(
-            f"contact patches hold each wave at each crest, at most {MAX_CREST_TERMS:.2g} numbers, and "
-            f"{profile.describe()} has {profile.finest * profile.terms:.2g}: take a longer shortest wavelength, or "
-            "boundary elements"
         )
 
 

@@ -1,10 +1,27 @@
-"""The crests that heights are evaluated from."""
+"""The crests that heights are evaluated from, and the heights."""
 
+import mpmath as mp
 import numpy as np
 import pytest
 
-from weier import Profile
-from weier.methods.patches.surface import nearest_crests, surface_of
+from weier import Profile, Trace
+from weier.methods.patches import surface
+from weier.methods.patches.surface import evaluate_at, nearest_crests, surface_of
+
+ROUNDING = 8 * np.finfo(float).eps  # of sums over waves, and of polynomials
+
+
+def rough(waves, ends):
+    heights = np.cumsum(np.random.default_rng(3).normal(size=2 * waves))
+    return Trace(1e-8 * heights, 1e-3, ends=ends, unit="m")
+
+
+SURFACES = {
+    "trace": rough(100, "tapered"),
+    "mirrored trace": rough(100, "mirrored"),
+    "series": Profile(1.25, 5, 5, phases=(0, 1, 1, 1, 1)),
+    "series of a long period": Profile(1.5, "5/3", 5, phases=(0, 1, 2, 3, 4)),
+}
 
 
 @pytest.mark.parametrize("phases", [(0.0, 0.0, 0.0), (1e-17, 0.0, 0.0), (-1e-17, 0.0, 0.0), (0.0, 1.0, 2.0)])
@@ -16,3 +33,69 @@ def test_the_nearest_crest(phases):
     crest, y = nearest_crests(heights, x)
     np.testing.assert_array_equal(np.abs(y), np.abs(apart).min(axis=1))
     np.testing.assert_array_equal(y, np.take_along_axis(apart, crest[:, None], 1)[:, 0])
+
+
+def exact_sums(profile, amplitude, x):
+    """The series and two derivatives, in 40 digits."""
+    totals = [mp.mpf(0)] * 3
+    for a, waves, phase in zip(amplitude, profile.waves_per_period, profile.phase, strict=True):
+        k = 2 * mp.pi * waves / mp.mpf(profile.period)
+        cosine, sine = mp.cos_sin(k * x + mp.mpf(float(phase)))
+        for order, of_wave in enumerate((cosine, -k * sine, -k * k * cosine)):
+            totals[order] += mp.mpf(float(a)) * of_wave
+    return totals
+
+
+def exact_crest(profile, amplitude, x):
+    """The crest near x and its height."""
+    x = mp.mpf(float(x))
+    for _ in range(4):
+        _, slope, curvature = exact_sums(profile, amplitude, x)
+        x -= slope / curvature
+    return x, exact_sums(profile, amplitude, x)[0]
+
+
+def evaluated(series, crest, y):
+    """The fall from the maximum and two derivatives."""
+    return [evaluate_at(series, np.array([crest]), np.array([y]), order)[0] for order in range(3)]
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("name", SURFACES)
+def test_heights_near_a_crest_and_far_from_it(name, dual):
+    """To rounding of the waves' own falls within half a step of the highest crest, and beyond of the waves."""
+    profile = SURFACES[name]
+    amplitude = -profile.full_contact_pressure if dual else profile.amplitude
+    series = surface_of(profile).series(dual)
+    waves, slopes, curvatures = (np.abs(amplitude) @ series.wavenumber**n for n in range(3))
+    highest = int(np.argmax(series.crest_offset))
+    with mp.workdps(40):
+        x, top = exact_crest(profile, amplitude, series.crest_position[highest])
+        assert abs(float(top) - series.maximum) < ROUNDING * waves
+        for steps in (1e-9, 0.01, -0.3, 0.499, 0.501, -2.0, 7.3, -100.6, 0.7 * series.period / series.step):
+            y = steps * series.step
+            height, slope, curvature = exact_sums(profile, amplitude, x + mp.mpf(y))
+            exact = [float(height - top), float(slope), float(curvature)]
+            if abs(steps) < 0.5:
+                allowed = np.array([curvatures * y**2 / 2, curvatures * abs(y), curvatures])
+            else:
+                allowed = np.array([waves, slopes, curvatures]) * (1 + abs(y) * series.wavenumber[-1])
+            assert np.all(np.abs(np.subtract(evaluated(series, highest, y), exact)) <= ROUNDING * allowed)
+    fall, slope, curvature = evaluated(series, highest, y := 1e-150)
+    assert fall == pytest.approx(curvature * y**2 / 2, rel=1e-15)
+    assert slope == pytest.approx(curvature * y, rel=1e-15)
+
+
+def test_crests_of_one_height_by_symmetry_need_no_more_digits(monkeypatch):
+    monkeypatch.setattr(surface, "crest_heights", None)
+    for series in surface_of(SURFACES["mirrored trace"])[:2]:
+        assert np.sum(series.crest_offset == 0) == 2
+
+
+def test_twin_crests_are_told_apart_in_all_digits():
+    """A coarse wave that is off by 1e-12 lifts one of two crests of the fine one over the other."""
+    profile = Profile(1.5, 2, 2, (1e-12, np.pi))
+    heights = surface_of(profile).heights
+    with mp.workdps(40):
+        left, right = (exact_crest(profile, profile.amplitude, x)[1] for x in heights.crest_position)
+        np.testing.assert_allclose(heights.crest_offset, [float(left - right), 0.0], rtol=1e-14)

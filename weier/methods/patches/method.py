@@ -16,7 +16,6 @@ from weier.methods.patches.solver import TOLERANCE, Curve, curve
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, lone_contacts, lone_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
-from weier.theory.limits import check_crests
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
 
@@ -95,7 +94,7 @@ METHOD = Method(
     settings={
         "tolerance": "largest error of the compliance that is accepted, in g_0, from 1e-13 to 1; it is proved",
     },
-    applies=partial(applies_to_resolvable, check=check_crests),
+    applies=applies_to_resolvable,
     takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "d"),

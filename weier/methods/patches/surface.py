@@ -3,6 +3,9 @@
 A crest is a local maximum of a cosine series. A contact that has just been born lies so close to a crest that the
 difference of height between the two would be lost in rounding, if both heights were sums over all waves. Therefore
 positions are given as a crest and the distance from it, and heights relative to the highest crest.
+
+Heights are evaluated by Taylor's polynomials about the crests, and about equally spaced nodes between them
+(docs/numerics.md, "Heights of any number of waves"), whatever the number of waves.
 """
 
 from __future__ import annotations
@@ -15,13 +18,14 @@ import numpy as np
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.crests import crest_heights, find_crests
-from weier.theory.limits import check_crests
+from weier.theory.expansions import ORDER, Expansions, expand
+from weier.theory.limits import check_resolvable
 from weier.theory.waves import Waves
 
 # Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
 # that differ by less than the latter are told apart in more digits than a float has.
 MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
-MAX_SERIES_ANGLE = 0.3  # up to it sin(y) - y, which would cancel, is summed as a power series
+MAX_CREST_STEPS = 0.5  # as far from a crest as the expansion about it serves
 
 
 class CosineSeries(NamedTuple):
@@ -32,8 +36,12 @@ class CosineSeries(NamedTuple):
     amplitude : a_n, in the unit of S, shape (terms,)
     wavenumber : k_n, in radians per lambda_0, increasing, shape (terms,)
     period : L, in lambda_0
+    step : between nodes that S is expanded about, in lambda_0
+    expansion : of S - max S in the distance over the step, about the crests and then about all nodes,
+        shape (crests + nodes, ORDER + 1)
     crest_position : in lambda_0, increasing, shape (crests,)
-    crest_cosine, crest_sine : of the phases k_n x + phi_n at each crest, shape (crests, terms)
+    crest_node, node_offset : the node nearest to each crest, and how far the crest is from it, in steps, at most 1/2,
+        shape (crests,)
     crest_curvature : -S'' at each crest, shape (crests,)
     crest_offset : S at each crest less the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
@@ -42,9 +50,11 @@ class CosineSeries(NamedTuple):
     amplitude: Array
     wavenumber: Array
     period: float
+    step: float
+    expansion: Expansions
     crest_position: Array
-    crest_cosine: Array
-    crest_sine: Array
+    crest_node: Indices
+    node_offset: Array
     crest_curvature: Array
     crest_offset: Array
     maximum: float
@@ -75,7 +85,7 @@ class Surface(NamedTuple):
 
 def surface_of(profile: Waves) -> Surface:
     """The series of a profile with a finite number of terms; ValueError if its waves are too many for a computer."""
-    check_crests(profile)
+    check_resolvable(profile)
     waves = profile.waves_per_period, profile.phase, profile.period
     return Surface(
         make_series(profile.amplitude, *waves),
@@ -87,21 +97,32 @@ def surface_of(profile: Waves) -> Surface:
 def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float) -> CosineSeries:
     """The series with its crests."""
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
-    x, theta = find_crests(amplitude, waves_per_period, phase, period)
-    x = _round_positions(x, period)
-    order = np.argsort(x, kind="stable")
-    x, theta = x[order], theta[order]
-    cosine, most = np.cos(theta), float(np.abs(amplitude).sum())
-    height = cosine @ amplitude
-    maximum = float(height.max())
-    offset = height - maximum
-    twins = np.flatnonzero(offset > -TWIN_HEIGHT * most)
-    if twins.size > 1:
-        exact = crest_heights(amplitude, waves_per_period, phase, period, x[twins])
+    nodes = expand(amplitude, waves_per_period, phase)
+    step, crests = period / len(nodes), find_crests(amplitude, waves_per_period, nodes)
+    position = _round_positions((crests.node + crests.offset) * step, period)
+    order = np.argsort(position, kind="stable")
+    position, about = position[order], crests.expansion[order]
+    maximum, most = float(about[:, 0].max()), float(np.abs(amplitude).sum())
+    offset = about[:, 0] - maximum
+    twins = offset > -TWIN_HEIGHT * most
+    if np.any(twins & (offset < -0.5 * MAX_HEIGHT_ROUNDING * most)):  # floats do tell that some are equally high
+        exact = crest_heights(amplitude, waves_per_period, phase, period, position[twins])
         offset[twins] = [float(each - max(exact)) for each in exact]
     offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
-    crests = x, cosine, np.sin(theta), cosine @ (amplitude * wavenumber**2), offset, maximum
-    return CosineSeries(amplitude, wavenumber, float(period), *crests)
+    about[:, 0], nodes[:, 0] = offset, nodes[:, 0] - maximum
+    return CosineSeries(
+        amplitude,
+        wavenumber,
+        float(period),
+        step,
+        np.concatenate([about, nodes]),
+        position,
+        crests.node[order],
+        crests.offset[order],
+        -2 * about[:, 2] / step**2,
+        offset,
+        maximum,
+    )
 
 
 def _round_positions(x: Array, period: float) -> Array:
@@ -112,27 +133,22 @@ def _round_positions(x: Array, period: float) -> Array:
 
 @kernel
 def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, float, float]:
-    """S - max S, S' and S'' at the distance y from a crest, without cancellation for small y."""
-    value, slope, curvature = series.crest_offset[crest], 0.0, 0.0
-    for n in range(series.amplitude.size):
-        a, k = series.amplitude[n], series.wavenumber[n]
-        c, s = series.crest_cosine[crest, n], series.crest_sine[crest, n]
-        angle = k * y
-        half_sine, half_cosine = np.sin(0.5 * angle), np.cos(0.5 * angle)
-        sine, cosine_less_one = 2 * half_sine * half_cosine, -2 * half_sine * half_sine
-        value += a * (c * cosine_less_one - s * _sine_less_angle(angle, sine))
-        slope -= a * k * (c * sine + s * cosine_less_one)
-        curvature -= a * k * k * (c * (1 + cosine_less_one) - s * sine)
-    return value, slope, curvature
+    """S - max S, S' and S'' at the distance y from a crest, without cancellation for small y.
 
-
-@kernel
-def _sine_less_angle(y: float, sine: float) -> float:
-    """sin(y) - y = -y^3/3! + y^5/5! - ..."""
-    if abs(y) > MAX_SERIES_ANGLE:
-        return sine - y
-    q = y * y
-    return -y * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110 * (1 - q / 156)))))
+    Within half a step the expansion is that about the crest, whose slope is 0; and beyond, about the nearest node.
+    """
+    t, row, crests = y / series.step, crest, series.crest_node.size
+    if abs(t) > MAX_CREST_STEPS:
+        t += series.node_offset[crest]
+        steps = np.rint(t)
+        t -= steps
+        row = crests + (series.crest_node[crest] + np.int64(steps)) % (len(series.expansion) - crests)
+    value, slope, half_curvature = series.expansion[row, ORDER], 0.0, 0.0
+    for j in range(ORDER - 1, -1, -1):
+        half_curvature = half_curvature * t + slope
+        slope = slope * t + value
+        value = value * t + series.expansion[row, j]
+    return value, slope / series.step, 2 * half_curvature / series.step**2
 
 
 @kernel

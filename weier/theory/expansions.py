@@ -1,0 +1,84 @@
+"""Taylor's polynomials of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
+
+About N equally spaced nodes x_l = l L/N, the coefficients of one order at all nodes are one Fourier transform of
+a_n exp(i phi_n) (i kappa_n)^j/j!, with kappa_n = 2 pi k_n/N: what it takes to evaluate the series at a point does
+not depend on the number of its waves. Distances t are in steps L/N.
+
+With 4 nodes or more for each of the finest waves, kappa_n <= pi/2. A polynomial is used as far as one step from its
+node: half a step to a point or a crest, and half a step from there. The remainder of the second derivative, the
+largest, is then at most (pi/2)^(q-1)/(q-1)! of sum |a_n| kappa_n^2, for the order q: 3e-16 for q = 22.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Indices
+
+NODES_PER_WAVE = 4  # of the finest, at least
+ORDER = 22
+DEGREE = np.arange(ORDER + 1.0)
+BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
+
+Expansions = NDArray[np.float64]  # of which each row has the coefficients of t^0, t^1, ..., shape (rows, ORDER + 1)
+
+
+def count_nodes(waves: int) -> int:
+    """The power of 2 that is large enough for so many of the finest waves in a period."""
+    return 1 << (NODES_PER_WAVE * waves - 1).bit_length()
+
+
+def phase_angle(waves: int, node: Indices, nodes: int) -> Array:
+    """The angle 2 pi k x/L of a wave at nodes, reduced in integers, so that no digit is lost to fine waves."""
+    return np.asarray((waves * node % nodes) * (2 * np.pi / nodes))
+
+
+def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> Expansions:
+    """The series about all nodes, of which there are as many as `count_nodes` tells."""
+    nodes = count_nodes(waves_per_period[-1])
+    spectrum = np.zeros((nodes // 2 + 1, ORDER + 1), complex)
+    wave = 0.5 * nodes * np.exp(1j * phase)
+    spectrum[np.array(waves_per_period)] = wave[:, None] * _of_waves(amplitude, waves_per_period, nodes)
+    return np.asarray(np.fft.irfft(spectrum, nodes, axis=0))
+
+
+def expand_at(
+    amplitude: Array, waves_per_period: Sequence[int], phase: Array, node: Indices, nodes: int
+) -> Expansions:
+    """The series about some of so many nodes, by direct sums."""
+    angle = np.stack([phase_angle(k, node, nodes) for k in waves_per_period], axis=-1)
+    return np.asarray((np.exp(1j * (angle + phase)) @ _of_waves(amplitude, waves_per_period, nodes)).real)
+
+
+def _of_waves(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> NDArray[np.complex128]:
+    """The coefficients a (i kappa)^j/j! of each wave, shape (terms, ORDER + 1)."""
+    factor = np.empty((len(waves_per_period), ORDER + 1), complex)
+    factor[:, 0] = amplitude
+    factor[:, 1:] = (2j * np.pi / nodes) * np.array(waves_per_period, float)[:, None] / DEGREE[1:]
+    return np.asarray(np.multiply.accumulate(factor, axis=1))
+
+
+def values(expansion: Expansions, t: Array) -> Array:
+    """The polynomial of each row at t, shape (rows,)."""
+    return np.asarray(np.einsum("ij,ij->i", expansion, np.vander(t, ORDER + 1, increasing=True)))
+
+
+def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The first and second derivative of each row in t, at t of shape (..., rows)."""
+    power = np.vander(t.ravel(), ORDER, increasing=True).reshape(*t.shape, ORDER)
+    first = DEGREE[1:] * expansion[:, 1:]
+    second = DEGREE[1:-1] * first[:, 1:]
+    slope = np.einsum("ij,...ij->...i", first, power)
+    return slope, np.einsum("ij,...ij->...i", second, power[..., :-1])
+
+
+def move(expansion: Expansions, t: Array) -> Expansions:
+    """The same polynomials about the points t."""
+    moved, power = np.empty_like(expansion), np.vander(t, ORDER + 1, increasing=True)
+    for i in range(ORDER + 1):
+        moved[:, i] = np.einsum("j,ij,ij->i", BINOMIAL[i, i:], expansion[:, i:], power[:, : ORDER + 1 - i])
+    return moved
