@@ -52,10 +52,11 @@ def _grid_within(
         raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
     residual = RESIDUAL_SHARE * tolerance
     found = error_model.fewest_points(profile, tolerance - RESIDUAL_FACTOR * residual)
-    if found > error_model.MAX_POINTS:
+    most = min(error_model.MAX_POINTS, error_model.FINEST * profile.waves_per_period[-1])
+    if found > most:
         raise ValueError(
-            f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than "
-            f'{error_model.MAX_POINTS}: take a larger tolerance or the method "patches"'
+            f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than {most}: "
+            'take a larger tolerance or the method "patches"'
         )
     return found, residual
 
