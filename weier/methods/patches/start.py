@@ -167,7 +167,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
     """
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_LONE
-    force, crest, equations = np.zeros(n), np.empty(most, np.int64), np.empty((most + 1, most + 2))
+    force, crest = np.zeros(n), np.empty(most, np.int64)
     for k in range(n):
         force[k] = total if offset[k] == 0 else 0.0
     for _ in range(MAX_FORCE_STEPS):
@@ -178,16 +178,17 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                     return np.zeros(n)
                 crest[count] = k
                 count += 1
+        matrix, height = np.ones((count + 1, count + 1)), np.empty(count + 1)
         for i in range(count):  # the forces of a crest's neighbours and its own, and the plane, make up its height
             k = crest[i]
             own = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
             for j in range(count):
                 x = position[k] - position[crest[j]]
-                equations[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
-            equations[i, count], equations[i, count + 1], equations[count, i] = 1.0, offset[k], 1.0
-        equations[count, count], equations[count, count + 1] = 0.0, total  # and all forces are the load
-        _eliminate(equations, count + 1)
-        found, approach, is_settled = equations[:, count + 1], -equations[count, count + 1] - OFFSET * total, True
+                matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
+            height[i] = offset[k]
+        matrix[count, count], height[count] = 0.0, total  # and all forces are the load
+        found = np.linalg.solve(matrix, height)
+        approach, is_settled = -found[count] - OFFSET * total, True
         for i in range(count):
             before, force[crest[i]] = force[crest[i]], max(found[i], 0.0)
             is_settled = is_settled and abs(found[i] - before) < FORCE_TOLERANCE * before
@@ -202,18 +203,6 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         if is_settled:
             return force
     return np.zeros(n)
-
-
-@kernel
-def _eliminate(equations: NDArray[np.float64], count: int) -> None:
-    """Solve so many equations, whose pivots are not small, for the right side in the column behind their matrix."""
-    for k in range(count):
-        for j in range(count, k - 1, -1):
-            equations[k, j] /= equations[k, k]
-        for i in range(count):
-            factor = equations[i, k] if i != k else 0.0
-            for j in range(k, count + 1):
-                equations[i, j] -= factor * equations[k, j]
 
 
 def lone_gaps(series: CosineSeries, load: float) -> ContactState | None:
