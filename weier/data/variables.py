@@ -20,10 +20,14 @@ EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = (
-    "What a method states is an estimate{}: the documentation says how many numbers are within it. "
+    "{} Other methods state an estimate: the documentation says how many numbers are within it. "
     "In the files of the trade and the extremes it is the distance from a reference."
 )
-PATCHES_STATE = ", or by contact patches a bound, from the contact conditions that their solution violates"
+COMPLIANCE_ERROR = (
+    "By contact patches it is a proved bound, from the contact conditions that their solution violates; by boundary "
+    "elements a bound that is proved at first touch and was exceeded at no load that was tried."
+)
+RESISTANCE_ERROR = "By boundary elements it is a bound, from chords of the concave compliance within its own bound."
 PHYSICAL = ("rad", "s", "m")  # units of UDUNITS among those of the table
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Other files than those of a scene, which keep some of the variables.
@@ -102,7 +106,7 @@ class Variable(NamedTuple):
 
 BOUND = (
     "It follows from the bounds theorem, and is as much wider as the solution of the terms that are kept may be off: "
-    "contact patches state a bound on that, boundary elements an estimate."
+    "contact patches and boundary elements state a bound on that."
 )
 OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
@@ -186,7 +190,7 @@ VARIABLES = {
         "g_0",
         least=0,
         files=MEASURED,
-        comment=ERROR.format(PATCHES_STATE),
+        comment=ERROR.format(COMPLIANCE_ERROR),
         largest="stated error of h, g_0",
     ),
     "resistance_error": Variable(
@@ -195,7 +199,7 @@ VARIABLES = {
         "g_0/p_0*",
         least=0,
         files=(TRADEOFF,),
-        comment=ERROR.format(""),
+        comment=ERROR.format(RESISTANCE_ERROR),
         largest="stated error of R, g_0/p_0*",
     ),
     "indentation": Variable(CURVE, "compliance, counted from first contact", "g_0", least=-ROUNDING),
