@@ -1,6 +1,6 @@
 """Digests of what compiled kernels, numbers and pictures depend on: they are made again where one has changed.
 
-What a step depends on is told by folders of the package, whose texts are digested: no digest misses anything, and
+What a step depends on is known by folders of the package, whose texts are digested: no digest misses anything, and
 where a comment in them is edited, the step runs again.
 """
 

@@ -25,7 +25,7 @@ from weier.theory.profile import Profile
 REPEAT = 5  # and keep the median: other programs lengthen a run, and the clock of a virtual machine may lose a part,
 MAX_REPEATED = 0.5  # but a run of so many seconds is long enough to be its own mean
 STATED = ("compliance_error", "resistance_error")
-UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that do not exist helps nobody
+UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that do not exist is of no use
 
 
 class Outcome(IntEnum):
@@ -97,7 +97,7 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
     try:
         return run(variant, profile, loads)
-    except Exception as error:  # whatever error it is, the report tells it
+    except Exception as error:  # whatever error it is, the report has it
         none = np.full(loads.size, np.nan)
         outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
         outcomes = np.full(loads.size, outcome, np.int8)

@@ -20,7 +20,7 @@ from weier.scene.mistakes import one_line
 
 EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # of scenes and their pages: `pip install weier` has none
 EXIT = (
-    "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, told in one sentence; 2 wrong usage; "
+    "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, said in one sentence; 2 wrong usage; "
     "130 stopped by Ctrl-C."
 )
 

@@ -173,7 +173,7 @@ class SolvingCommand(click.Command):
     """A command that takes settings, which it lists below its options."""
 
     def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
-        """The arguments; a setting that is given as an option is told by its method."""
+        """The arguments; for a setting that is given as an option, its method is named."""
         try:
             return super().parse_args(context, args)
         except click.NoSuchOption as error:

@@ -162,6 +162,6 @@ def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
     """Texts as UTF-8, each as many bytes as the longest has; a ValueError if one is no text."""
     try:
         return np.asarray(np.strings.encode(texts.astype(np.dtypes.StringDType(coerce=False)), "utf-8"))
-    except (TypeError, ValueError):  # NumPy's words do not tell the value
+    except (TypeError, ValueError):  # NumPy's words do not have the value
         wrong = next((text for text in texts.flat if not isinstance(text, str)), texts)
         raise ValueError(f"a variable of text must hold text only, got {wrong!r:.80}") from None

@@ -193,7 +193,7 @@ def name_cases(data: xr.Dataset) -> xr.Dataset:
 def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
     """A name for each case: its study, D, gamma, m, seed or phases, and settings that differ, but for some labels.
 
-    A trace is named by its file and its digest, which tells all the rest.
+    A trace is named by its file and its digest, from which all the rest follows.
     """
     first = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
     others = [name for name in _labels(data) if name not in ("key", "case", *first) and not name.startswith("trace_")]

@@ -307,5 +307,5 @@ def ancillary(name: str, present: Container[Any]) -> dict[str, str]:
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:
-    """The attributes that tell what the numbers of a variable stand for, by the CF conventions."""
+    """The attributes that say what the numbers of a variable stand for, by the CF conventions."""
     return {"flag_values": np.array(list(meanings), "i1"), "flag_meanings": " ".join(each.name for each in meanings)}

@@ -41,7 +41,7 @@ WITHOUT_WINDOWS = {
 class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
 
-    caption : CAPTION, in plain text; {methods} stands for the sentence that tells the curves of methods apart
+    caption : CAPTION, in plain text; {methods} stands for the sentence that distinguishes the curves of methods
     command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
     needs : NEEDS, a key of the scene that must be true
@@ -65,7 +65,7 @@ def kinds() -> dict[str, FigureKind]:
     return {name: kind for name, text in sorted(texts.items()) if (kind := _kind(text))}
 
 
-@cache  # a scene asks for the caption of each of its figures
+@cache  # a scene has the caption of each of its figures
 def _kind(module: str) -> FigureKind | None:
     """The kind of figure that a module of this text draws, if it draws any."""
     tree, names = ast.parse(module), ("CAPTION", "COMMAND", "VARIABLE", "NEEDS")

@@ -71,7 +71,7 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
 
 
 def _describe_methods(methods: Collection[str]) -> list[str]:
-    """Sentences that tell the curves of methods apart."""
+    """Sentences that distinguish the curves of methods."""
     estimates = ["Colours show the estimates."] if set(methods).difference(numerical_names()) else []
     numerical = [find_method(method).label for method in numerical_names() if method in methods]
     looks = ("A solid line shows", *["Markers show"] * len(numerical))

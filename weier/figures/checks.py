@@ -1,4 +1,4 @@
-"""Scenes with their figures and claims checked: what cannot be drawn or judged is told before anything is solved."""
+"""Scenes with their figures and claims checked: what cannot be drawn or judged is reported before any is solved."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
 
 
 def check_figures(loaded: Scene) -> Iterator[Mistake]:
-    """What keeps the figures of a scene from being drawn, or would draw curves that cannot be told apart."""
+    """What keeps the figures of a scene from being drawn, or would draw curves that cannot be distinguished."""
     for name, figure in loaded.figures.items():
         for key, text in [*_wrong_keys(figure, loaded), *_wrong_formula(figure.title)]:
             yield Mistake(("figures", name, *([key] if key else [])), text)

@@ -36,7 +36,7 @@ STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band 
 # A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
 # the resistance there.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
-SURFACES = (*PARAMETERS, "trace")  # what tells the surfaces of curves apart beside phases
+SURFACES = (*PARAMETERS, "trace")  # what distinguishes the surfaces of curves beside phases
 
 
 class Curve(NamedTuple):
@@ -56,7 +56,7 @@ class Curve(NamedTuple):
 def compare(
     studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Interface | None = None
 ) -> tuple[Figure, Sequence[Axes], Sequence[xr.Dataset]]:
-    """The quantity in panels, colours and medians as a scene asks for them; in SI units if there is an interface.
+    """The quantity in panels, colours and medians as a scene names them; in SI units if there is an interface.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def compare(
     Raises
     ------
     ValueError
-        If there are no such curves, or some that could not be told apart.
+        If there are no such curves, or some that could not be distinguished.
 
     """
     cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
@@ -164,7 +164,7 @@ def _join(labels: Iterable[str]) -> str:
 
 
 def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
-    """Whether dashes tell the methods apart, since colours and panels do not."""
+    """Whether dashes distinguish the methods, since colours and panels do not."""
     return "method" not in (grouping.colour or "method", *grouping.facet) and len(_values(drawn, "method")) > 1
 
 

@@ -1,7 +1,7 @@
 """Lines between the loads of a curve, from what compliance and resistance say of each other.
 
 The resistance is the slope of the compliance, so that a compliance is drawn as cubic pieces with the right slopes,
-not as a polygon. Where a resistance falls to 0 between two loads, the rise of the compliance tells at which load.
+not as a polygon. Where a resistance falls to 0 between two loads, the rise of the compliance says at which load.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
     Notes
     -----
     Before the last gap closes at the load p_c, the resistance is proportional to p_c - p, as -ln p is at p = 1 for
-    one wave (13). The compliance still rises by R (p_c - p)/2 there, which tells p_c.
+    one wave (13). The compliance still rises by R (p_c - p)/2 there, from which p_c follows.
     """
     ends = np.flatnonzero((slope[:-1] > 0) & (slope[1:] == 0))
     if not ends.size:

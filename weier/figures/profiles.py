@@ -16,7 +16,7 @@ CAPTION = "The profiles over two of their longest wavelengths."
 
 LENGTH = 2  # in lambda_0
 SAMPLES_PER_WAVE = 32
-MAX_SAMPLES = 2**13  # four for each dot of the printed line: nobody could see finer waves
+MAX_SAMPLES = 2**13  # four for each dot of the printed line: finer waves cannot be seen
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

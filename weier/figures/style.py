@@ -49,7 +49,7 @@ SI_LABELS = {
     "resistance": r"resistance $RA$ ($\Omega\,$m$^2$)",
 }
 
-# Okabe and Ito's colours, told apart by colour-blind readers; the dashes tell them apart in grey.
+# Okabe and Ito's colours, which colour-blind readers distinguish; dashes distinguish them in grey.
 BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
 PURPLE, ORANGE = "#CC79A7", "#E69F00"
 DASHES = (
@@ -188,7 +188,7 @@ def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
 
 
 def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
-    """The scales and ends that a scene asks for, of all panels."""
+    """The scales and ends that a scene names, of all panels."""
     for axes in figure.axes:
         if axes.get_label() != COLOURBAR:
             for name, wanted in (("x", x), ("y", y)):
@@ -235,7 +235,7 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
 
 
 def describe(case: xr.Dataset, *names: str) -> str:
-    """What tells a case from others, in the paper's symbols: the coordinates that are named, or all."""
+    """What distinguishes a case from others, in the paper's symbols: the coordinates that are named, or all."""
     values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]

@@ -1,4 +1,4 @@
-"""Names of traces in a figure: the file, and what tells one trace of a file from another."""
+"""Names of traces in a figure: the file, and what distinguishes one trace of a file from another."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ DIFFERENCES: dict[str, Callable[[Any], str]] = {
 def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
     """A name for the trace of each case, empty for a series: each trace has one of its own.
 
-    It is the file, with as much of its folders as tells it from others, and what else differs between traces of this
-    name: the shortest wavelength, the ends, and so on, and their digests where nothing else does.
+    It is the file, with as much of its folders as distinguishes it from others, and what else differs between traces
+    of this name: the shortest wavelength, the ends, and so on, and their digests where nothing else does.
     """
     traces = [
         {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}
@@ -38,13 +38,13 @@ def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
 
 
 def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
-    """What tells a trace from those of the same name: as few of the differences as do, in their order."""
-    told: list[str] = []
+    """What distinguishes a trace from those of the same name: as few differences as suffice, in their order."""
+    found: list[str] = []
     for name, text in DIFFERENCES.items():
         if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:
-            told.append(text(trace[name]))
+            found.append(text(trace[name]))
             alike = [other for other in alike if other[name] == trace[name]]
-    return told
+    return found
 
 
 def _shortened(paths: Iterable[str]) -> dict[str, str]:

@@ -160,7 +160,7 @@ class Kernel:
 
 def _introduce_kernels() -> None:
     """Tell numba of the kernels that were defined since the last time, for others to call as parts of theirs."""
-    import rocket_fft  # noqa: F401 - which tells it of numpy's Fourier transforms
+    import rocket_fft  # noqa: F401 - which registers numpy's Fourier transforms
     from numba.extending import overload
 
     options: Any = {"error_model": "numpy", "no_cfunc_wrapper": True}

@@ -82,7 +82,7 @@ def solve_batch(
 
 
 def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report) -> dict[str, Any]:
-    """All that is stored of a curve; why there is none is told."""
+    """All that is stored of a curve; `failed` is called with the reason why there is none."""
     method, given = find_method(name), case.settings.get(name, {})
     found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
     if isinstance(outcome, Exception):
@@ -118,7 +118,7 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
     so a plan brings along what it expected, `planned_seconds` and `planned_error`.
     """
     for name, value in values.items():
-        if name in curves and np.size(value):  # a method may tell no edges of contact
+        if name in curves and np.size(value):  # a method may give no edges of contact
             if "edge" in VARIABLES[name].dims:  # one row of a case, of its last method, which may find fewer contacts
                 curves[name][_row(name, position)] = np.nan
             curves[name][_row(name, position, np.shape(value))] = value

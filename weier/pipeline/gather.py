@@ -1,6 +1,6 @@
 """Curves from the batches that they were solved in: of all cases into one file, or of some into memory.
 
-A file is written block by block of cases, so that it may be larger than memory. What tells its cases apart beside
+A file is written block by block of cases, so that it may be larger than memory. What distinguishes its cases beside
 their profiles, studies and settings that are not the same for all, comes from the scene alone, and no batch is solved
 again when a study gets another name.
 """
@@ -46,7 +46,7 @@ def read_cost(solutions: Solutions) -> xr.Dataset:
 
 
 def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more: xr.Dataset | None = None) -> None:
-    """Write all cases of a scene, in its order, with what tells them apart, and variables of no case.
+    """Write all cases of a scene, in its order, with what distinguishes them, and variables of no case.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
-    """What tells the cases of a scene apart, in its order.
+    """What distinguishes the cases of a scene, in its order.
 
     `study` holds the names of the studies of each case, with commas between. `study_NAME`, such as `study_smooth`, is
     1 for the cases of a study and 0 for others; it is no coordinate, so that files of other studies can be joined.

@@ -112,8 +112,8 @@ def plan(
     ['bem', 'full contact']
 
     """
-    told = {"tolerance": tolerance, "quantity": quantity}
-    wanted: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
+    given = {"tolerance": tolerance, "quantity": quantity}
+    wanted: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if isinstance(subject, Scene):
         return _plan_scene(
             subject, subject.loads if mean_pressure is None else listed_loads(mean_pressure)[0], wanted

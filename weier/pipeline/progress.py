@@ -36,13 +36,13 @@ class Progress:
     def __init__(self, total: int, pause: float, say: Callable[[str], None]) -> None:
         """Of `total` loads, after a pause of some seconds."""
         self.total, self.pause, self.say, self.done = total, pause, say, 0
-        self.start = self.told = perf_counter()
+        self.start = self.said = perf_counter()
 
     def add(self, number: int) -> None:
         """So many loads more are done: say how many are, if it is time to."""
         self.done, now = self.done + number, perf_counter()
-        if now - self.told > self.pause and 0 < self.done < self.total:
-            self.told = now
+        if now - self.said > self.pause and 0 < self.done < self.total:
+            self.said = now
             left = (now - self.start) * (self.total - self.done) / self.done
             self.say(f"{self.done} of {self.total} loads, about {left:.0f} s left")
 

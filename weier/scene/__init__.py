@@ -1,6 +1,6 @@
 """Scenes: the files that say what to solve and to draw, and the cases that they stand for.
 
-To read a file, call `weier.load_scene`, which tells all of its mistakes: `load` here knows none of figures and
+To read a file, call `weier.load_scene`, which reports all of its mistakes: `load` here knows none of figures and
 claims. May use methods, data, theory and kernels, and solves nothing itself.
 """
 

@@ -26,7 +26,7 @@ MAX_GAMMA = 10**6
 MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
 NUMBERS_OF_TRACE = ("shortest", "length", "missing_value")
 MAX_SOURCE = 200  # bytes of the name of a file in results, which has the line of a map behind it
-KEPT_TRACES = 16  # in memory: each method of a case asks for its trace
+KEPT_TRACES = 16  # in memory: each method of a case reads its trace
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Case:
 
 
 def identity(name: str, value: Any) -> Any:
-    """All that tells a parameter from others: of a trace its name and what it holds, not where its file is."""
+    """What distinguishes a parameter from others: of a trace its name and content, not where its file is."""
     return [value.get("name", value["file"]), value["digest"]] if name == "trace" else value
 
 
@@ -121,7 +121,7 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
     """The traces of a file of a scene in this folder, as parameters of a case each: with digests of their heights.
 
     There are several where all lines of a map are asked for. Their name is the file as the scene has it, so that two
-    files of one name in two folders are told apart.
+    files of one name in two folders are distinguished.
     """
     numbers = {name: number(name, values[name]) for name in NUMBERS_OF_TRACE if name in values}
     source = values["file"] if len(values["file"].encode()) <= MAX_SOURCE else Path(values["file"]).name

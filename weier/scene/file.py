@@ -1,4 +1,4 @@
-"""Scene files are read, checked and expanded into scenes; an error tells all mistakes of a file, with their lines."""
+"""Scene files are read, checked and expanded into scenes; one error lists all mistakes with their lines."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def _mapping(raw: Raw, key: str) -> Raw:
 
 
 def _loads(raw: Raw) -> Array:
-    if "loads" not in raw:  # which the form has told
+    if "loads" not in raw:  # the form reports it
         return np.empty(0)
     loads, _ = listed_loads([number("a load", value) for value in axis(raw["loads"])])
     check_range(loads)
@@ -183,7 +183,7 @@ def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> 
     settings = study.get("settings", raw.get("settings", {}))
     if plan and "trace" not in study:  # there are no plans for traces
         methods, settings = dict.fromkeys((*methods, PLANNED)), {PLANNED: plan} | settings
-    if not methods:  # which the form has told of profiles
+    if not methods:  # the form reports it of profiles
         return None
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
@@ -215,8 +215,8 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
                     return method.check_applies(case.profile)
                 except ValueError as error:
                     reasons.setdefault(method.name, str(error))
-    told = "; ".join(f'"{name}": {reason}' for name, reason in reasons.items())
-    raise ValueError(f"no method applies to any of these profiles: {told}")
+    listed = "; ".join(f'"{name}": {reason}' for name, reason in reasons.items())
+    raise ValueError(f"no method applies to any of these profiles: {listed}")
 
 
 def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:

@@ -1,4 +1,4 @@
-"""The mistakes of a scene file: all of them are found before any is told."""
+"""The mistakes of a scene file: all of them are found before any is reported."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Mistakes(dict[Keys, str]):
         return any(place[: len(keys)] == keys for place in self)
 
     def attempt(self, keys: Keys, read: Callable[[], Value], instead: Other) -> Value | Other:
-        """What `read` finds there, or another value where there is a mistake: a ValueError or OSError tells it."""
+        """What `read` finds there, or another value where there is a mistake: a ValueError or OSError reports it."""
         if self.within(*keys):
             return instead
         try:
@@ -53,11 +53,11 @@ class Mistakes(dict[Keys, str]):
     def error(self, path: Path, document: Document) -> SceneError:
         """All of them as one error, in the order of their lines: a line for one, a list of lines for several."""
         ordered = sorted((document.line(keys), _told(keys, text)) for keys, text in self.items())
-        told = [f"line {line}: {text}" for line, text in ordered[:MAX_TOLD]]
+        listed = [f"line {line}: {text}" for line, text in ordered[:MAX_TOLD]]
         if len(ordered) == 1:
-            return SceneError(f"{path}, {told[0]}")
+            return SceneError(f"{path}, {listed[0]}")
         more = [f"and {len(ordered) - MAX_TOLD} more"] if len(ordered) > MAX_TOLD else []
-        return SceneError("\n  ".join([f"{path} has {len(ordered)} mistakes:", *told, *more]))
+        return SceneError("\n  ".join([f"{path} has {len(ordered)} mistakes:", *listed, *more]))
 
 
 def _told(keys: Keys, text: str) -> str:

@@ -1,4 +1,4 @@
-"""Whether a scene file has the keys and kinds of values that `schema.json` says, told in words for people."""
+"""Whether a scene file has the keys and kinds of values that `schema.json` says, in words for people."""
 
 from __future__ import annotations
 

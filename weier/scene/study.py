@@ -109,7 +109,7 @@ class CaseProduct:
 
     @property
     def definition(self) -> list[Any]:
-        """All that tells the cases and their order, as plain values."""
+        """All that the cases and their order follow from, as plain values."""
         return [list(self.axes.items()), self.methods, self.settings]
 
     def case(self, position: int) -> Case:
@@ -122,7 +122,7 @@ class CaseProduct:
 
     @property
     def identities(self) -> Iterator[tuple[str, ...]]:
-        """What tells each case from others, in turn: parameters by name and value, methods and settings, as texts."""
+        """What distinguishes each case from others, in turn: parameters, methods and settings, as texts."""
         solved_by = json.dumps([self.methods, self.settings], sort_keys=True)
         texts = [
             [json.dumps([name, identity(name, value)]) for value in values] for name, values in self.axes.items()

@@ -192,7 +192,7 @@ def crest_heights(
 ) -> list[Any]:
     """Heights of crests in 40 digits, of those floats that the series is given as, near these positions.
 
-    Twin crests may differ by so little that the heights of both, as floats, tell nothing of it.
+    Twin crests may differ by so little that the heights of both, as floats, do not show it.
     """
     import mpmath as mp  # which takes a tenth of a second, and few profiles need
 
@@ -209,7 +209,7 @@ def crest_heights(
 
 
 class _Places(NamedTuple):
-    """Places on the period, in the middle of cells of equal width, as far as the waves looked at tell them apart.
+    """Places on the period, in the middle of cells of equal width, as far as the waves looked at distinguish them.
 
     position : in periods, shape (places,)
     cycles : of each wave there, from its crest, shape (places, terms)

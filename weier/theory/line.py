@@ -12,7 +12,7 @@ class Line(NamedTuple):
 
     heights : array, shape (samples,); masked, NaN or None where one is missing
     positions : array, shape (samples,), along the line; None if it has none
-    length : of the line, as many steps as there are heights; None if nobody knows it
+    length : of the line, as many steps as there are heights; None if it is not known
     x_units, height_units : the units that are named for positions and length, and for heights: none or more
     periodic : whether the surface is known to repeat
     axis, number : of a line of a map, the axis that it runs along, and which of these lines it is
@@ -29,7 +29,7 @@ class Line(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What tells the line from others of a map, as in "x 120"; empty where there are no others."""
+        """What distinguishes the line from others of a map, as in "x 120"; empty where there are no others."""
         return f"{self.axis} {self.number}" if self.axis else ""
 
 

@@ -127,7 +127,7 @@ class Trace(Waves):
     period: int
     m: int
 
-    listed_terms = 0  # the file of heights tells the waves
+    listed_terms = 0  # the waves follow from the file of heights
 
     def __init__(
         self,
@@ -167,7 +167,7 @@ class Trace(Waves):
             _check_slope(level, length / z.size)
         period, waves, coefficient = _waves(level, ends, length, shortest)
         g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
-        told = repr([length, shortest, ends, detrend, *filled])
+        contents = repr([length, shortest, ends, detrend, *filled])
         # Written at once, past the lock of a frozen dataclass.
         vars(self).update(
             lambda_0=length,
@@ -179,7 +179,7 @@ class Trace(Waves):
             filled=filled,
             source=source,
             line=one.number,
-            digest=hashlib.sha256(told.encode() + z.tobytes()).hexdigest()[:12],
+            digest=hashlib.sha256(contents.encode() + z.tobytes()).hexdigest()[:12],
             period=period,
             m=waves.size,
             _waves=tuple(waves.tolist()),
@@ -328,7 +328,7 @@ class Trace(Waves):
 
     @property
     def labels(self) -> dict[str, Any]:
-        """What tells this trace from others, by the names of coordinates; those of a series are unknown."""
+        """What distinguishes this trace from others, by the names of coordinates; those of a series are unknown."""
         return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {
             "m": float(self.m),
             "phases": "null",

@@ -78,8 +78,8 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
 def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
     """Each algorithm with all its settings: the default, and others where a reference for them is in reach.
 
-    Those may be slow, as dense matrices are, and nothing tells the seconds that they take: they have the coarsest of
-    the settings that the trade compares, and are left out where this has more nodes than a dense matrix solves in
+    Those may be slow, as dense matrices are, and their seconds are not known before: they have the coarsest of the
+    settings that the trade compares, and are left out where this has more nodes than a dense matrix solves in
     time.
     """
     default, *others = method.algorithms

@@ -21,7 +21,7 @@ from weier.methods.registry import numerical_names
 from weier.theory.profile import PARAMETERS
 
 MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
-# The last tells apart what is left: studies and settings.
+# The last distinguishes what is left: studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
 NONE = "-"  # what a trace or a series has no label for; a list of nothing else is hidden
 TITLES = {

@@ -45,7 +45,7 @@ class Limits(NamedTuple):
     nominal: float
 
     def check(self, value: float, uncertainty: float) -> Check:
-        """Whether a value meets the condition, or lies between, or too close to tell."""
+        """Whether a value meets the condition, or lies between, or so close that neither is certain."""
         if self.sign * (self.met - value) >= uncertainty:
             return Check.yes
         return Check.no if self.sign * (value - self.missed) >= uncertainty else Check.not_decided
