@@ -29,20 +29,20 @@ angles = st.sampled_from([0.0, math.pi, -math.pi, math.pi / 2, math.pi + 1e-15])
 at_one = st.sampled_from([1 - ULP / 2, 1.0, 1 + ULP])
 
 
-def loads():
+def light_and_heavy_loads():
     """Up to eight loads, light and heavy, some of them a rounding apart."""
     each = st.floats(-300, 300).map(lambda exponent: 10.0**exponent) | st.floats(1e-6, 30) | at_one
     return st.lists(each, min_size=2, max_size=8, unique=True).map(lambda found: np.array(sorted(found)))
 
 
 @st.composite
-def series(draw):
+def any_series(draw):
     """Any series there is."""
     return Profile(draw(dimensions), draw(ratios), draw(terms), draw(angles))
 
 
 @st.composite
-def waves(draw):
+def solvable_series(draw):
     """A series that can be solved, symmetric ones among them."""
     m = draw(few_terms)
     profile = Profile(draw(dimensions), draw(small_ratios), m, draw(st.lists(angles, min_size=m, max_size=m)))
@@ -50,7 +50,8 @@ def waves(draw):
     return profile
 
 
-def check(name, profile, mean_pressure, **options):
+def checked_run(name, profile, mean_pressure, **options):
+    """A run whose numbers, where there are any, make a compliance: each load else has a clear sentence."""
     made, method = attempt(Variant(name, name, options), profile, mean_pressure), find_method(name)
     assert not made.warned
     assert set(made.outcome) <= {Outcome.finite, Outcome.clear_error}, made.message
@@ -65,11 +66,13 @@ def check(name, profile, mean_pressure, **options):
     return made
 
 
-def throw(method, profiles, how_many):
+def check_random_curves(method, profiles, how_many):
+    """Check a method on so many profiles and loads; a closed form has a number for each."""
+
     @how_many
-    @given(profiles, loads())
+    @given(profiles, light_and_heavy_loads())
     def run(profile, mean_pressure):
-        found = check(method, profile, mean_pressure)
+        found = checked_run(method, profile, mean_pressure)
         if method in OF_CLOSED_FORMS:
             assert np.all(found.outcome == Outcome.finite)
 
@@ -77,9 +80,9 @@ def throw(method, profiles, how_many):
 
 
 one_wave = st.builds(Profile, dimensions, ratios, st.just(1))
-OF_CLOSED_FORMS = {"westergaard": one_wave, "archard": series(), "demelio": series()}
+OF_CLOSED_FORMS = {"westergaard": one_wave, "archard": any_series(), "demelio": any_series()}
 DRAWN = {
-    method.name: OF_CLOSED_FORMS.get(method.name, waves())
+    method.name: OF_CLOSED_FORMS.get(method.name, solvable_series())
     for method in METHODS
     if method.takes(Profile(1.5, 2, 1))  # which leaves out those for the infinite series alone
 }
@@ -87,27 +90,27 @@ DRAWN = {
 
 @examples(25, 1000)
 @pytest.mark.parametrize("method", DRAWN)
-def test_dozens_or_a_thousand(method, how_many):
-    throw(method, DRAWN[method], how_many)
+def test_any_curve_is_monotone_concave_and_within_its_bounds(method, how_many):
+    check_random_curves(method, DRAWN[method], how_many)
 
 
 @pytest.mark.parametrize("method", ["bem", "patches", "planned"])
 @pytest.mark.parametrize("gamma", ["1000001/1000000", "1000000"])
 @pytest.mark.parametrize("m", [3, 1000])
 def test_what_no_computer_holds_is_refused_in_a_sentence(method, gamma, m):
-    found = check(method, Profile(1.5, gamma, m), np.array([0.01, 0.1]))
+    found = checked_run(method, Profile(1.5, gamma, m), np.array([0.01, 0.1]))
     assert np.all(found.outcome == Outcome.clear_error)
 
 
 @pytest.mark.parametrize("solver", ["fft", "direct"])
-def test_three_nodes(solver):
+def test_the_coarsest_grid_solves_every_load(solver):
     loads = np.geomspace(1e-150, 1e300, 20)
-    found = check("bem", Profile(1.5, 5, 1), loads, solver=solver, points=3)
+    found = checked_run("bem", Profile(1.5, 5, 1), loads, solver=solver, points=3)
     assert np.all(found.outcome == Outcome.finite)
 
 
 @pytest.mark.slow
-def test_a_million_nodes():
+def test_a_million_nodes_give_westergaards_compliance():
     mean_pressure = np.array([1e-3, 0.5])
-    found = check("bem", Profile(1.5, 5, 1), mean_pressure, points=2**20)
+    found = checked_run("bem", Profile(1.5, 5, 1), mean_pressure, points=2**20)
     assert found.compliance == pytest.approx(mean_pressure * (1 - np.log(mean_pressure)), abs=1e-10)

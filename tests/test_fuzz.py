@@ -151,7 +151,7 @@ FUZZED += [(plan_arguments(), check_arguments)]
 NAMES = ["scenes", "texts", "arguments", "plans"]
 
 
-def throw(strategy, check, how_many, folder):
+def check_random(strategy, check, how_many, folder):
     @how_many
     @given(strategy)
     def run(found):
@@ -170,8 +170,8 @@ def folder(tmp_path, monkeypatch):
 
 @examples(FEW, MANY)
 @pytest.mark.parametrize(("strategy", "check"), FUZZED, ids=NAMES)
-def test_hundreds_or_ten_thousand(strategy, check, folder, how_many):
-    throw(strategy, check, how_many, folder)
+def test_whatever_is_given_is_taken_or_refused_in_a_sentence(strategy, check, folder, how_many):
+    check_random(strategy, check, how_many, folder)
 
 
 LAUGHS = "a: &a [x]\n" + "".join(
@@ -191,7 +191,7 @@ LAUGHS = "a: &a [x]\n" + "".join(
         ("!!python/object/apply:os.system ['touch stray']", "could not determine a constructor"),
     ],
 )
-def test_yaml_that_means_harm(folder, text, message):
+def test_yaml_that_means_harm_is_refused_at_once(folder, text, message):
     path = folder / "bad.yaml"
     path.write_text(text)
     start = time.perf_counter()
@@ -210,5 +210,5 @@ def test_a_scene_name_leads_nowhere_else(name):
 def test_fuzzing_reaches_both_ends(folder):
     """Neither all loaded nor all refused: else the tests above show nothing."""
     ends = set()
-    throw(scenes(), lambda folder, found: ends.add(check_scene(folder, found)), few(FEW), folder)
+    check_random(scenes(), lambda folder, found: ends.add(check_scene(folder, found)), few(FEW), folder)
     assert ends == {True, False}

@@ -42,7 +42,7 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
     assert estimate < middle / 2
 
 
-def test_bounds_go_further_than_the_estimate(monkeypatch, tmp_path):
+def test_bounds_are_found_for_more_terms_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
     monkeypatch.setattr(study, "MAX_POINTS", 300)
     monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
@@ -78,7 +78,7 @@ def test_bounds_are_seen_in_the_figure_and_never_beyond_full_contact(convergence
     assert np.ptp(bounds_of_one.get_ylim()) < 1.5 * np.ptp(bands[0][:, 1])
 
 
-def test_the_figure(convergence, tmp_path):
+def test_the_figure_is_written_in_all_formats_and_needs_several_estimates(convergence, tmp_path):
     figures.draw(Figure("convergence"), [convergence.expand_dims("case")], tmp_path / "figure.png")
     assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
     shortest = convergence.isel(resolved_terms=[0])

@@ -8,7 +8,7 @@ import xarray as xr
 from weier.accuracy.metrics import deviation, digits, pareto, typical, worst_over_loads
 
 
-def test_digits():
+def test_correct_digits_run_from_none_to_all_that_a_double_has():
     values = np.array([1.0, 1.001, 2.0, np.nan, 0.0, 1e-320, 1e-3])
     right = [mp.mpf(1), mp.mpf(1), mp.mpf(1), mp.mpf(1), mp.mpf(0), mp.mpf(10) ** -400, mp.mpf(0)]
     np.testing.assert_allclose(digits(values, right), [16, 3, 0, np.nan, 16, 16, 0], atol=1e-12)

@@ -32,10 +32,18 @@ measurement, conditioning = (
 )
 # Values of required arguments by their names; a name that is none of a file stands for one to write.
 REQUIRED = {
-    "scene_file": "scene.yaml", "batches": "batches", "description": "batch.json", "contact": "contact.nc",
-    "folder": "drawn", "drawn": "figures", "kind": "work_precision", "data": "new.nc", "path": "new.nc",
-    "table": "new.md", "summary": "new.md",
-}  # fmt: skip
+    "scene_file": "scene.yaml",
+    "batches": "batches",
+    "description": "batch.json",
+    "contact": "contact.nc",
+    "folder": "drawn",
+    "drawn": "figures",
+    "kind": "work_precision",
+    "data": "new.nc",
+    "path": "new.nc",
+    "table": "new.md",
+    "summary": "new.md",
+}
 OWN = {("convergence", "scene_file"): "infinite.yaml"}  # of one command
 # What is no argument, and needed: a profile.
 SERIES = ["-D", "1.25", "--gamma", "2", "-m", "1"]

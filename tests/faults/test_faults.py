@@ -114,7 +114,7 @@ def gone(process):
     return not status.exists() or "State:\tZ" in status.read_text()
 
 
-def test_kill_of_a_worker(checkout, undisturbed, tmp_path):
+def test_after_a_worker_is_killed_the_next_run_makes_the_same_files(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
     with paused(checkout, "contact.nc", tmp_path) as (snakemake, worker):
         os.kill(worker, signal.SIGKILL)
@@ -166,7 +166,7 @@ def test_ctrl_c_ends_what_snakemake_plans(checkout, undisturbed, tmp_path, ctrl_
 
 
 @pytest.mark.slow
-def test_two_runs_at_once_and_kill_of_snakemake(checkout, undisturbed, tmp_path):
+def test_a_second_run_is_refused_and_a_killed_one_harms_no_later_one(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
     with paused(checkout, "contact.nc", tmp_path) as (snakemake, worker):
         code, said = run(checkout)
@@ -228,7 +228,7 @@ def replace_by_another(path):
         (replace_by_another, "contact.nc is a netCDF file, but not of weier: move it away and make yours again"),
     ],
 )
-def test_a_damaged_dataset_of_a_scene(checkout, damage, sentence):
+def test_a_damaged_dataset_of_a_scene_stops_the_run_which_names_it(checkout, damage, sentence):
     """Nothing depends on it, so that no job would ever look at it."""
     damage(checkout / "results/test/contact.nc")
     code, said = run(checkout)
@@ -251,7 +251,7 @@ def test_a_flipped_bit_is_seen_by_whoever_reads(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", [cut, flip, replace_by_another])
-def test_a_damaged_batch(checkout, undisturbed, damage):
+def test_a_damaged_batch_is_named_and_solved_again_once_it_is_deleted(checkout, undisturbed, damage):
     (batch,) = (checkout / "results/test/batches").glob("*.nc")
     damage(batch)
     code, said = run(checkout)
@@ -292,7 +292,7 @@ def test_a_full_disk_is_named(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("room", [0, 20, 100, 200])
-def test_a_full_disk(checkout, undisturbed, room):
+def test_a_run_that_filled_the_disk_goes_on_once_there_is_room(checkout, undisturbed, room):
     """With so many kB left: it fails sooner or later, and goes on from there."""
     shutil.rmtree(checkout / "results")
     (checkout / "results").mkdir()
@@ -305,7 +305,7 @@ def test_a_full_disk(checkout, undisturbed, room):
         assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 
-def test_a_folder_closed_to_writing(checkout, undisturbed):
+def test_results_closed_to_writing_are_named_and_made_once_they_are_open(checkout, undisturbed):
     forget(checkout, *PRODUCTS)
     results = checkout / "results"
     with mounted(results, "--bind", results):
@@ -324,7 +324,7 @@ def date(folder, seconds):
 
 
 @pytest.mark.slow
-def test_a_clock_that_was_ahead(checkout, undisturbed):
+def test_files_from_the_future_are_taken_for_those_of_now(checkout, undisturbed):
     forget(checkout, *PRODUCTS)
     date(checkout / "results", 9e5)
     date(checkout / "weier", 9e5)
@@ -333,7 +333,7 @@ def test_a_clock_that_was_ahead(checkout, undisturbed):
 
 
 @pytest.mark.slow
-def test_a_clock_that_goes_back_within_a_run(checkout, undisturbed, tmp_path):
+def test_a_clock_that_goes_back_stops_a_run_and_harms_no_later_one(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
     with paused(checkout, "contact.nc", tmp_path) as (snakemake, _):
         date(checkout / "results/test/batches", 9e5)

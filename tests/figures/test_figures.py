@@ -88,12 +88,12 @@ def test_same_data_same_bytes(kind: str, studies: dict[str, xr.Dataset], tmp_pat
 
 
 @pytest.mark.parametrize("kind", OF_STUDIES)
-def test_several_studies(kind: str, studies: dict[str, xr.Dataset]) -> None:
+def test_curves_of_several_studies_stand_in_one_figure(kind: str, studies: dict[str, xr.Dataset]) -> None:
     assert sketch(kind, list(studies.values())).axes
 
 
 @pytest.mark.parametrize("kind", OF_STUDIES)
-def test_many_cases_with_holes(kind: str) -> None:
+def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(kind: str) -> None:
     if figures.kinds()[kind].grouped:
         with pytest.raises(ValueError, match="m varies among the curves and nothing shows it"):
             sketch(kind, [many_cases()])
@@ -102,7 +102,7 @@ def test_many_cases_with_holes(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", [kind for kind in OF_STUDIES if kind not in ("borodich_galanov", "profiles")])
-def test_nothing_to_draw(kind: str, tmp_path: Path) -> None:
+def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_path: Path) -> None:
     empty = dataset.blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
     with pytest.raises(ValueError, match="there are no "):
         figures.draw(scene.Figure(kind), [empty], tmp_path / "figure.pdf")
@@ -117,7 +117,7 @@ def test_the_infinite_series_has_no_profile(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "kind", ["compliance", "resistance", "phases", "truncated_compliance", "truncated_resistance"]
 )
-def test_one_load(kind: str, studies: dict[str, xr.Dataset]) -> None:
+def test_curves_of_one_load_are_drawn(kind: str, studies: dict[str, xr.Dataset]) -> None:
     sketch(kind, [studies["one"].isel(mean_pressure=[1])])
 
 

@@ -59,5 +59,5 @@ def test_every_kernel_is_compiled_and_returns_no_named_tuple():
 
 def test_nothing_is_run_where_nothing_is_compiled(monkeypatch):
     monkeypatch.setattr("weier.kernels.jit.DISABLED", True)
-    monkeypatch.setattr("weier.methods.compile.solve_curve", lambda *_: pytest.fail("solved"))
+    monkeypatch.setattr("weier.methods.compile.solve_checked", lambda *_: pytest.fail("solved"))
     compile_kernels()

@@ -16,12 +16,12 @@ against_sums = pytest.mark.parametrize(("estimate", "oracle"), [(archard, exact.
 
 @against_sums
 @pytest.mark.parametrize(("seed", "terms"), [(1, [1, 2, 3, 12, 13, 100]), (2, [1000]), (3, [np.inf])])
-def test_both_follow_the_plain_sum(estimate, oracle, seed, terms):
+def test_both_estimates_are_their_sums_in_50_digits(estimate, oracle, seed, terms):
     assert_sums(estimate, oracle, extreme_cases(seed, 60 if terms == [1000] else 300, terms))
 
 
 @against_sums
-def test_both_follow_the_plain_sum_in_every_corner(estimate, oracle):
+def test_both_estimates_are_their_sums_at_the_ends_of_all_ranges(estimate, oracle):
     assert_sums(estimate, oracle, CORNERS)
 
 

@@ -17,7 +17,7 @@ def assert_same(found, *wanted):
 
 @pytest.mark.parametrize("p", [1e-300, 1e-3, 0.25, 1.0])
 @pytest.mark.parametrize("m", [1, 5, mp.inf])
-def test_archard_at_its_fixed_point(p, m):
+def test_archard_is_a_sum_of_powers_where_one_load_maps_to_itself(p, m):
     """D = 3/2, gamma = 4: zeta_n = p^(2^-n), g_n = 2^-n."""
     with mp.workdps(60):
         p, halves = mp.mpf(p), [mp.mpf(2) ** -n for n in range(min(m, TERMS))]

@@ -43,7 +43,7 @@ def test_the_trace_of_a_series_has_its_curve(method, profile):
     np.testing.assert_array_equal(found.patch_count, exact.patch_count)
 
 
-def load_of(slope, inner, half_width):
+def abels_load(slope, inner, half_width):
     """Mean pressure, in units of g_0 and lambda_0, on one symmetric contact in a period of 1.
 
     A body f(x), flat up to `inner`, is pressed in by steps of a flat punch that grows with the contact; Abel's
@@ -62,14 +62,14 @@ def load_of(slope, inner, half_width):
 
 @pytest.mark.parametrize("method", ["bem", "patches"])
 @pytest.mark.parametrize("inner", [0.0, 0.1])
-def test_a_parabola_and_a_flat_punch_with_rounded_edges(method, inner):
+def test_a_parabola_and_a_rounded_punch_touch_as_abels_integral_says(method, inner):
     """Flat up to `inner`, then a parabola; periodic, so that for inner = 0 the load is -ln cos(pi a)/(2 pi^2)."""
     n, waves = 1200, 60
     x = np.abs((np.arange(n) / n + 0.5) % 1 - 0.5)
     z = -(np.maximum(x - inner, 0) ** 2) / 2
     trace = Trace(z, 1.0, shortest=1 / waves, ends="periodic", unit="m")
     widths = [0.18, 0.25, 0.32]
-    loads = np.array([load_of(lambda x: x - inner, inner, a) for a in widths])
+    loads = np.array([abels_load(lambda x: x - inner, inner, a) for a in widths])
     if inner == 0:
         np.testing.assert_allclose(loads, -np.log(np.cos(np.pi * np.array(widths))) / (2 * np.pi**2), rtol=1e-8)
     found = weier.solve(trace, loads / trace.g_0, method)
@@ -81,14 +81,14 @@ def test_a_parabola_and_a_flat_punch_with_rounded_edges(method, inner):
     np.testing.assert_allclose(found.resistance, -2 * np.log(np.sin(np.pi * np.array(widths))), rtol=5e-3)
 
 
-def rough(waves, samples, seed=1):
+def random_heights(waves, samples, seed=1):
     k = np.arange(1, samples // 2)
     random = np.exp(2j * np.pi * np.random.default_rng(seed).random(k.size))
     return UNIT * np.fft.irfft(np.concatenate([[0], (k <= waves) * k**-1.2 * random]), samples)
 
 
 def test_fields_and_events_of_a_trace():
-    trace = Trace(rough(8, 100), 1e-3, ends="periodic", unit="m")
+    trace = Trace(random_heights(8, 100), 1e-3, ends="periodic", unit="m")
     field = weier.fields(trace, 1.0)
     assert float(field.pressure.mean()) == pytest.approx(1.0, rel=0.01)  # the sum over 512 positions
     grid = weier.fields(trace, 1.0, method="bem")
@@ -101,7 +101,8 @@ def test_fields_and_events_of_a_trace():
 
 @pytest.mark.parametrize("method", ["westergaard", "archard", "demelio", "layer", "hybrid", "planned"])
 def test_what_rests_on_the_series_refuses_a_trace_and_names_the_fit(method):
-    trace = Trace(rough(1, 200), 1e-3, ends="periodic", unit="m")  # one wave, which Westergaard's solution is for
+    """The trace is one wave, which Westergaard's solution is for."""
+    trace = Trace(random_heights(1, 200), 1e-3, ends="periodic", unit="m")
     with pytest.raises(NotApplicableError, match=r"for the Weierstrass series, got a trace of 200 .* weier\.fit"):
         weier.solve(trace, [0.1], method)
 
@@ -110,7 +111,7 @@ def test_what_rests_on_the_series_refuses_a_trace_and_names_the_fit(method):
 def test_other_programs_agree_within_their_grid_error(program):
     """On the same heights: a crest between two nodes is missed by the curvature over eight at most."""
     pytest.importorskip(PROGRAMS[program].package)
-    trace = Trace(rough(40, 400), 1e-3, ends="periodic", unit="m")
+    trace = Trace(random_heights(40, 400), 1e-3, ends="periodic", unit="m")
     loads = np.array([0.02, 0.2, 2.0])
     exact = weier.solve(trace, loads, "patches").compliance.values
     eigenvalue = PROGRAMS[program].eigenvalue
@@ -140,7 +141,9 @@ def test_waves_that_fall_to_rounding_are_solved():
 
 def test_traces_and_series_are_cases_beside_each_other():
     """What a method says nothing about is told, and two traces of one file name are two cases."""
-    traces = [Trace(rough(10, 100, seed), 1e-3, ends="periodic", source="shaft.csv", unit="m") for seed in (1, 2)]
+    traces = [
+        Trace(random_heights(10, 100, seed), 1e-3, ends="periodic", source="shaft.csv", unit="m") for seed in (1, 2)
+    ]
     with pytest.warns(UserWarning, match=r"weier\.fit"):
         both = weier.solve([*traces, Profile(1.5, 5, 2)], [0.1, 1.0], ["demelio", "bem"])
     alone = weier.solve(traces[1], [0.1, 1.0], "bem")
@@ -152,7 +155,7 @@ def test_traces_and_series_are_cases_beside_each_other():
 
 
 def test_what_contact_patches_hold_grows_with_the_waves_and_not_with_their_square():
-    trace = Trace(rough(4001, 8004), 1e-3, ends="periodic", unit="m")
+    trace = Trace(random_heights(4001, 8004), 1e-3, ends="periodic", unit="m")
     tracemalloc.start()
     surface_of(trace)
     memory = tracemalloc.get_traced_memory()[1]

@@ -58,7 +58,7 @@ def test_bounds_contain_the_smooth_punch_and_widen_with_roughness():
     assert np.all((np.diff(lower) <= 0) & (np.diff(upper) >= 0))
 
 
-def test_bounds_of_the_roughest_punch():
+def test_bounds_of_the_roughest_punch_are_the_limits_of_the_cubic():
     # x_2 -> 3/(2 lambda) as (B.8) loses its constant, x_1 -> 1/sqrt(3) as it loses its cubic term.
     lower, upper = stiffness_bounds(1 - 1e-16)
     assert lower == pytest.approx(2 / 3 * 2 ** (1 / 6 - 1 / 2), rel=1e-7)

@@ -11,7 +11,7 @@ from weier.theory.crests import find_crests, highest_crest, sample
 from weier.theory.expansions import expand, phase_angle
 
 
-def series_of(profile):
+def heights_and_tensions(profile):
     """The heights, whose waves shrink, and the tensions of full contact, whose waves grow."""
     waves = profile.waves_per_period, profile.phase, profile.period
     return [(profile.amplitude, *waves), (-profile.full_contact_pressure, *waves)]
@@ -19,8 +19,8 @@ def series_of(profile):
 
 @pytest.mark.parametrize("D", [1.0001, 1.1, 1.5, 1.9, 1.9999])
 @pytest.mark.parametrize(("gamma", "m"), [(2, 10), (3, 7), (5, 5), ("5/2", 7), ("7/5", 5), (90, 3)])
-def test_wave_by_wave_as_by_looking_at_all(D, gamma, m, monkeypatch):
-    for each in series_of(Profile(D, gamma, m, np.random.default_rng(m).uniform(0, 2 * np.pi, m))):
+def test_the_search_wave_by_wave_finds_the_crest_that_looking_at_all_finds(D, gamma, m, monkeypatch):
+    for each in heights_and_tensions(Profile(D, gamma, m, np.random.default_rng(m).uniform(0, 2 * np.pi, m))):
         monkeypatch.setattr(crests, "countable", lambda _: True)
         x, z = highest_crest(*each)
         monkeypatch.setattr(crests, "countable", lambda _: False)
@@ -53,10 +53,13 @@ def test_a_crest_that_cannot_be_found_is_refused(gamma, m, match):
         _ = profile.full_contact_load
 
 
+TRIBONACCI = np.roots([1, -1, -1, -1])[0].real  # t^3 = t^2 + t + 1
+
+
 @pytest.mark.parametrize(("steeper", "count"), [(0.0, 1), (-1e-4, 1), (1e-4, 2), (1e-6, 2)])
 def test_crests_are_found_where_the_curvature_vanishes(steeper, count):
-    """At x = 0 all waves cancel in z'' for this D, and for larger ones two crests stand side by side there."""
-    profile = Profile(np.log(1.8392867552141612) / np.log(5 / 3) + steeper, "5/3", 4, (0, 0, 0, np.pi))
+    """At x = 0 the waves cancel in z'' where gamma^D solves this, and for larger D two crests stand side by side."""
+    profile = Profile(np.log(TRIBONACCI) / np.log(5 / 3) + steeper, "5/3", 4, (0, 0, 0, np.pi))
     expansion = expand(profile.amplitude, profile.waves_per_period, profile.phase)
     crests = find_crests(profile.amplitude, profile.waves_per_period, expansion)
     x = (crests.node + crests.offset) * (profile.period / len(expansion))

@@ -70,7 +70,7 @@ def test_the_data_are_by_the_conventions(measured, tmp_path):
     assert complaints(check([path], "cf:1.11", tmp_path)[str(path)]) == []
 
 
-def test_figure_and_data(measured, tmp_path):
+def test_the_figure_is_drawn_from_the_file_and_refused_without_digits(measured, tmp_path):
     dataset.write(measured, tmp_path / "extremes.nc", "Small", "examined")
     again = dataset.read(tmp_path / "extremes.nc")
     figures.draw(Figure("extremes"), [again], tmp_path / "extremes.png")

@@ -75,7 +75,7 @@ def test_an_infinite_series_is_refused():
         tradeoff.variants(Profile(1.25, 5, np.inf))
 
 
-def test_files_table_and_figure(measured, tmp_path):
+def test_the_table_and_the_figure_are_made_from_the_file(measured, tmp_path):
     dataset.write(measured, tmp_path / "tradeoff.nc", "Small")
     again = dataset.read(tmp_path / "tradeoff.nc")
     assert again["seconds"].values == pytest.approx(measured["seconds"].values, nan_ok=True)

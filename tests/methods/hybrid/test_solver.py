@@ -67,10 +67,11 @@ def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     assert np.all(found.resistance >= 0)
 
 
-@pytest.mark.parametrize(
-    ("D", "gamma", "seed", "load"),
-    [(1.1214040526102584, 1000, 255, 0.016583), (1.0831, 5505, 1, 3e-5), (1.21, 8077, 2, 1e-3), (1.02, 1e6, 3, 0.1)],
-)
+# Of random series: on a mesh of 32 points a wave their estimates lie outside the bounds.
+LARGE_RATIOS = [(1.1214, 1000, 255, 0.016583), (1.0831, 5505, 1, 3e-5), (1.21, 8077, 2, 1e-3), (1.02, 1e6, 3, 0.1)]
+
+
+@pytest.mark.parametrize(("D", "gamma", "seed", "load"), LARGE_RATIOS)
 def test_the_mesh_resolves_what_the_layer_adds_where_the_ratio_is_large(D, gamma, seed, load):
     """The layer has a thousandth of the height of the first wave, and a mesh of 32 points as large an error."""
     profile = Profile(D, gamma, math.inf, random_phases(seed))
@@ -94,8 +95,12 @@ def test_an_estimate_is_within_its_bounds_on_any_mesh():
     assert np.all(np.abs(coarse.compliance - fine.compliance) <= coarse.compliance_upper - coarse.compliance_lower)
 
 
+# Of random series: Newton's method diverges if it starts from full contact on the half-plane without the layer.
+SMALL_RATIOS = [(1.7747, 1.01), (1.37, 1.0106), (1.98, 1.27), (1.04, 1.03)]
+
+
 @pytest.mark.parametrize("loads", [np.geomspace(1e-3, 500, 20), [0.1], np.geomspace(1e-6, 1e3, 7)])
-@pytest.mark.parametrize(("D", "gamma"), [(1.774737912708558, 1.01), (1.37, 1.0106), (1.98, 1.27), (1.04, 1.03)])
+@pytest.mark.parametrize(("D", "gamma"), SMALL_RATIOS)
 def test_ratios_close_to_1_put_hundreds_of_waves_into_the_layer(D, gamma, loads):
     """The layer is far softer than the first wave, which is pressed flat on it at once."""
     found, exact = hybrid.curve(Profile(D, gamma, math.inf), loads, 1), layer.curve(loads, D, gamma, math.inf)

@@ -25,7 +25,7 @@ HARD = [(1.99, 17), (1.999, 5.38), (1.25, 1.01), (1.01, 1.01)]
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.5, 2), (1.25, 5), (1 + 1e-9, 5)])
-def test_the_infinite_series_under_heavy_loads(D, gamma):
+def test_heavy_loads_press_the_infinite_series_flat_and_leave_light_ones_as_they_are(D, gamma):
     loads = np.array([1e-3, 1.0, 1e3, 1e300])
     together = layer.curve(loads, D, gamma, math.inf)
     assert together.compliance[-1] == pytest.approx(tail_amplitude(0, D, gamma), rel=1e-14)
@@ -115,12 +115,12 @@ ITERATED = [
 
 
 @pytest.mark.parametrize(("D", "gamma", "load", "h"), ITERATED)
-def test_one_heavy_or_light_load_of_the_infinite_series(D, gamma, load, h):
+def test_the_infinite_series_is_where_iterating_one_scale_leads(D, gamma, load, h):
     assert layer.compliance([load], D, gamma, math.inf) == pytest.approx(h, rel=ACCURACY)
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.75, 2)])
-def test_light_loads_of_the_infinite_series(D, gamma):
+def test_light_loads_of_the_infinite_series_satisfy_an_integral_equation(D, gamma):
     """Where the half-plane yields nothing, P(h) = gamma^(D-1) int P(gamma^(2-D) (h - 2 pi^2 x^2)) dx."""
     xi = np.geomspace(1e-200, 1e-9, 2000)
     log_h = np.log(layer.compliance(xi, D, gamma, math.inf))

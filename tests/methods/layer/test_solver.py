@@ -43,7 +43,7 @@ def test_resistance_is_the_slope_of_the_compliance(D, gamma, m):
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1 + 1e-9, 5, 3), (2 - 1e-9, 2, 30), (1.5, 1 + 1e-6, 5)])
-def test_lightest_loads_follow_the_same_power(D, gamma, m):
+def test_lightest_loads_follow_one_power_of_the_load(D, gamma, m):
     # ln h bends only through the logarithm in Westergaard's h: less and less over equal factors of the load.
     xi = np.geomspace(1e-305, 1e-155, 16)
     answer = layer.curve(xi, D, gamma, m)
@@ -55,7 +55,7 @@ def test_lightest_loads_follow_the_same_power(D, gamma, m):
 
 @pytest.mark.parametrize("load", [1e-5, 0.3, 30.0])
 @pytest.mark.parametrize("m", [3, math.inf])
-def test_one_load_whose_layer_is_pressed_much_less(load, m):
+def test_a_load_far_above_those_of_the_finer_waves_is_solved_alone_as_among_others(load, m):
     # gamma = 1e6: all that the finer waves carry lies far below the load.
     alone = layer.compliance([load], 1.5, 1e6, m)
     assert alone == pytest.approx(layer.compliance([1e-9, load], 1.5, 1e6, m)[1:], rel=ACCURACY)
