@@ -368,6 +368,37 @@ def test_choosing_a_case_changes_the_curve(folder):
     assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
 
 
+# Ends of an axis, its major ticks, and whether a number is a minor one.
+AXES = [
+    ((0.1, 7.0), [0.1, 0.2, 0.5, 1, 2, 5], {0.3: True, 6: True, 0.15: False}),
+    ((0.08, 8.0), [0.1, 0.2, 0.5, 1, 2, 5], {0.09: True}),
+    ((1e-3, 4.0), [1e-3, 1e-2, 0.1, 1], {2e-3: True}),
+    ((2e-12, 1.0), [1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1], {1e-11: True, 2e-11: False}),
+    ((3.0, 9.0), [3, 4, 5, 6, 7, 8, 9], {3.2: True, 3.1: False}),
+    ((1.0, 1.00101), [1, 1.0002, 1.0004, 1.0006, 1.0008, 1.001], {1.00005: True}),
+    ((2.0, 2.0), [], {}),
+    ((0.0, 1.0), [], {}),
+]
+
+
+def test_an_axis_has_numbers_over_many_decades_and_within_one(tmp_path):
+    """By bokeh itself, an axis from 0.1 to 7 had no numbers."""
+    calls = (
+        "const ticks = new Function('cb_data', code); console.log('CONSOLE');"
+        "const result = ends.map(([start, end]) => { const major_ticks = ticks({ start, end });"
+        "return [major_ticks, ticks({ start, end, major_ticks })] });"
+        "document.body.innerHTML = `<pre id='result'>${JSON.stringify(result)}</pre>`"
+    )
+    code = (Path(page.__file__).parent / "ticks.js").read_text(encoding="utf-8")
+    constants = f"const code = {json.dumps(code)}; const ends = {json.dumps([ends for ends, *_ in AXES])};"
+    (tmp_path / "ticks.html").write_text(f"<body><script>{constants}{calls}</script></body>", encoding="utf-8")
+    shown = browse(tmp_path, "--dump-dom", (tmp_path / "ticks.html").as_uri())
+    found = json.loads(re.search(r'<pre id="result">(.*?)</pre>', shown).group(1))
+    for (_, expected, tried), (major, minor) in zip(AXES, found, strict=True):
+        assert major == expected
+        assert {number: number in minor for number in tried} == tried
+
+
 def test_a_narrow_window_is_wide_enough(tmp_path):
     """With all methods, random phases, and cases that differ in nothing but their keys."""
     data = dataset.blank(2, registry.names(), LOADS, 6)
