@@ -221,6 +221,21 @@ def test_profiles_that_disagree_have_a_picture(tmp_path):
     assert float(dots[0][1]) < float(limit) < float(dots[1][1])
 
 
+def test_a_large_stated_error_of_the_resistance_is_explained(folder):
+    data = dataset.blank(2, METHODS, LOADS, 3)
+    assert page._about_errors(data) == [], "nothing is known"
+    data["resistance"].values[:, 1], data["resistance_error"].values[:, 1] = 0.5, 0.01
+    assert page._about_errors(data) == [], "it astonishes nobody"
+    data["resistance"].values[1, 1, 0], data["resistance_error"].values[1, 1, 0] = 8.0, 12.5
+    data["resistance_error"].values[0, 1, 2:] = 0.4
+    (text,) = page._about_errors(data)
+    assert text.endswith(
+        "Here bem states the largest, 12 g_0/p_0*, at 0.01 p_0*, where R is 8; at half of all loads it is at most "
+        "0.01 of the larger of R and 1 g_0/p_0*."
+    )
+    assert page._about_errors(data.sel(solution_method=["demelio"])) == []
+
+
 def test_errors_of_different_settings_stand_in_different_rows():
     """The errors of a dozen elements were told as those of the method."""
     data = dataset.blank(3, METHODS, LOADS, 3)
