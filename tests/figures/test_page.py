@@ -221,6 +221,21 @@ def test_profiles_that_disagree_have_a_picture(tmp_path):
     assert float(dots[0][1]) < float(limit) < float(dots[1][1])
 
 
+def test_a_large_stated_error_of_the_resistance_is_explained(folder):
+    data = dataset.blank(2, METHODS, LOADS, 3)
+    assert page._about_errors(data) == [], "nothing is known"
+    data["resistance"].values[:, 1], data["resistance_error"].values[:, 1] = 0.5, 0.01
+    assert page._about_errors(data) == [], "it astonishes nobody"
+    data["resistance"].values[1, 1, 0], data["resistance_error"].values[1, 1, 0] = 8.0, 12.5
+    data["resistance_error"].values[0, 1, 2:] = 0.4
+    (text,) = page._about_errors(data)
+    assert text.endswith(
+        "Here bem states the largest, 12 g_0/p_0*, at 0.01 p_0*, where R is 8; at half of all loads it is at most "
+        "0.01 of the larger of R and 1 g_0/p_0*."
+    )
+    assert page._about_errors(data.sel(solution_method=["demelio"])) == []
+
+
 def test_errors_of_different_settings_stand_in_different_rows():
     """The errors of a dozen elements were told as those of the method."""
     data = dataset.blank(3, METHODS, LOADS, 3)
@@ -366,6 +381,37 @@ def test_choosing_a_case_changes_the_curve(folder):
     assert longer["compliance"] == pytest.approx(4 + LOADS)
     assert longer["visible"] == longer["named"] == [False, True]  # there is no such curve
     assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
+
+
+# Ends of an axis, its major ticks, and whether a number is a minor one.
+AXES = [
+    ((0.1, 7.0), [0.1, 0.2, 0.5, 1, 2, 5], {0.3: True, 6: True, 0.15: False}),
+    ((0.08, 8.0), [0.1, 0.2, 0.5, 1, 2, 5], {0.09: True}),
+    ((1e-3, 4.0), [1e-3, 1e-2, 0.1, 1], {2e-3: True}),
+    ((2e-12, 1.0), [1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1], {1e-11: True, 2e-11: False}),
+    ((3.0, 9.0), [3, 4, 5, 6, 7, 8, 9], {3.2: True, 3.1: False}),
+    ((1.0, 1.00101), [1, 1.0002, 1.0004, 1.0006, 1.0008, 1.001], {1.00005: True}),
+    ((2.0, 2.0), [], {}),
+    ((0.0, 1.0), [], {}),
+]
+
+
+def test_an_axis_has_numbers_over_many_decades_and_within_one(tmp_path):
+    """By bokeh itself, an axis from 0.1 to 7 had no numbers."""
+    calls = (
+        "const ticks = new Function('cb_data', code); console.log('CONSOLE');"
+        "const result = ends.map(([start, end]) => { const major_ticks = ticks({ start, end });"
+        "return [major_ticks, ticks({ start, end, major_ticks })] });"
+        "document.body.innerHTML = `<pre id='result'>${JSON.stringify(result)}</pre>`"
+    )
+    code = (Path(page.__file__).parent / "ticks.js").read_text(encoding="utf-8")
+    constants = f"const code = {json.dumps(code)}; const ends = {json.dumps([ends for ends, *_ in AXES])};"
+    (tmp_path / "ticks.html").write_text(f"<body><script>{constants}{calls}</script></body>", encoding="utf-8")
+    shown = browse(tmp_path, "--dump-dom", (tmp_path / "ticks.html").as_uri())
+    found = json.loads(re.search(r'<pre id="result">(.*?)</pre>', shown).group(1))
+    for (_, expected, tried), (major, minor) in zip(AXES, found, strict=True):
+        assert major == expected
+        assert {number: number in minor for number in tried} == tried
 
 
 def test_a_narrow_window_is_wide_enough(tmp_path):

@@ -36,3 +36,18 @@ def test_a_profile_shows_its_terms_in_a_notebook():
     assert long.count("<tr>") == 1 + MAX_TERMS_SHOWN
     assert "18 more terms" in long
     assert f"{1 / (1 - 5**-0.75):.6g}" in weier.Profile(1.25, 5, np.inf)._repr_html_()  # G (22)
+
+
+def test_a_trace_and_the_series_that_is_fitted_to_it_show_what_they_are_in_a_notebook():
+    series = weier.Profile(D=1.4, gamma=1.5, m=11, seed=1)
+    heights = 1e-6 * series.height(np.arange(2000) / 50)
+    heights[7] = np.nan
+    trace = weier.Trace(heights, 40e-3, source="<shaft>", unit="m", missing="interpolate")
+    text = trace._repr_html_()
+    assert text.startswith("<p>trace &lt;shaft&gt; of 2000 heights, 1 of them interpolated,")
+    for value in ("0.04 m", f"{trace.g_0:.6g} m", f"{trace.total_amplitude:.6g} g_0", "mirrored", "tilt", "1, 0"):
+        assert f">{value}" in text
+    found = weier.fit(trace, longest=1e-3, shortest=1e-4, gamma="3/2")
+    text = found._repr_html_()
+    for value in (f"{found.D:.6g}", f"{found.D_error:.1g}", "3/2", str(found.m), f"{found.g_0:.6g}"):
+        assert f">{value}</td>" in text

@@ -19,6 +19,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.theory.arguments import checked_number, shown
 from weier.theory.profile import Profile, checked_ratio
 from weier.theory.series import amplitude
+from weier.theory.tables import html_table
 from weier.theory.trace import NEAR, Trace
 
 WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say little about a surface
@@ -53,6 +54,17 @@ class Fit:
     lambda_0: float
     g_0: float
     g_0_error: float
+
+    def _repr_html_(self) -> str:
+        """A table with the standard errors, for notebooks."""
+        rows = [
+            ["fractal dimension D", f"{self.D:.6g}", f"{self.D_error:.1g}"],
+            ["ratio of wavelengths gamma", str(self.gamma), "as asked for"],
+            ["number of waves m", str(self.m), ""],
+            ["wavelength lambda_0, m", f"{self.lambda_0:.6g}", ""],
+            ["amplitude g_0, m", f"{self.g_0:.6g}", f"{self.g_0_error:.1g}"],
+        ]
+        return html_table("Weierstrass series with the spectrum of a trace", ["", "value", "standard error"], rows)
 
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
         """The series, with these phases: a spectrum tells none. With another m it ends earlier or later, or never."""

@@ -27,6 +27,7 @@ from weier.theory.instruments import lines_of, read_lines
 from weier.theory.limits import MAX_WAVES
 from weier.theory.line import Line, line_of_array
 from weier.theory.profile import PARAMETERS
+from weier.theory.tables import html_table
 from weier.theory.units import UNITS, agreed_unit, known_unit
 from weier.theory.waves import Waves
 
@@ -350,6 +351,19 @@ class Trace(Waves):
         return (
             f"{name} of {self.samples} heights{filled} over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
         )
+
+    def _repr_html_(self) -> str:
+        """A table of what it is, for notebooks."""
+        rows = [
+            ["length lambda_0", f"{self.lambda_0:.6g} m"],
+            ["root mean square height g_0", f"{self.g_0:.6g} m"],
+            ["highest point", f"{self.total_amplitude:.6g} g_0 above the mean"],
+            ["shortest wavelength kept", f"{self.shortest:.6g} m"],
+            ["removed by least squares", self.detrend],
+            ["ends", self.ends],
+            ["heights interpolated, cut off", f"{self.filled.heights}, {self.filled.cut}"],
+        ]
+        return html_table(self.describe(), ["property", "value"], rows)
 
 
 def _checked_detrend(detrend: str | None, ends: str) -> str:

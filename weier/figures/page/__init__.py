@@ -29,6 +29,8 @@ from weier.figures.page import plans
 from weier.figures.page.claims import picture
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.figures.page.formulae import typeset
+from weier.methods import bem
+from weier.methods.registry import PLANNED
 from weier.pipeline.claims.claim import Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
 from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_dataset
@@ -40,6 +42,13 @@ PICTURES = (
     "In the pictures, a dot is a profile, and the grey part of the line is too close to the limit to be called."
 )
 IN_SI = " Figures in Pa, m and ohm m^2 are of the scene's two bodies; each trace has its own lambda_0 and g_0."
+HELD_BY_CHORDS = (bem.METHOD.name, PLANNED)
+MIN_EXPLAINED = 0.1  # of the larger of R and 1: a smaller error astonishes nobody
+CHORDS = (
+    "Where R comes from a grid, its stated error is what the chords to the other loads leave open, since the "
+    "compliance is concave and known within an error of its own. R itself is mostly far more accurate, but only the "
+    "chords hold it where few nodes carry a light load; they say least there, and where the loads lie far apart."
+)
 MAX_COLUMN = 1500  # pixels: a figure of one column has some 1050
 EXPLORER_ID = ID("curves-explorer")
 VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
@@ -129,7 +138,7 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
             _figures(scene, figures),
             _claims(data),
             *_traces(data),
-            Section("errors", "Errors", table=_errors(data)),
+            Section("errors", "Errors", _about_errors(data), table=_errors(data)),
             Section("cost", "Cost", table=_costs(cost)),
             *_plans(data, cost),
             _provenance(data),
@@ -178,6 +187,24 @@ def _errors(data: xr.Dataset) -> Table:
             counts = [int((status == each).sum()) for each in states]
             rows.append([variant, *counts, *(largest(data[name].values[cases, row]) for name in columns)])
     return Table(["method", *(each.name.replace("_", " ") for each in states), *columns.values()], rows, "numbers")
+
+
+def _about_errors(data: xr.Dataset) -> list[str]:
+    """Why the largest error of the resistance that chords hold is as large as it is, where it is."""
+    among = [name for name in HELD_BY_CHORDS if name in data["solution_method"].values]
+    if not among or "resistance_error" not in data:
+        return []
+    error, resistance = (data[name].sel(solution_method=among).values for name in ("resistance_error", "resistance"))
+    relative = error / np.fmax(resistance, 1)
+    known = np.isfinite(relative)
+    if not known.any() or relative[known].max() < MIN_EXPLAINED:
+        return []
+    case, row, load = np.unravel_index(np.where(known, error, -1).argmax(), error.shape)
+    where = f"{data['mean_pressure'].values[load]:.3g} p_0*, where R is {resistance[case, row, load]:.3g}"
+    return [
+        f"{CHORDS} Here {among[row]} states the largest, {error[case, row, load]:.2g} g_0/p_0*, at {where}; at half "
+        f"of all loads it is at most {np.median(relative[known]):.2g} of the larger of R and 1 g_0/p_0*."
+    ]
 
 
 def _variants(data: xr.Dataset, row: int, method: str) -> dict[str, list[int]]:

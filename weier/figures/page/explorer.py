@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from bokeh.document import Document
 from bokeh.layouts import column, row
-from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, IndexFilter
+from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, CustomJSTicker, IndexFilter, LogAxis, NoOverlap
 from bokeh.models.widgets import Checkbox, Select
 from bokeh.plotting import figure
 
@@ -76,7 +76,7 @@ def curve_explorer(data: xr.Dataset) -> Column:
             "boxes": boxes,
             "legends": [plot.legend[0] for plot in plots],
         },
-        code=files("weier.figures.page").joinpath("choose.js").read_text(encoding="utf-8"),
+        code=_script("choose.js"),
     )
     for select in selects:
         select.js_on_change("value", choose)
@@ -87,6 +87,10 @@ def curve_explorer(data: xr.Dataset) -> Column:
     document.add_root(parts)
     document.js_on_event("document_ready", choose)
     return parts
+
+
+def _script(name: str) -> str:
+    return files("weier.figures.page").joinpath(name).read_text(encoding="utf-8")
 
 
 def _select(name: str) -> Select:
@@ -132,6 +136,10 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as
     )
     for method, source in zip(methods, sources, strict=True):
         (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
+    code = _script("ticks.js")
+    for axis in (axis for axis in plot.axis if isinstance(axis, LogAxis)):
+        # The program's own have no labels over two decades.
+        axis.update(ticker=CustomJSTicker(major_code=code, minor_code=code), major_label_policy=NoOverlap())
     plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve goes
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(**SMALL_LEGEND)
