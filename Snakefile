@@ -1,34 +1,18 @@
 """config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
 
-import atexit
-import gc
 import os
-import sys
-import threading
 from pathlib import Path
-
-# Else Snakemake looks for garbage when it ends, which takes a third of a second.
-atexit.register(gc.freeze)
-
-# Ctrl-C ends a run in one line; of its own, Snakemake adds a traceback until the jobs begin.
-sys.excepthook = lambda kind, error, trace: (
-    print("weier: stopped by Ctrl-C", file=sys.stderr)
-    if issubclass(kind, KeyboardInterrupt)
-    else sys.__excepthook__(kind, error, trace)
-)
-
-# The checkout, not an installed copy, here and in the jobs, from whatever folder Snakemake runs and in other workflows.
-CHECKOUT = Path(workflow.current_basedir)
-sys.path.insert(0, str(CHECKOUT))
-ELSEWHERE = filter(None, [os.environ.get("PYTHONPATH")])
-os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *ELSEWHERE]))
-# Scenes of the folder where Snakemake runs, if it has any, else those of the checkout.
-CONFIG = Path("config" if Path("config/scenes").is_dir() else CHECKOUT / "config")
 
 from snakemake.utils import validate
 
-from weier.data.files import bring_to_present, check_writable, remove_leftovers
-from weier.digests import digest_of_program
+from weier.digests import PACKAGE, digest_of_program
+
+# Snakemake imports weier from the folder of this file, and so do the jobs, from whatever folder they run.
+ELSEWHERE = filter(None, [os.environ.get("PYTHONPATH")])
+os.environ.update(PYTHONPATH=os.pathsep.join([str(PACKAGE.parent), *ELSEWHERE]))
+CHECKOUT = Path(os.path.relpath(PACKAGE.parent))
+# The scenes of the folder where Snakemake runs, if it has any, else those of the checkout.
+CONFIG = Path("config") if Path("config/scenes").is_dir() else CHECKOUT / "config"
 
 
 configfile:
@@ -41,6 +25,13 @@ configfile:
 validate(config, "config/config.schema.json")
 
 
+include: "rules/common.smk"
+include: "rules/compile.smk"
+include: "rules/accuracy.smk"
+include: "rules/docs.smk"
+include: "rules/page.smk"
+
+
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
@@ -48,41 +39,12 @@ wildcard_constraints:
     method=r"[a-z]+",
 
 
-include: "rules/scenes.smk"
-
-
-with in_one_sentence():
-    check_writable("results")
-
-
 onstart:
-    remove_leftovers("results")
-    bring_to_present("results", str(CONFIG))
-    for name in scene_names():
-        if refusal := forecast(name)[1]:
-            sys.exit(f"weier: {refusal}")
+    scenes.begin()
 
 
 onsuccess:
-    for thread in threading.enumerate():
-        if isinstance(thread, threading.Timer):
-            thread.cancel()  # which looks for further jobs in a second, and Snakemake waits for it
-    for name in scene_names():
-        solutions(name).tidy()
-        page = Path(f"results/{name}/page.html")
-        if not Path(
-            f"results/{name}/contact.nc"
-        ).exists():  # figures or pages of docs alone
-            continue
-        made = (
-            f", {page} shows them"
-            if page.exists()
-            else f", `snakemake --cores 2 pages --config scenes={name}` makes a page of them"
-        )
-        print(
-            f"{name}: the curves are in results/{name}/contact.nc{made}",
-            file=sys.stderr,
-        )
+    scenes.finish()
 
 
 # Ctrl-C reaches all programs of a job, and `tee -i` stays to write what the others say of it.
@@ -91,7 +53,7 @@ onsuccess:
 rule solve:
     input:
         batch=ancient("results/{scene}/batches/{batch}.json"),
-        kernels=lambda w: kernels(w.scene),
+        kernels=ancient(scenes.kernels),
     output:
         "results/{scene}/batches/{batch}.nc",
     log:
@@ -99,76 +61,16 @@ rule solve:
     conda:
         "rules/environment.yaml"
     params:
-        title=lambda w: batch(w.scene, w.batch).title,
-        seconds=lambda w: max(1, round(batch(w.scene, w.batch).seconds)),
+        label=scenes.batch_label,
     message:
-        "{wildcards.scene}: solve {params.title}, in about {params.seconds} s"
+        "{wildcards.scene}: solve {params.label}"
     shell:
         "python -m weier batch {input.batch:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
-# All figures of a scene in one job, since most of it is to start; one that is asked for by its name is drawn alone.
-for name in drawn_together():
-
-    rule:
-        name:
-            f"figures_{name}"
-        input:
-            data=lambda w, name=name: batches(name),
-        output:
-            figures=drawn(name),
-        log:
-            f"results/logs/{name}/figures.log",
-        conda:
-            "rules/environment.yaml"
-        params:
-            scene=scene_file(name),
-            folder=lambda w, name=name: f"results/{name}",
-            figures=lambda w, name=name: repr(scene(name).figures),
-            cases=lambda w, name=name: scene(name).digest_of_cases(*scene(name).studies),
-            program=digest_of_program(*PICTURES),
-        message:
-            f"{name}: draw all figures"
-        shell:
-            "python -m weier figures {params.scene:q} {params.folder}/batches {params.folder}/figures 2>&1 | tee -i {log:q}"
-
-    workflow.ruleorder("figure", f"figures_{name}")
-
-
-rule all:
-    default_target: True
-    input:
-        [path for name in scene_names() for path in products(name)],
-    message:
-        f"everything of {', '.join(scene_names())}"
-
-
-rule figure:
-    input:
-        data=lambda w: batches(w.scene, scene(w.scene).figures[w.figure].studies),
-    output:
-        [f"results/{{scene}}/figures/{{figure}}.{suffix}" for suffix in SUFFIXES],
-    log:
-        "results/logs/{scene}/figure/{figure}.log",
-    conda:
-        "rules/environment.yaml"
-    params:
-        scene=lambda w: scene_file(w.scene),
-        figure=lambda w: repr(scene(w.scene).figures[w.figure]),
-        cases=lambda w: scene(w.scene).digest_of_cases(
-            *scene(w.scene).figures[w.figure].studies
-        ),
-        program=digest_of_program(*PICTURES),
-    message:
-        "{wildcards.scene}: draw {wildcards.figure}"
-    shell:
-        "python -m weier figures {params.scene:q} results/{wildcards.scene}/batches"
-        " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
-
-
 rule claims:
     input:
-        data=lambda w: batches(w.scene),
+        scenes.batches,
     output:
         data="results/{scene}/contact.nc",
         table=report(
@@ -182,29 +84,43 @@ rule claims:
     conda:
         "rules/environment.yaml"
     params:
-        scene=lambda w: scene_file(w.scene),
-        text=lambda w: scene(w.scene).text,
-        program=digest_of_program(*TABLES),
+        scene=scenes.scene_file,
+        depends_on=scenes.claims_digest,
     message:
         "{wildcards.scene}: gather all curves and check the claims"
     shell:
         "python -m weier claims {params.scene:q} results/{wildcards.scene}/batches {output:q} 2>&1 | tee -i {log:q}"
 
 
-# A job for each method, so that they are compiled side by side, before any batch waits for them.
-rule compile:
+rule figure:
+    input:
+        scenes.batches_of_figure,
     output:
-        touch(compiled("{method}")),
+        pdf="results/{scene}/figures/{figure}.pdf",
+        svg="results/{scene}/figures/{figure}.svg",
+        png=report(
+            "results/{scene}/figures/{figure}.png",
+            category="{scene}",
+            subcategory="figures",
+            labels=labels_of_figure,
+        ),
     log:
-        "results/logs/compile/{method}.log",
+        "results/logs/{scene}/figure/{figure}.log",
     conda:
         "rules/environment.yaml"
+    params:
+        scene=scenes.scene_file,
+        depends_on=scenes.figure_digest,
     message:
-        "compile {wildcards.method}, once for all later runs"
+        "{wildcards.scene}: draw {wildcards.figure}"
     shell:
-        "python -m weier compile {wildcards.method:q} 2>&1 | tee -i {log:q}"
+        "python -m weier figures {params.scene:q} results/{wildcards.scene}/batches"
+        " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
 
 
-include: "rules/accuracy.smk"
-include: "rules/docs.smk"
-include: "rules/page.smk"
+rule all:
+    default_target: True
+    input:
+        scenes.products,
+    message:
+        f"everything of {', '.join(SCENES)}"

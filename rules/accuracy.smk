@@ -1,40 +1,24 @@
-# What is measured of the methods, and the figure of each: snakemake --cores 2 tradeoff, convergence or extremes
-for study, figure in {
-    "tradeoff": "work_precision",
-    "convergence": "convergence",
-    "extremes": "extremes",
-}.items():
+# What is measured of the methods, with a figure of each: snakemake --cores 2 tradeoff, convergence or extremes
+rule tradeoff:
+    input:
+        multiext("results/tradeoff/work_precision", ".pdf", ".svg", ".png"),
 
-    rule:
-        name:
-            study
-        input:
-            data=f"results/{study}/{study}.nc",
-        output:
-            pdf=f"results/{study}/{figure}.pdf",
-            svg=f"results/{study}/{figure}.svg",
-            png=report(
-                f"results/{study}/{figure}.png",
-                category="methods",
-                subcategory=study,
-                labels={"figure": figure, "caption": kinds()[figure].caption},
-            ),
-        log:
-            f"results/logs/{study}/draw.log",
-        conda:
-            "environment.yaml"
-        params:
-            figure=figure,
-            program=digest_of_program(*PICTURES),
-        shell:
-            "python -m weier draw {params.figure:q} {output.png:q} {input.data:q} 2>&1 | tee -i {log:q}"
+
+rule convergence:
+    input:
+        multiext("results/convergence/convergence", ".pdf", ".svg", ".png"),
+
+
+rule extremes:
+    input:
+        multiext("results/extremes/extremes", ".pdf", ".svg", ".png"),
 
 
 # On its own, since other jobs beside it would disturb the seconds.
 rule measure_tradeoff:
     input:
-        kernels=kernels(),
-        scene=in_checkout("config/accuracy/tradeoff.yaml"),
+        kernels=ancient(kernels_of(METHODS)),
+        scene=str(CHECKOUT / "config/accuracy/tradeoff.yaml"),
     output:
         data="results/tradeoff/tradeoff.nc",
         table="results/tradeoff/tradeoff.md",
@@ -42,17 +26,17 @@ rule measure_tradeoff:
         "results/logs/tradeoff/measure.log",
     conda:
         "environment.yaml"
-    threads: 999  # all there are: snakemake takes no more than --cores, and workflow.cores is unknown to --unlock
+    threads: cores()
     params:
-        program=digest_of_program(*MEASURED),
+        depends_on=digest_of_program(*MEASURED),
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
 rule measure_convergence:
     input:
-        kernels=kernels(),
-        scene=in_checkout("config/accuracy/infinite.yaml"),
+        kernels=ancient(kernels_of(METHODS)),
+        scene=str(CHECKOUT / "config/accuracy/infinite.yaml"),
     output:
         "results/convergence/convergence.nc",
     log:
@@ -60,14 +44,14 @@ rule measure_convergence:
     conda:
         "environment.yaml"
     params:
-        program=digest_of_program(*MEASURED),
+        depends_on=digest_of_program(*MEASURED),
     shell:
         "python -m weier convergence {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
 rule measure_extremes:
     input:
-        kernels=kernels(),
+        kernels=ancient(kernels_of(METHODS)),
     output:
         data="results/extremes/extremes.nc",
         summary="results/extremes/extremes.md",
@@ -76,15 +60,39 @@ rule measure_extremes:
     conda:
         "environment.yaml"
     params:
-        program=digest_of_program(*MEASURED),
+        depends_on=digest_of_program(*MEASURED),
     shell:
         "python -m weier extremes {output:q} 2>&1 | tee -i {log:q}"
+
+
+rule draw:
+    input:
+        "results/{study}/{study}.nc",
+    output:
+        pdf="results/{study}/{figure}.pdf",
+        svg="results/{study}/{figure}.svg",
+        png=report(
+            "results/{study}/{figure}.png",
+            category="methods",
+            subcategory="{study}",
+            labels=labels_of_measurement,
+        ),
+    log:
+        "results/logs/{study}/{figure}.log",
+    wildcard_constraints:
+        study="tradeoff|convergence|extremes",
+    conda:
+        "environment.yaml"
+    params:
+        depends_on=digest_of_program(*PICTURES),
+    shell:
+        "python -m weier draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
 
 
 # What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
 rule plan:
     input:
-        scenes=[scene_file(name) for name in scene_names()],
+        scenes=expand(str(CONFIG / "scenes/{scene}.yaml"), scene=SCENES),
     log:
         "results/logs/plan.log",
     conda:

@@ -1,30 +1,24 @@
 # One HTML page a scene, to look through: snakemake --cores 2 pages --config scenes=paper
 rule pages:
     input:
-        expand("results/{s}/page.html", s=scene_names()),
+        expand("results/{scene}/page.html", scene=SCENES),
 
 
-for name in scene_names():
-
-    rule:
-        name:
-            f"page_{name}"
-        input:
-            list(getattr(rules, f"figures_{name}").output),  # of a named input, Snakemake forgets the rule
-            contact=f"results/{name}/contact.nc",
-        output:
-            f"results/{name}/page.html",
-        log:
-            f"results/logs/{name}/page.log",
-        conda:
-            "environment.yaml"
-        params:
-            scene=scene_file(name),
-            folder=lambda w, name=name: f"results/{name}",
-            figures=lambda w, name=name: repr(scene(name).figures),
-            program=digest_of_program(*PICTURES),
-        message:
-            f"{name}: write the page"
-        shell:
-            "python -m weier page {params.scene:q} {params.folder}/batches {input.contact:q} {output:q} {params.folder}/figures"
-            " 2>&1 | tee -i {log:q}"
+rule page:
+    input:
+        contact="results/{scene}/contact.nc",
+        figures=scenes.figures,
+    output:
+        "results/{scene}/page.html",
+    log:
+        "results/logs/{scene}/page.log",
+    conda:
+        "environment.yaml"
+    params:
+        scene=scenes.scene_file,
+        depends_on=scenes.page_digest,
+    message:
+        "{wildcards.scene}: write the page"
+    shell:
+        "python -m weier page {params.scene:q} results/{wildcards.scene}/batches {input.contact:q} {output:q}"
+        " results/{wildcards.scene}/figures 2>&1 | tee -i {log:q}"

@@ -145,7 +145,8 @@ def test_what_is_compiled_is_told_in_the_cache_for_all_folders(checkout, tmp_pat
         path.parent.mkdir(parents=True)
         path.touch()
     assert list(compiled().values()) == [True]
-    (checkout / "weier/methods/bem/active_set.py").touch()
+    with (checkout / "weier/methods/bem/edges.py").open("a") as source:
+        source.write("# another state\n")
     assert list(compiled().values()) == [False]
     shutil.rmtree(cache)
     assert list(compiled().values()) == [False]
@@ -153,10 +154,11 @@ def test_what_is_compiled_is_told_in_the_cache_for_all_folders(checkout, tmp_pat
     assert compiled() == {}
 
 
-def test_a_page_and_all_products_need_the_same_job_for_all_figures(checkout):
-    for targets in (["pages"], ["all", "pages"]):
+def test_a_page_and_all_products_need_the_same_jobs(checkout):
+    """A case is solved once, whichever of them asks for it."""
+    for targets in (["pages"], ["all", "pages"], ["results/test/figures/two.png", "all"]):
         jobs = planned(checkout, *targets)
-        assert {name: count for name, count in jobs.items() if name.startswith("fig")} == {"figures_test": 1}
+        assert (jobs["solve"], jobs["figure"], jobs["claims"]) == (2, 2, 1)
 
 
 @pytest.fixture(scope="module")
@@ -187,9 +189,16 @@ def test_nothing_runs_twice(finished):
     assert planned(finished) == {}
 
 
-def test_a_changed_figure_is_drawn_alone(finished):
+def test_a_changed_figure_of_a_scene_is_drawn_alone(finished):
+    path = finished / "config/scenes/test.yaml"
+    path.write_text(SCENE.replace("resistance,", "resistance, x: linear,"))
+    assert planned(finished)["figure"] == 1
+    path.write_text(SCENE)
+
+
+def test_a_change_of_how_figures_are_drawn_solves_nothing(finished):
     edit(finished / "weier/figures/compliance.py", "def draw(", "draw: object\n\n\ndef draw(")
-    assert ran(run(finished)) == {"figures": 1}
+    assert ran(run(finished)) == {"figures": 2}
 
 
 def test_a_new_date_runs_nothing(finished):
@@ -202,7 +211,7 @@ def test_a_changed_solver_runs_all(finished):
     before = (finished / "results/test/contact.nc").read_bytes()
     batches = finished / "results/test/batches"
     old = {path.name for path in batches.iterdir()}
-    assert ran(run(finished)) == {"solve": 2, "figures": 1, "claims": 1}
+    assert ran(run(finished)) == {"solve": 2, "figures": 2, "claims": 1}
     assert (finished / "results/test/contact.nc").read_bytes() == before
     assert old.isdisjoint(path.name for path in batches.iterdir())  # what nobody needs any more is gone
 
@@ -216,7 +225,7 @@ def test_a_run_that_is_planned_names_its_jobs(finished):
     jobs = re.findall(r"^Job \d+: (.*)$", said, re.M)
     assert sorted(re.sub(r", in about \S+ s$", "", job) for job in jobs) == [
         "everything of test",
-        "test: draw all figures",
+        "test: draw two",
         "test: gather all curves and check the claims",
         "test: solve 1 case of long",
     ]

@@ -110,11 +110,16 @@ def test_batches_are_no_larger_than_asked(tmp_path):
 
 
 def test_a_study_needs_only_its_own_cases(tmp_path):
+    """What is asked for afterwards shares them."""
     studies = {"one": {"product": PRODUCT}, "two": {"product": PRODUCT | {"seed": [2, 7]}}}
     solutions = Solutions(load(tmp_path, studies=studies), tmp_path)
-    wanted = [read_batch(path.with_suffix(".json")) for path in solutions.files(["two"])]
-    assert [batch.studies for batch in wanted] == [["one", "two"], ["two"]]
-    assert sum(len(batch.cases) for batch in wanted) == 8
+    (path,) = solutions.files(["two"])
+    assert len(read_batch(path.with_suffix(".json")).cases) == 8
+    again, other = solutions.files()
+    assert again == path
+    assert len(read_batch(other.with_suffix(".json")).cases) == 8
+    assert set(solutions.files(["one"])) == {path, other}
+    assert len(solutions.to_solve) == 2
 
 
 def test_a_batch_says_what_it_holds(tmp_path):

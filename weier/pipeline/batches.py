@@ -74,6 +74,7 @@ class Solutions:
     def __init__(self, scene: Scene, folder: str | Path) -> None:
         self.scene, self.folder = scene, Path(folder)
         self.to_solve: dict[Path, Sequence[Missing]] = {}
+        self._asked: dict[str, Path] = {}  # the batch that each of their curves is to be solved in
         self.common = {
             "program": digest_of_program(*NUMBERS),
             "loads": scene.loads.tolist(),
@@ -101,22 +102,28 @@ class Solutions:
                 "run snakemake again"
             ) from None
 
-    def files(self, studies: Collection[str] = (), cores: int = 1) -> list[Path]:
-        """The batches that hold some studies, or all of them: those that are there, and those to be made.
+    def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
+        """The batches that hold these studies, or else all of the scene: those that are there, and those to be made.
 
-        What is to be made for so many cores is described here. It holds nothing but cases of these studies. Where
-        some are named, cases of the same studies come together, so that two figures ask for the same batches.
+        What is to be made for so many cores is described here. It holds nothing but cases of these studies, and none
+        that was asked for before, so that a case that two figures show is solved once.
         """
-        here, missing = set[Path](), dict[tuple[str, ...], list[Missing]]()
-        for case, home in zip(self.scene.distinct, self.scene.studies_of_cases, strict=True):
-            if not studies or not set(home).isdisjoint(studies):
-                here |= {self._solved[curve].batch for curve in case.curve_keys.values() if curve in self._solved}
-                lacking = tuple(method for method, curve in case.curve_keys.items() if curve not in self._solved)
-                group = missing.setdefault(home if studies else (), [])
-                if lacking:
-                    group.append(missing_case(case.with_methods(lacking), home, self.scene.loads))
-        cut = (part for group in missing.values() for part in cut_into_batches(group, self.scene, cores))
-        return [path.with_suffix(".nc") for path in (*sorted(here), *map(self._describe, cut))]
+        here, missing = set[Path](), list[Missing]()
+        for position, home in enumerate(self.scene.studies_of_cases):
+            if studies is not None and set(home).isdisjoint(studies):
+                continue
+            case = self.scene.distinct[position]
+            batches = {method: self._batch_of(curve) for method, curve in case.curve_keys.items()}
+            here |= set(filter(None, batches.values()))
+            lacking = tuple(method for method, batch in batches.items() if batch is None)
+            if lacking:
+                missing.append(missing_case(case.with_methods(lacking), home, self.scene.loads))
+        described = map(self._describe, cut_into_batches(missing, self.scene, cores))
+        return [path.with_suffix(".nc") for path in (*sorted(here), *described)]
+
+    def _batch_of(self, curve: str) -> Path | None:
+        """The batch that holds a curve, or will hold it; None if it has not been asked for."""
+        return self._solved[curve].batch if curve in self._solved else self._asked.get(curve)
 
     def _describe(self, members: Sequence[Missing]) -> Path:
         """The description of a batch of these cases, which is written unless it is there."""
@@ -128,6 +135,7 @@ class Solutions:
             seconds = sum(each.seconds for each in members)
             write_text(path, json.dumps(content | {"studies": of, "seconds": seconds}))
         self.to_solve[path] = members
+        self._asked |= {curve: path for case in cases for curve in case.curve_keys.values()}
         return path
 
     def tidy(self) -> None:

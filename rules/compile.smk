@@ -1,0 +1,12 @@
+# A job for each method, so that they are compiled side by side, before any batch waits for them.
+rule compile:
+    output:
+        touch(kernels_file("{method}")),
+    log:
+        "results/logs/compile/{method}.log",
+    conda:
+        "environment.yaml"
+    message:
+        "compile {wildcards.method}, once for all later runs"
+    shell:
+        "python -m weier compile {wildcards.method:q} 2>&1 | tee -i {log:q}"

@@ -1,0 +1,223 @@
+"""What the rules of the Snakefile ask of its scenes: their files, what these depend on, and whether a run may begin.
+
+Snakemake adds a traceback to an error. What is wrong with a scene or a folder ends the run in one sentence instead.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from weier.data.files import bring_to_present, check_target, check_writable, remove_leftovers
+from weier.data.netcdf import check_whole
+from weier.digests import digest, digest_of_program
+from weier.kernels.jit import DISABLED, cache_folder
+from weier.methods.method import Method
+from weier.methods.registry import METHODS, find_method
+from weier.pipeline.batches import NUMBERS, Solutions, read_batch
+from weier.pipeline.forecast import forecast_scene
+from weier.scene import Scene
+
+# What steps depend on, of the package: they run again where the texts in these folders have changed.
+TABLES = (*NUMBERS, "pipeline")
+PICTURES = (*TABLES, "figures")
+MEASURED = (*TABLES, "accuracy")
+FORMATS = ("pdf", "svg", "png")  # of each figure
+
+
+class Scenes:
+    """The scenes of one run of Snakemake; methods that take `wildcards` are functions for its rules.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The scenes that the configuration names.
+    load : callable
+        From the name of a scene to the scene; a SceneError if there is none, or it has mistakes.
+    config : path
+        The folder whose folder `scenes` has the files of the scenes.
+    cores : int
+        As many as Snakemake may use.
+    results : path, optional
+        The folder that the results go to.
+    """
+
+    def __init__(
+        self, names: Sequence[str], load: Callable[[str], Scene], config: Path, cores: int, results: str = "results"
+    ) -> None:
+        self.names, self.config, self.cores, self.results = names, config, cores, Path(results)
+        self._load, self._solutions = load, dict[str, Solutions]()
+        # Snakemake asks several times: scenes are read, batches cut and lines told once.
+        self.scene, self._batches, self._tell = cache(self._checked_scene), cache(self._cut_batches), cache(tell)
+
+    def _checked_scene(self, name: str) -> Scene:
+        """The scene of this name."""
+        with ending_in_one_sentence():
+            return self._load(name)
+
+    def scene_file(self, wildcards: Any) -> str:
+        """The file of a scene, as jobs read it."""
+        return str(self.config / "scenes" / f"{wildcards.scene}.yaml")
+
+    def products(self, wildcards: Any) -> list[str]:
+        """All that is made of the scenes of the configuration: data, claims and figures.
+
+        No job reads the data. So it is here that they are found to be cut short, or to be another program's.
+        """
+        made = []
+        for name in self.names:
+            data, claims = self.results / name / "contact.nc", self.results / name / "claims.md"
+            with ending_in_one_sentence():
+                if data.exists():
+                    check_whole(data)
+            made += [str(data), str(claims), *self.figures_of(name)]
+        return made
+
+    def figures(self, wildcards: Any) -> list[str]:
+        """The files of all figures of a scene."""
+        return self.figures_of(wildcards.scene)
+
+    def figures_of(self, name: str) -> list[str]:
+        """The files of all figures of the scene of this name."""
+        folder = self.results / name / "figures"
+        return [str(folder / f"{figure}.{suffix}") for figure in self.scene(name).figures for suffix in FORMATS]
+
+    def batches(self, wildcards: Any) -> list[str]:
+        """The files that hold all curves of a scene."""
+        return self._batches(wildcards.scene)
+
+    def batches_of_figure(self, wildcards: Any) -> list[str]:
+        """The files that hold the curves of a figure."""
+        with ending_in_one_sentence():
+            figure = self.scene(wildcards.scene).figure(wildcards.figure)
+        return self._batches(wildcards.scene, figure.studies)
+
+    def _cut_batches(self, name: str, studies: tuple[str, ...] | None = None) -> list[str]:
+        """The batches that hold these studies of a scene, or else all of it.
+
+        What it will take to solve those that are missing is said now, so that a dry run says it, too.
+        """
+        scene = self.scene(name)
+        with ending_in_one_sentence():
+            solutions = self._solutions.setdefault(name, Solutions(scene, self.results / name / "batches"))
+            paths = [str(path) for path in solutions.files(studies, self.cores)]
+            lines, refusal = self._forecast(solutions)
+        for line in filter(None, [*lines, refusal]):
+            self._tell(line)
+        return paths
+
+    def _forecast(self, solutions: Solutions) -> tuple[list[str], str]:
+        return forecast_scene(solutions.scene, solutions.to_solve.values(), self.cores)
+
+    def batch_label(self, wildcards: Any) -> str:
+        """What a batch holds, and what it will take."""
+        with ending_in_one_sentence():
+            return batch_label(self.results / wildcards.scene / "batches" / f"{wildcards.batch}.json")
+
+    def kernels(self, wildcards: Any) -> list[str]:
+        """The files that say that the kernels of a scene are compiled."""
+        used = [find_method(name) for name in self.scene(wildcards.scene).layout.methods]
+        return kernels_of(METHODS if any(method.runs_others for method in used) else used)
+
+    def figure_digest(self, wildcards: Any) -> str:
+        """A digest of what a figure depends on, beside its curves."""
+        scene = self.scene(wildcards.scene)
+        figure = scene.figure(wildcards.figure)
+        return digest([repr(figure), scene.digest_of_cases(*figure.studies), digest_of_program(*PICTURES)])
+
+    def claims_digest(self, wildcards: Any) -> str:
+        """A digest of what the data and claims of a scene depend on, beside its curves."""
+        return digest([self.scene(wildcards.scene).text, digest_of_program(*TABLES)])
+
+    def page_digest(self, wildcards: Any) -> str:
+        """A digest of what the page of a scene depends on, beside its data and figures."""
+        return digest([repr(self.scene(wildcards.scene).figures), digest_of_program(*PICTURES)])
+
+    def begin(self) -> None:
+        """Put files in order that a run before has left, and stop where a scene would take longer than it allows."""
+        with ending_in_one_sentence():
+            check_writable(self.results)
+            remove_leftovers(self.results)
+            bring_to_present(self.results, self.config)
+            for solutions in self._solutions.values():
+                _, refusal = self._forecast(solutions)
+                if refusal:
+                    raise ValueError(refusal)
+
+    def finish(self) -> None:
+        """Remove what nobody needs any more, and say where the curves are."""
+        for name, solutions in self._solutions.items():
+            solutions.tidy()
+            data, page = self.results / name / "contact.nc", self.results / name / "page.html"
+            how = f"`snakemake --cores 2 pages --config scenes={name}` makes a page of them"
+            if data.exists():
+                tell(f"{name}: the curves are in {data}, {f'{page} shows them' if page.exists() else how}")
+
+
+def kernels_of(methods: Iterable[Method]) -> list[str]:
+    """The files that say that the kernels of these methods are compiled.
+
+    Those of closed forms take seconds, and no job of their own. There are none where nothing is compiled, or where
+    the cache takes no files: then each job compiles what it needs.
+    """
+    try:
+        check_target(cache_folder() / "compiled" / "any")
+    except OSError:
+        return []
+    return [] if DISABLED else [kernels_file(method.name) for method in methods if method.numerical]
+
+
+def kernels_file(method: str) -> str:
+    """The file that says that a method is compiled: in the cache, so that it serves runs in all folders.
+
+    Without a home directory there is no cache, and nothing asks for this file.
+    """
+    try:
+        cache = cache_folder()
+    except OSError:
+        cache = Path("results")
+    return str(cache / "compiled" / method)
+
+
+@cache
+def batch_label(description: Path) -> str:
+    """What a batch holds, and what it will take."""
+    batch = read_batch(description)
+    return f"{batch.title}, in about {max(1, round(batch.seconds))} s"
+
+
+def check_packages(*names: str) -> None:
+    """End the run before its first job where these packages of developers are missing, not after its last one."""
+    if missing := [name for name in names if not find_spec(name)]:
+        command = "pip install --require-hashes -r requirements/dev.txt"
+        raise SystemExit(f"weier: the documentation needs {', '.join(missing)}: {command}")
+
+
+@contextmanager
+def ending_in_one_sentence() -> Iterator[None]:
+    """End the run with what is wrong with a scene or a folder, and at once where Ctrl-C comes.
+
+    Snakemake's event loop would take note of Ctrl-C and go on until all is planned, which may take minutes.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.SIG_IGN:  # as in the background of a script
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise SystemExit("weier: stopped by Ctrl-C") from None
+    except (ValueError, OSError) as error:
+        raise SystemExit(f"weier: {error}") from None
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def tell(line: str) -> None:
+    """Say something to people; the output is for what Snakemake prints."""
+    print(line, file=sys.stderr, flush=True)
