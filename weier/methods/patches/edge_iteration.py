@@ -287,9 +287,14 @@ def _merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> l
 
 
 def rearrange(
-    problem: Problem, step: Step, segments: Segments, remaining: Flags, added: NDArray[np.float64], stage: Stage,
+    problem: Problem,
+    step: Step,
+    segments: Segments,
+    remaining: Flags,
+    added: NDArray[np.float64],
+    stage: Stage,
     node_count: Array | None = None,
-) -> Guess:  # fmt: skip
+) -> Guess:
     """A guess of the remaining segments, with the step's expansions, and of added intervals, shape (added, 2)."""
     series = problem.series
     crest, origin, centre = (
