@@ -13,7 +13,7 @@ from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import sample_points
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
-from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, lone_contacts, lone_gaps
+from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_crests
@@ -47,7 +47,7 @@ def _run_kernels() -> None:
     """
     surface = surface_of(ONE_WAVE)
     nearly_full = surface.full_contact_load - LIGHT
-    for guess in (lone_contacts(surface.heights, LIGHT), lone_gaps(surface.tensions, nearly_full)):
+    for guess in (isolated_contacts(surface.heights, LIGHT), isolated_gaps(surface.tensions, nearly_full)):
         assert guess is not None
         series = surface.series(guess.dual)
         curve(ONE_WAVE, guess.load)
