@@ -10,7 +10,7 @@ from weier.methods.patches.many_contacts import MIN_CONTACTS
 from weier.methods.segment import COMPLIANCE
 
 # Error of the resistance to expect, over the tolerance. It is about 1 but for loads as near as 1e-5 of themselves
-# below a merger, where it was seen to be so large. What a solution states of itself is in `resistance_error`.
+# below a merger, where it was as large as this. What a solution states of itself is in `resistance_error`.
 RESISTANCE_FACTOR = 50.0
 
 MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 74 s a load and 3.1 GB.

@@ -3,7 +3,7 @@
 The reasons are in docs/patches.md, "Births and mergers". Contacts never split or vanish as the load grows, since an
 increment of the load raises the pressure everywhere on them. So each contact under a heavier load holds one or more
 of those under a lighter load, which are a merger if they are two, or none, which is a birth (`_Search._changes`). A
-contact that was born and swallowed in between is not seen so. It would leave a minimum of the gap under the lighter
+contact that was born and swallowed in between changes no count. It would leave a minimum of the gap under the lighter
 load where there is contact under the heavier one: such changes are not certain
 (`_Search._has_no_more_minima`).
 
@@ -41,7 +41,7 @@ MAX_ADVANCE = 0.15
 # In intervals of ln(p) shorter than this the load of an event is sought by root-finding. In longer ones contacts may
 # not be followed from one end to the other.
 MAX_ROOT_INTERVAL = 0.1
-# Most events of an interval in which roots are sought. Symmetry makes two of one load common. Roots that differ serve
+# Roots are sought in an interval with at most so many events. Symmetry makes two of one load common. Roots that differ serve
 # to choose where to halve the interval, and each takes several solutions where halving takes one.
 MAX_ROOTS = 4
 MIN_INTERVAL = 1e-9  # Events closer than this in ln(p) count as events of one load.

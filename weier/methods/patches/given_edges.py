@@ -19,8 +19,8 @@ contact. At the zeros t_i of U_K, with the weights w_i of Gauss's quadrature, W 
     (C f)_i = -1/(2 L^2) sum_j f_j/sin^2(pi (x_i - x_j)/L),   C f = -(pressure of full contact),   d = sum f/L.
 
 On the gap of i itself, the finite part of int sqrt(1-s^2) U_k(s)/(t-s)^2 ds = -pi (k+1) U_k(t) stands for the sum.
-So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps feel
-each other only as dipoles do, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
+So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps act on
+each other as dipoles only, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
 the form of the pressure on a contact, so that the same expansions and the same moves of the edges serve both.
 """
 

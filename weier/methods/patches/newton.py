@@ -137,7 +137,7 @@ class TwoGrids(NamedTuple):
 
 _NO_BLOCKS = Blocks(np.empty(0), np.zeros((3, 1), np.int64))
 _NO_FACTORS = np.empty((2, 2), order="F"), np.empty(0, np.int32)
-NO_GRIDS = TwoGrids._make((*5 * [_NO_BLOCKS], _NO_FACTORS))  # for no correction
+NO_GRIDS = TwoGrids._make((*5 * [_NO_BLOCKS], _NO_FACTORS))  # Newton's steps take no corrections.
 
 
 @lru_cache(maxsize=256)
