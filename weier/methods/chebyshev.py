@@ -6,7 +6,8 @@ in place of T_n(t) outside the interval, where rho = t + sign(t) sqrt(t^2-1), it
     int sqrt(1-s^2) U_k(s)/(t-s) ds      = pi T_(k+1)(t)
     int sqrt(1-s^2) U_k(s) ln|t-s| ds    = (L_k - L_(k+2))/2,  L_0 = pi (ln|rho| - ln 2),  L_n = -(pi/n) T_n(t)
 
-Both hold at the edges and beyond them, where quadrature would lose all digits.
+Both hold at the edges and beyond them, where quadrature would lose all digits. docs/patches.md, "Chebyshev
+polynomials", derives them and says what they are used for.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Rule(NamedTuple):
     node : t, ascending, shape (K,)
     weight : of the values at the nodes, shape (K,)
     polynomial : T_k or U_k at the nodes, one k a row, shape (K, K)
-    expansion : what makes coefficients in T_k or U_k of values at the nodes, shape (K, K)
+    expansion : from values at the nodes to coefficients in T_k or U_k, shape (K, K)
     """
 
     node: Array

@@ -1,11 +1,11 @@
-"""About the forces on flat punches that displace them by so much, in the time O(punches).
+"""Approximate forces on flat punches from their displacements, in the time O(punches).
 
-The unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of another
-by -2 ln|2 sin(pi d/L)|. This matrix is taken for the covariance of random displacements. Of these, every second is
-told from its nearest neighbours among the others but for an error that hardly depends on those of the rest; and so on
-with the others, every second of them, until few are left (Vecchia's approximation of the inverse: Schaefer, Katzfuss
-and Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019). It serves conjugate gradients as their preconditioner, or as a part
-of it, which need not be exact.
+A unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of another
+by -2 ln|2 sin(pi d/L)|. This matrix is taken for the covariance of random displacements. Every second displacement is
+predicted from its nearest neighbours among the others, with an error that is nearly independent of the rest; and so
+on with every second of the others, until few are left (Vecchia's approximation of the inverse: Schaefer, Katzfuss and
+Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019). It is a preconditioner of conjugate gradients, or a part of one, and
+need not be exact (docs/patches.md, "Given edges").
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ from weier.theory.halfplane import displacement_at_distance
 
 Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
 
-MAX_COARSEST = 32  # punches each of which is told from all before it
-NEIGHBOURS = 8  # of a punch on either side: 12 save no step of conjugate gradients
-OFFSET = 2.0  # of all displacements, which makes the matrix positive definite and changes nothing for forces of sum 0
+MAX_COARSEST = 32  # Each of the coarsest punches, so many at most, is predicted from all before it.
+NEIGHBOURS = 8  # Neighbours of a punch on either side: 12 save no step of conjugate gradients.
+# An offset of all displacements, which makes the matrix positive definite and changes nothing for forces of sum 0.
+OFFSET = 2.0
 
 
 @kernel
 def invert_punches(which: Indices, centre: Array, compliance: Array, period: float) -> Inverse:
-    """About the inverse of the influence of those punches on each other, in order round the period, in factors W' W.
+    """The approximate inverse W' W of the influence of those punches on each other, which are in order.
 
-    With the punches from coarse to fine, as if they were random numbers of this covariance, a row of W is what the
-    displacement of one deviates by from its mean for given displacements of its neighbours among the coarser. Where
-    the matrix is not positive definite, it is NaN.
+    The rows of W are the punches from coarse to fine. With the influence as a covariance, a row is the deviation of
+    one displacement from its mean for given displacements of its neighbours among the coarser, over its standard
+    deviation. Where the matrix is not positive definite, W is NaN.
     """
     n, stride, row = which.size, 1, 0
     while n > stride * MAX_COARSEST:
@@ -53,7 +54,7 @@ def invert_punches(which: Indices, centre: Array, compliance: Array, period: flo
     factor = np.empty((MAX_COARSEST, MAX_COARSEST))
     for row in range(n):
         here, entries = member[start[row] : start[row + 1]], entry[start[row] : start[row + 1]]
-        known = row if here.size == row + 1 else 0  # the coarsest have all before them, whose rows are the same
+        known = row if here.size == row + 1 else 0  # The factor of the coarsest grows by a row for each of them.
         _fill_row(centre, compliance, here, period, known, factor, entries)
     return start, member[: start[n]], entry[: start[n]]
 
@@ -83,7 +84,7 @@ def _fill_row(
 
 @kernel
 def solve_forces(inverse: Inverse, displacement: Array) -> Array:
-    """About the forces that displace those punches by so much, and none on others, shape (punches,)."""
+    """The approximate forces on those punches from their displacements, and 0 on others, shape (punches,)."""
     start, member, entry = inverse
     force = np.zeros(displacement.size)
     for row in range(start.size - 1):

@@ -103,7 +103,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size
     assert state.approach == pytest.approx(expected.approach, abs=1e-12)
     assert state.resistance == pytest.approx(expected.resistance, rel=1e-9)
-    np.testing.assert_allclose(state.singular_rate, expected.singular_rate, rtol=1e-6)
+    np.testing.assert_allclose(state.tangent_strength, expected.tangent_strength, rtol=1e-6)
 
 
 def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():

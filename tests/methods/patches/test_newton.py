@@ -67,13 +67,13 @@ def test_what_a_dense_matrix_does_not_solve_is_left_to_sums(fault, monkeypatch):
     ("profile", "load"), [(THREE_WAVES, 0.4), (THREE_WAVES, 2.0), (Profile(1.25, 5, 4, 1.0), 0.6)]
 )
 def test_the_resistance_falls_as_edges_move_out(profile, load):
-    """By 2 pi^2 K^2/L for each unit of length, where an edge moves at the speed 2 K/A: few contacts, gaps, many."""
+    """By 2 pi^2 B^2/L for each unit of length, where an edge moves at the speed 2 B/A: few contacts, gaps, many."""
     before, here, after = patches.solve_loads(profile, load * (1 + np.array([-1e-4, 0, 1e-4])))
     expected = (after.state.resistance - before.state.resistance) / (after.mean_pressure - before.mean_pressure)
-    K, strength = here.state.singular_rate, np.abs(segment_strengths(here.state))
-    assert -4 * np.pi**2 / profile.period * np.sum(K**3 / strength) == pytest.approx(expected, rel=1e-5)
+    B, strength = here.state.tangent_strength, np.abs(segment_strengths(here.state))
+    assert -4 * np.pi**2 / profile.period * np.sum(B**3 / strength) == pytest.approx(expected, rel=1e-5)
     speed = (after.edges - before.edges) / (after.mean_pressure - before.mean_pressure) * [-1, 1]
-    np.testing.assert_allclose(np.sort(speed.ravel()), np.sort((2 * K / strength).ravel()), rtol=1e-4)
+    np.testing.assert_allclose(np.sort(speed.ravel()), np.sort((2 * B / strength).ravel()), rtol=1e-4)
 
 
 @pytest.mark.parametrize("above", [1e-2, 1e-4, 1e-6])

@@ -11,7 +11,7 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.patches import start
 from weier.methods.patches.inequalities import error_bound
-from weier.methods.patches.start import lone_contacts, lone_gaps
+from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
@@ -263,18 +263,18 @@ def test_loads_of_any_size(loads):
 
 
 @pytest.mark.parametrize(("profile", "load"), [(TWIN_CRESTS, 1e-12), (TWIN_CRESTS, 1e-6), (THREE_WAVES, None)])
-def test_lone_contacts_and_gaps_are_those_of_the_solution(profile, load):
-    """Half-widths that Hertz's theory gives, and the like of it just before full contact: (k a)^2 is left out."""
+def test_isolated_contacts_and_gaps_are_those_of_the_solution(profile, load):
+    """Half-widths that Hertz's theory gives, and their like just before full contact: (k a)^2 is left out."""
     surface = surface_of(profile)
-    lone, series = (lone_contacts, surface.heights) if load else (lone_gaps, surface.tensions)
+    isolated, series = (isolated_contacts, surface.heights) if load else (isolated_gaps, surface.tensions)
     load = load or surface.full_contact_load * (1 - 1e-6)
     state = patches.solve_load(profile, load).state
-    np.testing.assert_allclose(lone(series, load).segments.half_width, state.segments.half_width, rtol=1e-2)
-    assert lone(series, 0.5) is None
+    np.testing.assert_allclose(isolated(series, load).segments.half_width, state.segments.half_width, rtol=1e-2)
+    assert isolated(series, 0.5) is None
 
 
 def test_newton_takes_few_steps():
-    """Boundary elements tell contacts and edges: two to four steps on few nodes, and as many corrections."""
+    """Boundary elements give contacts and edges: two to four steps on few nodes, and as many corrections."""
     assert patches.curve(THREE_WAVES, np.geomspace(1e-3, 4, 25)).work.max() <= 12
 
 

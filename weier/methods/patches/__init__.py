@@ -1,24 +1,28 @@
 """Contact patches: the exact solution, in which the edges of contact are unknowns.
 
+The formulas and the algorithm are derived in docs/patches.md; each module names the sections that it rests on.
+
 The method meshes either the contacts, on which the pressure is unknown, or the gaps between them, whichever takes
 fewer nodes. Each load is solved by itself:
 
-1. Boundary elements on a coarse grid, or crests where contacts are tiny, tell the contacts that the load is likely to
+1. Boundary elements on a coarse grid, or crests where contacts are tiny, give the contacts that the load is likely to
    have (`start`).
 2. Newton's method finds density and edges. For a few contacts it takes a dense matrix of all unknowns (`newton`). For
    many, the pressure on contacts with given edges follows from conjugate gradients with fast sums (`given_edges`,
-   `pair_sums`), and its singularities at the edges tell how these must move (`edge_iteration`).
+   `pair_sums`), and its singularities at the edges determine how these must move (`edge_iteration`).
 3. Tension on a contact or overlap outside shows that the set of contacts is wrong (`inequalities`). Then contacts are
    cut, added, removed and merged, and step 2 begins anew (`many_contacts`).
-4. What is left of all conditions, evaluated at other points from closed forms (`fields`), certifies the solution and
-   bounds the error of its compliance (`inequalities`).
+4. The residuals of all conditions, evaluated at other points from closed forms (`fields`), certify the solution and
+   bound the error of its compliance (`inequalities`). From that follows the error of the resistance
+   (`resistance_error`).
 
 Modules, each of which uses only those before it:
 
 surface
     the profile as a cosine series, evaluated from its crests
 segments
-    contacts or gaps with their Chebyshev nodes, and the densities on them: what each step begins and ends with
+    contacts or gaps with their Chebyshev nodes, and the densities on them: the state that each step begins and ends
+    with
 pair_sums
     sums over all pairs of nodes, in a time that grows as their number does
 fields
@@ -31,12 +35,14 @@ newton
     one load on a few contacts or gaps, whose set is right
 many_contacts
     one load on any number of them, whose set is corrected
+resistance_error
+    how far the resistance of a state may be off
 error_model
     what the method costs and how accurate it is, before it is run
 start
-    what each load starts from
+    guesses, from which each load starts
 solver, event_search
-    what users call: curves and solutions; and where contacts are born or merge
+    what users call: curves and solutions; and the loads at which contacts are born or merge
 method
     how the rest of the package chooses and calls it
 """

@@ -1,14 +1,14 @@
 """Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way.
 
-Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s within. An edge that moves out by 2 k_0/k_1 is free of the
-singularity, to first order and whatever the others do: the Jacobian of k_0 in the edges is diagonal at the solution.
-Far from it, two closed forms tell more. A contact much narrower than the gaps beside it is Hertz's, whose width
-squared follows from psi exactly. And a gap much narrower than the contacts beside it, where the pressure would be a
-parabola of tension, has p = |x| (K + kappa (x^2-b^2)/2)/sqrt(x^2-b^2), so that k_0 and k_1 at one edge tell the width
-squared which it should have; no gap is left where that is negative.
+The rules are derived in docs/patches.md, "Moves of edges". Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s
+within. An edge that moves out by 2 k_0/k_1 is free of the singularity, to first order and whatever the others do: the
+Jacobian of k_0 in the edges is diagonal at the solution. Far from it, two closed forms are better. A contact narrower
+than the gaps beside it is Hertz's, whose width squared follows from psi exactly. A gap narrower than the contacts
+beside it, where the pressure would be a parabola of tension, has p = |x| (C + kappa (x^2-b^2)/2)/sqrt(x^2-b^2), so
+that k_0 and k_1 at one edge give the square of the width which it should have; no gap is left where that is negative.
 
 The slope of a gap with given edges (dual) has the same form, and so have the rules: a narrow gap in a parabola of
-tension is like Hertz's contact, and beside a narrow contact dw/dx = (K + kappa (x^2-b^2))/sqrt(x^2-b^2). Only the
+tension is like Hertz's contact, and beside a narrow contact dw/dx = (C + kappa (x^2-b^2))/sqrt(x^2-b^2). Only the
 signs differ, for the slope is negative where a gap closes on its right.
 
 All that is said of contacts holds for gaps (dual), with the gap in place of the pressure.
@@ -49,29 +49,35 @@ from weier.methods.patches.surface import CosineSeries, evaluate_at
 
 Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)
 
-MIN_SQUARE, MAX_SQUARE = 0.02, 6.0  # of a width, in one step, over its square so far
-MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # in half-widths
-BLIND_GROWTH = 0.5  # of a half-width where psi tells no curvature
-MIN_GAP_LEFT = 0.1  # of a gap, in one step: one that would lose more in two steps running is merged
-MAX_GAP_LOSS = 0.8  # of such a gap, in the first of the two
-MIN_GROWTH = -0.85  # of a half-width in one step: with less of it left, the contact vanishes
-SETTLED_MOVE = 0.1  # in half-widths: from here on Newton's steps square their error
-MAX_UNSETTLED = 0.3  # of the contacts, while their set is corrected: those beside a missing one may never settle
-UNRESOLVED = 2  # coefficients of each contact, the last ones, are 0
-NODE_STEPS = 8  # node counts are rounded up to as many values between powers of 2, so that few rules are needed
+# The square of a width changes by these factors at most in one step, since the formulas hold near the solution.
+MIN_SQUARE, MAX_SQUARE = 0.02, 6.0
+MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # A centre moves by so many half-widths at most in one step.
+GROWTH_WITHOUT_CURVATURE = 0.5  # A half-width grows by this part of itself where psi has no curvature to follow.
+# A gap of which a step would leave less than this part is tight: one that is so in two steps running is merged.
+MIN_GAP_LEFT = 0.1
+MAX_GAP_LOSS = 0.8  # In the first of these two steps it loses this part of itself at most.
+MIN_GROWTH = -0.85  # A contact vanishes if a step would shrink its half-width by more than this part.
+# Moves below this, in half-widths, are near the solution, where Newton's steps square their error.
+SETTLED_MOVE = 0.1
+# The set of contacts is corrected when no more than this part of them moves: those beside a missing one may never
+# settle.
+MAX_UNSETTLED = 0.3
+UNRESOLVED = 2  # The last coefficients of the regular part on each contact, so many of them, are 0.
+NODE_STEPS = 8  # Node counts are rounded up to as many values between powers of 2, so that few rules are needed.
 
 
 class EdgeMoves(NamedTuple):
     """One step of Newton's method.
 
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    closing : whether the gap on the right of each contact has nothing to hold it open, shape (contacts,)
+    closed : whether the gap on the right of each contact closes, as the square of its width is negative, shape
+        (contacts,)
     relative : larger move of both edges over the half-width of the contact or of its gaps, the narrowest,
         shape (contacts,)
     """
 
     outward: Sides
-    closing: Flags
+    closed: Flags
     relative: Array
 
 
@@ -83,19 +89,20 @@ def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     gap, degree = punches.gap, degrees(first_node)
     phi = outward_sign * end_sums(first_node, a * (degree + 1))
     inward_fall = -outward_sign * end_sums(first_node, b * degree**2)
-    by_gap, closing, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
+    by_gap, closed, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
     by_contact = _moves_by_contact(r, psi, phi, gap_is_narrow)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
     room = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
-    return EdgeMoves(outward, closing, np.abs(outward).max(axis=1) / room)
+    return EdgeMoves(outward, closed, np.abs(outward).max(axis=1) / room)
 
 
 def _moves_by_contact(r: Array, psi: Sides, phi: Sides, gap_is_narrow: NDArray[np.bool_]) -> Sides:
     """Outward moves by Hertz's contact: (r + dr)^2 = r^2 + 2 r dr with dr the mean of both edges' moves.
 
-    An edge at a narrow gap, where the pressure may fall to the other contact, tells nothing of the opposite one.
+    An edge at a narrow gap, where the pressure may fall to the other contact, says nothing of the opposite edge,
+    whose own value then stands for both.
     """
-    x = np.where(phi > 0, psi / np.where(phi > 0, phi, 1.0), BLIND_GROWTH * np.sign(psi))
+    x = np.where(phi > 0, psi / np.where(phi > 0, phi, 1.0), GROWTH_WITHOUT_CURVATURE * np.sign(psi))
     x = np.where(gap_is_narrow, x[:, ::-1], x)
     growth = _growth_of_square(0.5 * (x[:, 0] + x[:, 1]))
     shift = np.clip(0.5 * (x[:, 1] - x[:, 0]), -MAX_CONTACT_SHIFT, MAX_CONTACT_SHIFT)
@@ -108,28 +115,28 @@ def _growth_of_square(linear: Array) -> Array:
 
 
 def _moves_by_gap(
-    r: Array, gap: Array, psi: Sides, inward_fall: Sides, share_of_k_0: float
+    r: Array, gap: Array, psi: Sides, inward_fall: Sides, factor_of_k_0: float
 ) -> tuple[Sides, Flags, NDArray[np.bool_]]:
     """Outward moves by the gaps beside; which right gaps close; and at which edges the gap is the narrower.
 
     For gaps between contacts kappa b^2 is in proportion to b k_1 - 3 k_0/4, and for contacts between gaps (dual) to
-    b k_1 + k_0/4, with b the half-width of what lies between.
+    b k_1 + k_0/4, with b the half-width of what lies between. Its square grows by the factor 1 - 4 k_0 over that.
     """
     width = np.stack([np.roll(gap, 1), gap], axis=1) / 2
     k_0, k_1 = psi * np.sqrt(r / 2)[:, None], (inward_fall + psi / 4) * np.sqrt(0.5 / r)[:, None]
-    curvature = width * k_1 + share_of_k_0 * k_0
+    curvature = width * k_1 + factor_of_k_0 * k_0
     safe = np.where(curvature > 0, curvature, 1.0)
     growth = np.where(curvature > 0, -2 * k_0 / safe, np.where(k_0 > 0, -1.0, 1.0))
     left, right = growth[:, 1], np.roll(growth[:, 0], -1)  # of the gap on the right, from both of its ends
     narrow = np.stack([gap < 2 * r, gap < 2 * np.roll(r, -1)], axis=1)  # than the contact at either end
     both = narrow.all(axis=1)
     linear = np.where(both, 0.5 * (left + right), np.where(narrow[:, 0], left, right))
-    closing = narrow.any(axis=1) & (1 + 2 * linear < 0)
+    closed = narrow.any(axis=1) & (1 + 2 * linear < 0)
     shift = np.where(both, np.clip(0.5 * (right - left), -MAX_GAP_SHIFT, MAX_GAP_SHIFT), 0.0)
     widening = _growth_of_square(linear)
     outward_right, outward_left_of_next = -0.5 * gap * (widening - shift), -0.5 * gap * (widening + shift)
     at_edges = np.stack([np.roll(narrow[:, 1], 1), narrow[:, 0]], axis=1)
-    return np.stack([np.roll(outward_left_of_next, 1), outward_right], axis=1), closing, at_edges
+    return np.stack([np.roll(outward_left_of_next, 1), outward_right], axis=1), closed, at_edges
 
 
 class Problem(NamedTuple):
@@ -151,14 +158,15 @@ class Problem(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """How accurately the iteration solves, and what it takes for a violation of the inequalities.
+    """How accurately the iteration solves, and what counts as a violation of the inequalities.
 
-    fine : whether edges are to settle, or the set of contacts is still to be corrected
-    tolerance : each contact has as many nodes as its density needs for this tolerance
+    fine : whether all edges are to settle; else the set of contacts is still to be corrected
+    tolerance : each contact has as many nodes as its density needs for this relative tolerance
     bounds : of the residual on contacts with given edges
-    outside : overlap, in g_0, or (dual) tension, in p_0*, beyond which a segment is missing
-    inside : tension over the largest pressure of a contact, or (dual) overlap over the largest gap
-    opening : height, in g_0, of gaps or (dual) contacts too small to be cut in, since no edges are found for them
+    outside : a segment is missing where the overlap, in g_0, or (dual) the tension, in p_0*, is larger
+    inside : a segment is cut where tension over the largest pressure of the contact, or (dual) overlap over the
+        largest gap, is larger
+    opening : gaps or (dual) contacts of less height, in g_0, are not cut in, since no edges could be found for them
     """
 
     fine: bool
@@ -173,7 +181,7 @@ class Guess(NamedTuple):
     """Contacts, with middles in [0, L), and forces to start a step from.
 
     force : at the nodes
-    tight : whether the gap on the right of each contact has nearly closed in the last step
+    tight : whether the last step would nearly have closed the gap on the right of each contact
     """
 
     punches: Punches
@@ -182,14 +190,14 @@ class Guess(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What is known of a guess.
+    """The solution on the contacts of a guess, and how these must change.
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
     moves : of the edges
     vanishing : contacts that carry no force or have no width left
     merging : contacts whose gap on the right vanishes
     tight : contacts whose gap on the right would nearly close
-    singular : height that the singular part of the pressure accounts for, in g_0, shape (contacts,)
+    singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
     """
 
     punches: Punches
@@ -204,13 +212,13 @@ class Step(NamedTuple):
 
     @property
     def unsettled(self) -> float:
-        """Share of the contacts that vanish or merge, or for which Newton's method has not begun to converge."""
+        """Fraction of the contacts that vanish or merge, or for which Newton's method has not begun to converge."""
         moving = self.moves.relative >= SETTLED_MOVE
         return float(np.mean(moving | self.vanishing | self.merging | self.tight))
 
 
 def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
-    """A guess on segments, without forces, of which conjugate gradients would save hardly a step."""
+    """A guess on segments, with no forces: from an estimate of them conjugate gradients save hardly a step."""
     count = _estimate_nodes(problem, segments.extent, stage)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
@@ -224,13 +232,13 @@ def _estimate_nodes(problem: Problem, extent: Extent, stage: Stage) -> Indices:
 
 
 def round_up_nodes(count: NDArray[np.float64]) -> Indices:
-    """The next even number of nodes that is a multiple of a share of its power of 2."""
+    """The next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
     step = 2.0 ** np.maximum(1, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
     return np.minimum(np.ceil(count / step) * step, MAX_NODES).astype(np.int64)
 
 
 def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
-    """Solve for the pressure on the contacts of a guess, and see how their edges must move."""
+    """Solve for the pressure on the contacts of a guess, and find how their edges must move."""
     punches, segments = guess.punches, guess.punches.segments
     y = punches.at_nodes(segments.centre) + punches.matrix.tree.offset
     forcing = problem.forcing(np.repeat(segments.crest, segments.node_count), y)
@@ -244,7 +252,7 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     vanishing[np.argmax(carried)] = False
     next_outward = np.roll(moves.outward[:, 0], -1)
     tight = gap - moves.outward[:, 1] - next_outward < MIN_GAP_LEFT * gap
-    merging = (moves.closing | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)
+    merging = (moves.closed | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)
     singular = 2 * np.pi * r * np.abs(end_sums(segments.first_node, b)).max(axis=1)
     return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
 
@@ -259,14 +267,14 @@ def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Array | N
 
 
 def _move_edges(step: Step) -> Segments:
-    """The segments after their moves, but no gap loses more than a share of itself."""
+    """The segments after their moves, in which no tight gap loses more than `MAX_GAP_LOSS` of itself."""
     segments, gap, outward = step.punches.segments, step.punches.gap, step.moves.outward.copy()
     j = np.flatnonzero(step.tight)
     after = (j + 1) % gap.size
     loss = np.maximum(outward[j, 1], 0) + np.maximum(outward[after, 0], 0)
-    share = np.minimum(MAX_GAP_LOSS * gap[j] / loss, 1)
-    outward[j, 1] = np.where(outward[j, 1] > 0, share * outward[j, 1], outward[j, 1])
-    outward[after, 0] = np.where(outward[after, 0] > 0, share * outward[after, 0], outward[after, 0])
+    factor = np.minimum(MAX_GAP_LOSS * gap[j] / loss, 1)
+    outward[j, 1] = np.where(outward[j, 1] > 0, factor * outward[j, 1], outward[j, 1])
+    outward[after, 0] = np.where(outward[after, 0] > 0, factor * outward[after, 0], outward[after, 0])
     centre = segments.centre + 0.5 * (outward[:, 1] - outward[:, 0])
     return segments._replace(centre=centre, half_width=segments.half_width + 0.5 * outward.sum(axis=1))
 

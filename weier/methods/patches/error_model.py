@@ -1,4 +1,4 @@
-"""How far contact patches are off, and what they cost, before they are run."""
+"""The error and the cost of contact patches that plans expect before they are run."""
 
 from __future__ import annotations
 
@@ -9,34 +9,36 @@ from weier.methods.error_model import RESISTANCE_ROUNDING
 from weier.methods.patches.many_contacts import MIN_CONTACTS
 from weier.methods.segment import COMPLIANCE
 
-# Error of the resistance, times the tolerance; 1 but for loads as near as 1e-5 of themselves below a merger.
+# Error of the resistance to expect, over the tolerance. It is about 1 but for loads as near as 1e-5 of themselves
+# below a merger, where it was as large as this. What a solution states of itself is in `resistance_error`.
 RESISTANCE_FACTOR = 50.0
 
-MAX_CONTACTS = 50_000  # more were not measured: 42 641 took 74 s a load and 3.1 GB
+MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 74 s a load and 3.1 GB.
 
-SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4
-SECONDS_WAVE = 4e-6  # of each load, times the root of the contacts, for boundary elements to start from
-# Of each load by a dense matrix: of each contact, and of its square.
+SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4  # Seconds of a curve, and of each load.
+SECONDS_WAVE = 4e-6  # Of each load and wave, times the root of the contacts: boundary elements to start from.
+# Of each load by a dense matrix: of each contact, to assemble, and of its square, to factorise.
 SECONDS_CONTACT, SECONDS_PAIR = 1.9e-4, 1.5e-6
-# Of each load without a matrix: times the contacts to this power, as far as the depth of a tree grows with them.
+# Of each load without a matrix: times the contacts to this power, since the depth of a tree grows with them.
 SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 2.5e-4, 1.2
-BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4  # every crest; the sums over each contact and its nodes, without a matrix
-NODES_CONTACT = 20  # of a contact, whose matrix is dense
-MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
+# Bytes of each of the finest waves, for its crests, and of each contact, for the sums over its nodes.
+BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4
+NODES_CONTACT = 20  # Nodes of a contact in a dense matrix.
+MATRIX_COPIES = 7  # The matrix itself, its factors and what they are made from.
 
 
 def error(tolerance: float, quantity: str) -> float:
-    """Error to expect at this tolerance, in g_0 of a compliance, in the larger of itself and 1 of a resistance."""
+    """Error to expect at this tolerance: of a compliance in g_0, of a resistance over the larger of itself and 1."""
     return tolerance if quantity == COMPLIANCE else RESISTANCE_FACTOR * tolerance + RESISTANCE_ROUNDING
 
 
 def loosest_tolerance(wanted: float, quantity: str) -> float:
-    """The loosest tolerance at which this `error` is to be expected; not positive where there is none."""
+    """The loosest tolerance at which this `error` is expected; it is not positive where there is none."""
     return wanted if quantity == COMPLIANCE else (wanted - RESISTANCE_ROUNDING) / RESISTANCE_FACTOR
 
 
 def seconds(waves: int, contacts: Array) -> Array:
-    """Seconds for each load, at so many of the finest waves in a period and contacts."""
+    """Expected seconds of each load with so many contacts, for so many of the finest waves in a period."""
     by_matrix = SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2
     without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER
     by_contacts = np.where(contacts < MIN_CONTACTS, by_matrix, without)
@@ -44,6 +46,6 @@ def seconds(waves: int, contacts: Array) -> Array:
 
 
 def memory(waves: int, contacts: float) -> float:
-    """Bytes of a few dense matrices, or of what replaces them where contacts are many, and of the finest waves."""
+    """Bytes of dense matrices or, for many contacts, of the sums in their place, and of the finest waves."""
     by_matrix = MATRIX_COPIES * 8 * (NODES_CONTACT * contacts) ** 2
     return float(min(by_matrix, BYTES_CONTACT * contacts) + BYTES_WAVE * waves)

@@ -1,9 +1,16 @@
 """The loads at which contacts are born or merge, where dh/dp drops or has a kink.
 
-Contacts never split or vanish as the load grows: an increment of load acts on the contact like a flat punch, whose
-pressure is nowhere negative. So the contacts under two loads tell what happened in between, unless one was born and
-swallowed. Such a contact would leave a minimum of the gap under the lighter load where there is contact under the
-heavier: then a load in between is looked at.
+The reasons are in docs/patches.md, "Births and mergers". Contacts never split or vanish as the load grows, since an
+increment of the load raises the pressure everywhere on them. So each contact under a heavier load holds one or more
+of those under a lighter load, which are a merger if they are two, or none, which is a birth (`_Search._changes`). A
+contact that was born and swallowed in between changes no count. It would leave a minimum of the gap under the lighter
+load where there is contact under the heavier one: such changes are not certain
+(`_Search._has_no_more_minima`).
+
+`_Search.between` halves an interval of ln(p) until its changes are certain and few. It then locates each by a root of
+a continuous function of the load (`_Search._locate`): the minimum of the gap before a birth, for the contacts of the
+lighter load, followed as if none were born; or the minimum of the pressure after a merger, for those of the heavier
+load. Where several roots are one load, they are reported together.
 """
 
 from __future__ import annotations
@@ -27,20 +34,24 @@ from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.theory.waves import Waves
 
-MAX_DECADES = 1.0  # between two loads at first
-MAX_ADVANCE = 0.15  # of an edge between two loads, in the finest waves
-MAX_ROOT_INTERVAL = 0.1  # of ln(p): in shorter intervals the load of an event is sought by root-finding
-# Events of such an interval. Symmetry makes two of one load common; roots that differ only tell where to halve the
-# interval, and each takes several solutions where halving takes one.
+MAX_DECADES = 1.0  # The search begins with loads so many decades apart.
+# Where an edge has advanced by more than this, in the finest waves, it may have passed a minimum of the gap and a
+# maximum together, which slopes at `SLOPES` points may not show.
+MAX_ADVANCE = 0.15
+# In intervals of ln(p) shorter than this the load of an event is sought by root-finding. In longer ones contacts may
+# not be followed from one end to the other.
+MAX_ROOT_INTERVAL = 0.1
+# Roots are sought in an interval with at most so many events. Symmetry makes two of one load common. Roots that
+# differ serve to choose where to halve the interval, and each takes several solutions where halving takes one.
 MAX_ROOTS = 4
-MIN_INTERVAL = 1e-9  # of ln(p): events closer than this count as events of one load
-LOAD_ACCURACY = 1e-12  # relative
-# At the load of an event: of tension over the largest pressure of a contact, and of overlap over the load; a minimum
-# that was sought leaves far less.
+MIN_INTERVAL = 1e-9  # Events closer than this in ln(p) count as events of one load.
+LOAD_ACCURACY = 1e-12  # Relative accuracy of the roots.
+# Tension over the largest pressure of a contact, and overlap over the load, at the load of an event. The minimum that
+# was sought leaves far less, and an edge that has gone on over a crest far more.
 MAX_VIOLATION = 1e-7
-SLOPES = 12  # of the gap, that are looked at where an edge has advanced or a contact is new
-SAMPLES = 32  # between which the minimum of the gap or of the pressure is refined
-POSITION_ACCURACY = 1e-8  # of a minimum between two samples, over their distance
+SLOPES = 12  # Slopes of the gap are evaluated at so many points where an edge has advanced or a contact is new.
+SAMPLES = 32  # The minimum of the gap or of the pressure is refined beside the lowest of so many samples.
+POSITION_ACCURACY = 1e-8  # Accuracy of the place of such a minimum, over the distance of the samples.
 
 
 class Events(NamedTuple):
@@ -59,7 +70,10 @@ class Events(NamedTuple):
 
 
 class _Event(NamedTuple):
-    """A contact born, or else a gap closed or partly so, in [origin + left, origin + right], in lambda_0."""
+    """A contact that is born, or a gap that closes, in [origin + left, origin + right], in lambda_0.
+
+    It also holds an interval over which an edge advances, as a gap that closes in part.
+    """
 
     birth: bool
     origin: float
@@ -67,8 +81,7 @@ class _Event(NamedTuple):
     right: float
 
 
-# An event, and the state in which it happens.
-_Located = tuple[_Event, ContactState]
+_Located = tuple[_Event, ContactState]  # an event, and the state under its load
 
 
 @one_thread
@@ -128,7 +141,7 @@ def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Ev
 def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface: Surface) -> Events:
     """Events in order of load, from the number of contacts before the first; those of one load leave one number."""
     located = sorted(located, key=lambda item: item[0])
-    load = np.array([each for each, _ in located])
+    load = np.array([load for load, _ in located])
     birth = np.array([event.birth for _, event in located], bool)
     middle = np.array([event.origin + 0.5 * (event.left + event.right) for _, event in located])
     after = patch_count + np.cumsum(np.where(birth, 1, -1), dtype=np.int64)
@@ -138,7 +151,10 @@ def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface:
 
 
 class _Search(NamedTuple):
-    """Bisection on ln(p) until each interval holds the events of one load, and then root-finding."""
+    """Bisection on ln(p) until each interval holds the events of one load, and then root-finding.
+
+    starts : guesses of the contacts under any load of the surface
+    """
 
     starts: Starts
 
@@ -150,7 +166,12 @@ class _Search(NamedTuple):
         return state
 
     def between(self, low: ContactState, high: ContactState) -> list[tuple[float, _Event]]:
-        """The events between two states, each with its load."""
+        """The events between two states, each with its load.
+
+        Intervals that are shorter than `MIN_INTERVAL` hold events of one load, that of the heavier state. Others are
+        done when no contact has changed for certain, or when all roots are one load and the contacts there meet the
+        inequalities. Otherwise they are halved, between the roots that are farthest apart if there are any.
+        """
         width = float(np.log(high.load / low.load))
         changes, is_certain = self._changes(low, high)
         if width < MIN_INTERVAL:
@@ -171,7 +192,10 @@ class _Search(NamedTuple):
         return self.between(low, between) + self.between(between, high)
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
-        """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether that is all."""
+        """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether these are certain.
+
+        A contact of `high` holds those of `low` whose middles lie within it.
+        """
         period = self.starts.surface.heights.period
         origins, lefts, rights = _intervals(low, low.dual, period)
         finest = 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
@@ -189,14 +213,14 @@ class _Search(NamedTuple):
             end = rights[inside] + (shift + turns)[inside]
             advances += [_Event(False, origin, left, start[0]), _Event(False, origin, end[-1], right)]
             changes += [_Event(False, origin, a, b) for a, b in zip(end[:-1], start[1:], strict=True)]
-        is_certain = all(each.right - each.left < MAX_ADVANCE * finest for each in advances)
+        is_certain = all(advance.right - advance.left < MAX_ADVANCE * finest for advance in advances)
         return changes, is_certain and self._has_no_more_minima(low, np.array(changes + advances))
 
     def _has_no_more_minima(self, low: ContactState, changes: NDArray[np.float64]) -> bool:
         """Whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
 
-        The changes, a table with the fields of `_Event`, are births, gaps that close, and what edges advance over. An
-        edge that advances over a minimum does so with the help of a contact born there.
+        The changes, a table with the fields of `_Event`, are births, gaps that close, and intervals over which edges
+        advance. Where an edge has passed a minimum of the gap, a contact was born there first.
         """
         births, origin, left, right = changes[changes[:, 3] > changes[:, 2]].T
         if births.size == 0:
@@ -205,16 +229,17 @@ class _Search(NamedTuple):
         return bool(np.all(minima <= births))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
-        """All changes, each as if it were alone; empty if one cannot be found."""
+        """All changes, each located as if it were the only one; empty if one cannot be located."""
         try:
             return [self._locate(low, high, event) for event in changes]
         except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
             return []
 
     def _locate(self, low: ContactState, high: ContactState, event: _Event) -> _Located:
-        """Where and in which state the gap before a birth, or the pressure after a merge, first touches 0.
+        """Where and in which state the minimum of the gap before a birth, or of the pressure after a merger, is 0.
 
-        The contacts are followed from the side on which that quantity is positive to the other.
+        Contacts are followed from the load where that minimum is positive, the lighter one for a birth and the
+        heavier one for a merger, to the other, where it is negative. Each state starts from the nearest one in load.
         """
         followed: list[_Located] = [(event, low if event.birth else high)]
 
@@ -231,14 +256,15 @@ class _Search(NamedTuple):
         return nearest(scipy.optimize.brentq(minimum, low.load, high.load, **accuracy))
 
     def _is_in_contact(self, state: ContactState) -> bool:
-        """Whether the contacts that led to an event meet the conditions of contact at its load.
+        """Whether the contacts that were followed to an event meet the inequalities of contact at its load.
 
-        An edge may have gone on over a crest that touches by then, so that there is tension behind it.
+        They do not where another event comes first: an edge may have gone on over a crest that touches by then, so
+        that there is tension behind it.
         """
         minima = minima_outside(state, self.starts.surface.series(state.dual), 0.0)
         overlap = -float(minima["value"].min(initial=0.0))
         limit = MAX_VIOLATION * state.load * (1.0 if state.dual else self.starts.surface.heights.period)
-        return overlap <= limit and bool(np.all(find_negative_intervals(state)["share"] >= -MAX_VIOLATION))
+        return overlap <= limit and bool(np.all(find_negative_intervals(state)["relative"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
         """The contacts of `start` under another load, as if none were born or merged in between."""
@@ -257,9 +283,9 @@ def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array
 
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
-    """How many minima the slopes of the gap show from origin + left to origin + right, each of shape (intervals,)."""
-    share = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))  # closer at the ends
-    y = left[:, None] + (right - left)[:, None] * share
+    """Changes of sign of the gap's slope from - to +, from origin + left to origin + right, of shape (intervals,)."""
+    fraction = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))  # closer together at the ends
+    y = left[:, None] + (right - left)[:, None] * fraction
     sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SLOPES), y.ravel())).reshape(y.shape)
     for i in range(1, SLOPES):
         sign[:, i] = np.where(sign[:, i] == 0, sign[:, i - 1], sign[:, i])
@@ -281,7 +307,7 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
 
 def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool, origin: float, y: Array) -> Array:
-    """Gaps, at points origin + y off the contacts, or pressures, at points on them; any may be negative."""
+    """Gaps at points origin + y off the contacts, or pressures at points on them; any may be negative."""
     at = np.full(y.size, origin)
     if of_gaps != state.dual:
         return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))

@@ -1,5 +1,8 @@
 """Pressure and gap anywhere, from the state of contact under one load, exact up to the edges.
 
+The formulas are those of docs/patches.md, "Pressure and gap anywhere" and, for the closed forms, "Chebyshev
+polynomials".
+
 A point is given by an origin and the distance y from it, as in `surface`, so that points near a crest keep all their
 digits.
 """
@@ -17,20 +20,21 @@ from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_cre
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
-# from 250 on among 71 gaps: the time of their tree and that of one point both grow as the nodes do.
+# from 250 on among 71 gaps: the time of their tree and that of one point both grow with the nodes.
 MIN_SUM_POINTS = 100
-MIN_SUM_SEGMENTS = 40  # fewer cost little either way: 13 gaps at 1000 points 1.1 ms, and 0.8 ms by sums
+MIN_SUM_SEGMENTS = 40  # Fewer cost little either way: 13 gaps at 1000 points take 1.1 ms, and 0.8 ms by fast sums.
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: 1e-16 from ln(rho) = 18.5/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
 FAR_FIELD_EXPONENT = 18.5
-POTENTIAL, CAUCHY = 0, 1  # which integral over the density: of ln|2 sin| or of cot
-BLOCK = 64  # points far from a segment that are summed at once: with 40 nodes, 20 kB
-MIN_ANGLE = 0.1  # between x and a segment, from the angles of both: 2e-15 of it is rounding
+POTENTIAL, CAUCHY = 0, 1  # The two integrals over the density: of ln|2 sin| and of cot.
+BLOCK = 64  # So many points far from a segment are summed at once: with 40 nodes they take 20 kB, within the cache.
+# Angles between x and a segment above this follow from the angles of both, with a rounding of 2e-15 of them.
+MIN_ANGLE = 0.1
 # The kernels less their pole at 0 are power series in u = (x-s)/L, with z the zeta function: cot(pi u) - 1/(pi u) is
 # -(2/pi) sum z(2k) u^(2k-1), and pi times its integral is ln(sin(pi u)/(pi u)). They converge up to the next poles,
 # at 1 and -1; less these, z(2k) - 1 takes the place of z(2k), and they converge up to 2. So terms fall by 4 at least.
-MAX_POLE_DISTANCE = 0.5  # of u, over which the poles at 1 and -1 are taken off, too
-SERIES_TERMS, LN_ROUNDING = 32, 37.0  # at most; and as many as fall to exp(-37) where points are nearer to the pole
+MAX_POLE_DISTANCE = 0.5  # Where |u| exceeds this, the poles at 1 and -1 are taken off, too.
+SERIES_TERMS, LN_ROUNDING = 32, 37.0  # The most terms; where |u| is small, as many as fall to exp(-37).
 _ORDER = np.arange(1, SERIES_TERMS + 1)
 _ZETA_LESS_1 = np.array(
     [np.pi**2 / 6 - 1, np.pi**4 / 90 - 1, *(np.sum(np.arange(2.0, 1e3) ** (-2.0 * k)) for k in _ORDER[2:])]
@@ -47,9 +51,9 @@ def _local_coordinate(segment: float, centre: float, r: float, period: float, or
 
 @kernel
 def density_integrals(state: ContactState, period: float, origin: Array, y: Array, which: int) -> Array:
-    """At x = origin + y, any x: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds.
+    """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds.
 
-    Far from a segment, that is quadrature. There sin(pi (x-s)/L) follows by the addition theorem: from the angle
+    Far from a segment, quadrature serves. There sin(pi (x-s)/L) follows by the addition theorem: from the angle
     between x and the segment's centre where that is small, so that no digit of a short distance is lost, and else
     from the angles of both.
     """
@@ -145,9 +149,9 @@ def _near_field(
 
 @kernel
 def smooth_part(a: Array, of_gap: bool) -> Array:
-    """Coefficients in U_k of what has the sign of the density or of its integral, the gap, up to the segment's ends.
+    """Coefficients in U_k of phi or of gap/(r (1-t^2)^(3/2)).
 
-    That is phi or gap/(r (1-t^2)^(3/2)).
+    They have the sign of the density and of its integral, the gap, and keep their digits up to the segment's ends.
     """
     return gap_expansion(a) if of_gap else a
 
@@ -172,7 +176,7 @@ def values_on_segments(
     for i in range(y.size):
         x = origin[i] + y[i]
         after = np.searchsorted(middle, x - period * np.floor((x - middle[0]) / period))
-        for k in range(after - 2, after + 2):  # middles are rounded
+        for k in range(after - 2, after + 2):  # The middles are rounded, so that two more segments are tried.
             j = k % middle.size
             r = segments.half_width[j]
             t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
@@ -184,7 +188,7 @@ def values_on_segments(
 
 
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
-    """What must vanish on the segments and be positive outside them: the gap (primal), or the pressure (dual).
+    """The gap or, dual, the pressure, which must vanish on the segments and be positive outside them.
 
     Points are given by a crest and the distance from it.
     """

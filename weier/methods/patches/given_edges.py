@@ -1,5 +1,7 @@
 """Segments whose edges are given: a symmetric problem for any number of them, by conjugate gradients.
 
+The formulas are those of docs/patches.md, "Given edges"; `moved_expansion` is the end of "Moves of edges".
+
 On contacts with given edges, the pressure under which the surface z is flat is p = psi(t)/sqrt(1-t^2), with singular
 edges like that of a punch. At the zeros t_i of T_K, psi is known by the forces f_i = (pi/K) r psi_i. Then
 
@@ -17,8 +19,8 @@ contact. At the zeros t_i of U_K, with the weights w_i of Gauss's quadrature, W 
     (C f)_i = -1/(2 L^2) sum_j f_j/sin^2(pi (x_i - x_j)/L),   C f = -(pressure of full contact),   d = sum f/L.
 
 On the gap of i itself, the finite part of int sqrt(1-s^2) U_k(s)/(t-s)^2 ds = -pi (k+1) U_k(t) stands for the sum.
-So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps feel
-each other only as dipoles do, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
+So C is symmetric, positive definite, and but for a smooth rest diagonal on each gap in the basis U_k. As gaps act on
+each other as dipoles only, this diagonal is preconditioner enough. The slope of the gap, psi(t)/sqrt(1-t^2), has
 the form of the pressure on a contact, so that the same expansions and the same moves of the edges serve both.
 """
 
@@ -38,19 +40,21 @@ from weier.methods.patches.segments import Blocks, Segments, apply_blocks, degre
 from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch
 
-MAX_STEPS = 300  # of conjugate gradients
-MAX_PREDICTED_MOVE = 0.3  # in half-widths, up to which the pressure is carried along
+MAX_STEPS = 300  # Steps of conjugate gradients; 10 to 30 are usual.
+# The pressure is carried along up to a move of so many half-widths: beyond, its tangent is no prediction.
+MAX_PREDICTED_MOVE = 0.3
 
 
 class Punches(NamedTuple):
-    """Contacts or, dual, gaps with given edges, and what forces at their nodes do to each other.
+    """Contacts or, dual, gaps with given edges, and the influence of forces at their nodes on each other.
 
-    Nodes are here those of the module, at the positions of `matrix.tree`; of those of the segments only their
-    number counts.
+    The nodes are the zeros of T_K or, dual, of U_K, at the positions of `matrix.tree`. Of the nodes of the segments,
+    only the number is used.
 
     segments : in order round the period
     gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
-    own, own_inverse : what nodes do to others on the same segment, and the forces that undo it
+    own, own_inverse : what the closed form of a segment adds to the sum over its own nodes, and the inverse of its
+        influence on itself
     matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes
     period : L, in lambda_0
     dual : whether these are gaps
@@ -94,7 +98,7 @@ class Bounds(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _own_influence(count: int, dual: bool) -> Table:
-    """What the closed form of a segment adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2."""
+    """What the closed form of a segment adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, j != i."""
     node, _, polynomial, _ = gauss_rule(count, dual)
     distance = np.abs(node[:, None] - node)
     np.fill_diagonal(distance, np.inf if dual else 1.0)
@@ -121,7 +125,9 @@ def make_punches(segments: Segments, period: float, dual: bool = False) -> Punch
     )
     gap = distances_between(*segments.extent, period)
     if not (np.all(np.diff(origin + offset) > 0) and np.all(gap > 0)):
-        raise ConvergenceError("two contacts or gaps overlap, or lie closer to each other than a number tells")
+        raise ConvergenceError(
+            "two contacts or gaps overlap, or are closer to each other than floating point resolves"
+        )
     own = make_blocks(_own_influence(count, dual) for count in counts)
     own_inverse = make_blocks(_own_inverse(count, dual) for count in counts)
     return Punches(segments, gap, own, own_inverse, make_pair_matrix(origin, offset, period, dual), period, dual)
@@ -130,7 +136,7 @@ def make_punches(segments: Segments, period: float, dual: bool = False) -> Punch
 def displacement(punches: Punches, force: Array) -> Array:
     """A f, in g_0, or C f, in p_0*, at the nodes."""
     angle = np.pi / punches.period * punches.segments.half_width
-    if punches.dual:  # 1/sin^2(y) = 1/y^2 + 1/3 + ..., and the rest is 0 at y = 0
+    if punches.dual:  # At y = 0, 1/sin^2(y) less its pole 1/y^2 is 1/3.
         scale, at_node, factor = angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
     else:
         scale, at_node, factor = np.ones(angle.size), np.log(2 * angle), -2.0
@@ -139,7 +145,7 @@ def displacement(punches: Punches, force: Array) -> Array:
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
-    """The forces that make up for a residual if contacts see each other as punches only, and gaps not at all."""
+    """The preconditioner: forces for a residual, if contacts act on each other as punches, and gaps not at all."""
     segments = punches.segments
     scale = 1.0 if inverse is not None else punches.at_nodes(4 * segments.half_width**2)
     force = np.asarray(apply_blocks(punches.own_inverse, scale * residual))
@@ -160,7 +166,7 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
     if not dual:
         compliance = displacement_of_punch(half_width, punches.period)
         inverse = invert_punches(np.arange(compliance.size), punches.segments.middle, compliance, punches.period)
-        even = _precondition(punches, inverse, np.ones(start.size))  # the forces that raise all contacts alike
+        even = _precondition(punches, inverse, np.ones(start.size))  # forces that displace all contacts by about 1
         force = start + even * ((total - start.sum()) / even.sum())
     residual = forcing - displacement(punches, force)
     plane, energy, direction, enough, size = 0.0, 1.0, np.zeros(start.size), -1.0, np.inf
@@ -186,7 +192,7 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
 
 @lru_cache(maxsize=256)
 def _psi_of_forces(count: int, dual: bool) -> Table:
-    """Coefficients of psi in T_k, times r or, dual, r^2, from forces; gaps leave out the last that they have.
+    """Coefficients of psi in T_k, times r or, dual, r^2, from forces; those of gaps are cut off at T_(K-1).
 
     With w = sum c_k sin((k+1) theta), psi = -(1/r) sum (k+1) c_k T_(k+1).
     """
@@ -239,7 +245,7 @@ def moved_expansion(segments: Segments, b: Array, centre: Array, half_width: Arr
     """
     r, counts = segments.half_width, segments.node_count.tolist()
     rules = [gauss_rule(count, False) for count in counts]
-    shift, growth = (np.repeat(each / r, counts) for each in (centre - segments.centre, half_width - r))
+    shift, growth = (np.repeat(change / r, counts) for change in (centre - segments.centre, half_width - r))
     moved = shift + growth * np.concatenate([rule.node for rule in rules])
     values, motion = map(make_blocks, zip(*map(_values_and_motion, counts), strict=True))
     psi = apply_blocks(values, b)
@@ -254,5 +260,5 @@ def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches)
     old = np.where(origin >= 0, segments.node_count[origin], 0)
     node = np.repeat(segments.first_node[origin], old) + degrees(np.append(0, np.cumsum(old)))
     counts = zip(old.tolist(), new.segments.node_count.tolist(), strict=True)
-    force = apply_blocks(make_blocks(_forces_of_psi(*each, new.dual) for each in counts), b[node])
-    return np.asarray(force * new.at_nodes(new.segments.half_width) ** (1 + new.dual))
+    blocks = make_blocks(_forces_of_psi(before, count, new.dual) for before, count in counts)
+    return np.asarray(apply_blocks(blocks, b[node]) * new.at_nodes(new.segments.half_width) ** (1 + new.dual))

@@ -1,8 +1,18 @@
-"""The inequalities of contact: no tension on the contacts, no overlap outside them.
+"""The inequalities of contact: no tension on the contacts, no overlap outside them; and what a solution violates.
 
-The equations on the segments say nothing of either. Both are checked between the nodes, too: a violation outside
-shows that a segment is missing there, and one inside that the segment must be cut. What the equations leave is judged
-here, too, for both solvers.
+The formulas are those of docs/patches.md: "Inequalities" for where violations are looked for and for the width of new
+segments, and "The bound on the compliance" for the bounds.
+
+The equations on the segments say nothing of the inequalities. Both solvers look for violations here:
+
+- Off the segments, the gap between contacts or, dual, the pressure between gaps has a negative minimum where a
+  segment is missing. `_probe_points` are where it is evaluated, `_brackets` are the probes beside which a minimum may
+  be negative, and `_negative_minima` finds it. `find_missing` does so with fast sums while the set is corrected, and
+  `minima_outside` with closed forms, for a solution.
+- On the segments, the pressure or, dual, the gap is negative where a segment must be cut: `find_negative_intervals`.
+- `contact_residual` is what the equations leave at points where they were not imposed.
+
+`certify` takes all of these, refuses a solution that violates too much, and bounds the error of the others.
 """
 
 from __future__ import annotations
@@ -29,42 +39,56 @@ from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, contacts_of, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
-PROBES_PER_WAVE, MIN_PROBES = 8, 8  # in each interval between segments, closer at its ends
-MIN_PROBE_DISTANCE = 1e-9  # of their mean distance: nearer ones differ by rounding
-MAX_INNER = 0.99  # of a segment's half-width: intervals of tension that end beyond reach as far as its edge
-SEARCH_STEPS = 40  # of bisections: to 1e-12 of a bracket
-SAMPLES_PER_NODE = 2  # to look for a change of sign within a segment
-# Of the distance of probes. A stencil of h finds a minimum to h^2 of the wavenumber, so that the last is within 1e-8.
+# Each interval between segments has so many probes and so many for each of the finest waves. Between two crests of a
+# wave, the residual is close to a parabola over an eighth of a wave.
+PROBES_PER_WAVE, MIN_PROBES = 8, 8
+MIN_PROBE_DISTANCE = 1e-9  # Probes closer than this part of their mean distance differ by rounding only.
+# Intervals of tension that reach beyond this part of the half-width are left to the edge's move.
+MAX_INNER = 0.99
+SEARCH_STEPS = 40  # Steps of a bisection: these leave 1e-12 of a bracket.
+SAMPLES_PER_NODE = 2  # A change of sign within a segment is looked for at so many points for each node.
+# Newton's method on differences starts with this stencil, over the distance of the probes, which shrinks by the ratio
+# in each refinement. A stencil h is wrong about the place of a minimum by h^2, relative to the wave: 1e-8 in the end.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
-NEW_CONTACT_WIDTH = 0.5  # of a new contact, over the overlap that it replaces; with sqrt(2) it would carry nothing
-NEW_GAP_WIDTH = np.sqrt(2.0)  # of a new gap, over the interval of tension: exact for a small one
-MAX_NEW_WIDTH = 0.4  # half-width over the distance of the nearest neighbour: two born side by side must not touch
-MAX_RESIDUAL = 100  # that is accepted, in units of the tolerance
-MAX_FALL = 3  # from a point to the minimum, over what a parabola tells of it
+# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force.
+NEW_CONTACT_WIDTH = 0.5
+NEW_GAP_WIDTH = np.sqrt(2.0)  # Width of a new gap over its interval of tension, which is exact in a parabola.
+# Largest half-width of a new segment over the distance to its nearest neighbour: two new ones side by side must not
+# touch.
+MAX_NEW_WIDTH = 0.4
+MAX_RESIDUAL = 100  # The largest residual that is accepted, in units of the relative tolerance.
+# How far a minimum may lie below the lowest of three probes, over what the parabola through them says.
+MAX_FALL = 3
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
 # twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
 SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
-DIRECT_SUMS = 40  # points at which the residuals of many segments are checked without fast sums
+DIRECT_SUMS = 40  # The residuals of many segments are checked at so many points without fast sums.
 # A state that is exact for heights z' which differ from z by e has displacements u' with u' - u <= 2 e: where that is
 # largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
 # of e comes from tension or load, this is an estimate.
 GAP_FACTOR = 4.0
-GAP_ROUNDING = (
-    1e-13  # of the sum of amplitudes: gaps of a profile and of the same one shifted along x differ by half of it
-)
+# Rounding of a gap, over the sum of the amplitudes: twice what the gaps of profiles and of the same ones shifted
+# along x were seen to differ by.
+GAP_ROUNDING = 1e-13
 
 
 Residual = Callable[[Array], Array]
-# Each with the position before it, itself, the one after, and the index of its interval, of shape (brackets,).
+# Of each bracket the probe before it, the lowest one, the one after, and the index of its interval, each of shape
+# (brackets,).
 Brackets = tuple[Array, Array, Array, Indices]
 
 
 def error_bound(state: ContactState, gap: float, pressure: float, width: float, period: float) -> float:
-    """How far the compliance may be off, in g_0, by the conditions of contact that a state violates.
+    """A bound on the error of the compliance, in g_0, from the conditions of contact that a state violates.
 
-    By a gap on a contact or an overlap anywhere, in g_0, and by a pressure in a gap or a tension anywhere, in p_0*,
-    on so much of the period, in lambda_0.
+    Parameters
+    ----------
+    gap : largest gap on a contact or overlap anywhere, in g_0: eps
+    pressure : largest pressure in a gap or tension anywhere, in p_0*: q
+    width : of the period, on which that stands, in lambda_0: W; 0 stands for no bound by it
 
+    Notes
+    -----
     Let D(P) be the mean gap under the mean pressure P, and g = d - z + u that of a state whose pressure p has this
     mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -q everywhere and |p| <= q in its gaps. Then
     D(P + q) - eps <= d <= D(P - q) + eps:
@@ -77,9 +101,12 @@ def error_bound(state: ContactState, gap: float, pressure: float, width: float, 
     Or such pressures and tensions, on the width W, are taken off, which changes P by at most q W/L. It moves u one
     way by at most q int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most 2 q W (1 - ln(2 W/L))
     as sin y >= 2 y/pi, and the other way by at most 2 q W ln 2; so by no more than 2 q W (1 + max(-ln(2 W/L), 0)).
-    Then none are left, and eps is larger by as much: the less where W is small.
+    Then none are left, and eps is larger by as much. The smaller of both bounds is returned: the second where W is
+    small.
 
-    To first order, D(P) - D(P + q) is the resistance times q; and so it is for a load that contacts do not carry.
+    To first order, D(P) - D(P + q) is the resistance times q. The same factor turns a load that the contacts do not
+    carry into an error.
+
     """
     by_pressure = state.resistance * pressure
     if width > 0:
@@ -96,23 +123,23 @@ def carried_load(state: ContactState, period: float) -> float:
     return float(force) / period
 
 
-# Where on a segment the pressure (primal) or the gap (dual) is negative:
+# An interval on a segment where the pressure (primal) or the gap (dual) is negative:
 #
 # segment : its index
 # start, end : in its coordinate t, -1..1
 # lowest : pressure, in p_0*, or gap, in g_0
-# share : the lowest sqrt(1-t^2) times the `smooth_part`, over the largest value of that on the segment; so rounding
-#     at an end, where neither a pressure nor a gap can be large, counts for little
+# relative : the lowest value of sqrt(1-t^2) times the `smooth_part`, over the largest value of that on the segment;
+#     so rounding at an end, where neither a pressure nor a gap can be large, counts for little
 # height : how far the gap opens in the interval of tension or, dual, how large the overlap is, in g_0
-NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest share height", np.float64, ()))
+NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest relative height", np.float64, ()))
 
 
 @kernel
 def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
-    """Points in intervals between segments, and the interval of each; ascending in each.
+    """Points in the intervals between segments, ascending in each, and the index of the interval of each point.
 
-    They are some for each of the finest waves, and the crests of the series with the middles between them: two crests
-    that stand side by side would else look like one.
+    In each interval they are closer together at its ends, where the residual rises from 0 as a power of the distance.
+    The crests of the series and the middles between them are added: two crests side by side would else look like one.
     """
     crest, period, n = series.crest_position, series.period, 2 * series.crest_position.size
     turning, count, total = np.empty(n), np.empty(left.size, np.int64), n
@@ -128,8 +155,8 @@ def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Arr
         turns = np.floor((left[j] - crest[0]) / period)
         i, k = 0, np.searchsorted(turning, left[j] - period * turns)
         while True:
-            share = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
-            probe, turn = left[j] + share * length[j], turning[k % n] + period * (turns + k // n)
+            fraction = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
+            probe, turn = left[j] + fraction * length[j], turning[k % n] + period * (turns + k // n)
             x = min(probe, turn)
             if x >= left[j] + length[j]:
                 break
@@ -154,7 +181,7 @@ def find_negative_intervals(state: ContactState) -> Records:
                 here = found[count]
                 here.segment, here.start, here.end = j, _find_zero(a, t[i], t[i - 1]) if i > 0 else -1.0, 1.0
                 while i < t.size and value[i] < 0:
-                    here.share = min(here.share, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
+                    here.relative = min(here.relative, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
                     here.lowest = min(here.lowest, at_point(value[i], t[i], r, state.dual))
                     i += 1
                 if i < t.size:
@@ -203,10 +230,11 @@ def _find_zero(a: Array, negative: float, positive: float) -> float:
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> Array:
-    """What is left of the equations on each segment: the gap on a contact or, dual, pressure in a gap.
+    """The largest residual on each segment: the gap on a contact or, dual, the pressure in a gap.
 
-    The potentials come from closed forms, or from fast sums for many segments, at other points than the nodes, so
-    that neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some.
+    The potentials come from closed forms, or from fast sums for many segments, at points between the nodes, so that
+    neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some
+    points.
     """
     segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
     first, crest, y = sample_points(segments, by_sums)
@@ -223,10 +251,10 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
 
 @kernel
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
-    """The first point of each segment and, last, the number of all; their crests, and how far they are from these.
+    """Points for the residual: the first of each segment and, last, their number; their crests and distances.
 
-    They are zeros of a Chebyshev polynomial on each segment. Of twice as many as the nodes and their ends have
-    intervals, each stands `apart`, as far from all nodes as it can.
+    They are the zeros of a Chebyshev polynomial on each segment. `apart` from all nodes as far as possible are 2 K +
+    2 of them among K nodes, which serve for fast sums; else they are so many that the factor `SAMPLED_FACTOR` holds.
     """
     first, n = np.zeros_like(segments.first_node), segments.centre.size
     for j in range(n):
@@ -253,15 +281,17 @@ def certify(
 ) -> ContactState:
     """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
 
-    residual : what is left of the equations on each segment
+    residual : the largest on each segment, of `contact_residual`
     minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
         and, of gaps, all below the margin
     negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
+    tolerance : relative, of which `MAX_RESIDUAL` times may be left
+    margin : below which the minima are given; they are looked for again if the gaps turn out to be known less well
 
-    ConvergenceError is raised if the conditions are violated, or if contacts do not carry the load.
+    ConvergenceError is raised if the conditions are violated by more, or if contacts do not carry the load.
     """
     r, closure, height, period = state.segments.half_width, 0.0, residual, series.period
-    if state.dual:  # the height of a pressure is a displacement over the width; and all gaps must close
+    if state.dual:  # A pressure counts as the displacement that it makes over the width of its gap.
         height = 2 * r * residual
         closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
     state = state._replace(residual=max(float(height.max()), closure))
@@ -305,9 +335,9 @@ def gap_uncertainty(error: float, series: CosineSeries) -> float:
 
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
-    """ConvergenceError if what a state violates is not small, or if contacts do not carry the load."""
+    """ConvergenceError is raised if the residual of a state is not small, or if contacts do not carry the load."""
     scale = state.load * period if state.dual else state.approach
-    relative = state.residual / scale if scale > 0 else np.inf  # no indentation: all digits were lost on the way
+    relative = state.residual / scale if scale > 0 else np.inf  # Without an indentation, rounding has left no digit.
     relative = max(relative, abs(carried_load(state, period) / state.load - 1))
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(
@@ -357,9 +387,11 @@ def minima_of_gaps(state: ContactState) -> Records:
 
 @kernel
 def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brackets:
-    """Ascending positions between whose neighbours, in the same interval, a minimum may lie below the margin.
+    """The probes, ascending in each interval, beside which a minimum may lie below the margin.
 
-    No parabola through the values at the three stays above it for certain.
+    Such a probe is not higher than its neighbours in the same interval. The vertex of the parabola through the three
+    lies within half the wider distance, and so no deeper below the probe than half the curvature times its square. A
+    minimum is excluded if it would stay above the margin at `MAX_FALL` times that depth.
     """
     at, count = np.empty(x.size, np.int64), 0
     for i in range(1, x.size - 1):
@@ -374,12 +406,14 @@ def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brack
 
 
 def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
-    """Negative minima of a function between positions."""
+    """Negative minima of a function in brackets, by Newton's method on differences in all of them at once.
+
+    A bracket is dropped as soon as its minimum is positive for certain. What counts in the end is the lowest value
+    that was evaluated, since differences over two crests side by side show neither of them.
+    """
     low, middle, high, interval = brackets
     if middle.size == 0:
         return np.empty(0, MINIMUM)
-    # Newton's method on differences. The lowest point that was seen counts: where crests stand side by side,
-    # differences tell of neither.
     stencil, lowest = FIRST_STENCIL * (high - low), np.full((3, middle.size), np.inf)
     for refinement in range(1, REFINEMENTS + 1):
         if middle.size == 0:
@@ -391,9 +425,10 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
         slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
         lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
         shift = -slope / np.where(curvature > 0, curvature, np.inf)
-        inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)  # the last takes its middle
+        # The next stencil must stay within the bracket; that of the last refinement counts by its middle only.
+        inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)
         shift = np.clip(middle + shift, low + inner_end, high - inner_end) - middle
-        # The stencil tells slopes less well than a minimum must be known: it may be as far off as that is wide.
+        # The place of the minimum is uncertain by the width of the stencil, and its depth by so much more.
         fall = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
         some = np.minimum(here - fall, lowest[1]) < 0
         some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
@@ -409,7 +444,8 @@ def find_missing(
 ) -> tuple[NDArray[np.float64], Records]:
     """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    And all minima below the margin, those included.
+    Also all minima below the margin, those included. A new segment is `NEW_GAP_WIDTH` or `NEW_CONTACT_WIDTH` times as
+    wide as the parabola at its minimum is negative.
     """
     punches, dual = step.punches, problem.dual
 
@@ -430,7 +466,7 @@ def find_missing(
 
 
 def _room(step: Step, minima: Records) -> Array:
-    """From each new contact to the ends of its gap, or halfway to another new one."""
+    """The distance of each new segment to the nearest of its neighbours, or half of that to another new one."""
     to_left = minima["position"] - step.punches.segments.right[minima["interval"]]
     to_right = step.punches.gap[minima["interval"]] - to_left
     halfway = 0.5 * np.diff(minima["position"])

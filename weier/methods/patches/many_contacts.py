@@ -1,9 +1,21 @@
 """One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
 
-Newton's method on the edges solves for the pressure, or for the gaps (dual), by conjugate gradients. The set of
-segments is corrected in bulk where the inequalities of contact do not hold: roughly at first, as soon as most edges
-have settled, then to the tolerance. The solution is checked at other nodes with a fresh operator, and on a few
-segments by direct sums of closed forms that share nothing with the fast ones.
+The stages are those of docs/patches.md, "The stages of many contacts"; "Given edges" and "Moves of edges" derive what
+one step does, and "Inequalities" how wide new segments are. `_solve_to` goes through the stages:
+
+1. rough set: `take_step` solves on given edges, by conjugate gradients and on nodes for three digits, and
+   `next_guess`
+   moves the edges, until most of them have settled.
+2. Where the inequalities do not hold, `_corrections` cuts segments and adds others, and 1 begins anew.
+3. fine set: with nodes for the tolerance, the same steps go on until the residual and all singularities are below the
+   target (`_converged`).
+4. The inequalities are judged again, more strictly: back to 3 if they do not hold.
+5. The residual is evaluated at points between the nodes (`contact_residual`). Segments on which it is too large get
+   more nodes: back to 3.
+6. `_resistance` solves for the tangent pressure, `_cracks` keeps the gaps that are too small for a segment of their
+   own, and `certify` bounds the error.
+
+All targets are heights, in g_0: dual, a pressure counts as the displacement that it makes over the width of its gap.
 """
 
 from __future__ import annotations
@@ -50,41 +62,53 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import Surface
 
-MIN_CONTACTS = 40  # or gaps: from here on this is faster than a dense matrix, whose unknowns are some ten for each
-MAX_STEPS = 60  # 4 to 6 are usual, and 15 the most of 68 loads on up to 42 641 contacts
-LEAST_TOLERANCE = 1e-12  # of the residual; rounding begins at a tenth of it
-FOLLOWED_TOLERANCE = 1e-10  # of states between events, whose loads are sought to ten digits
-LOOSER = 100.0  # over the tolerance: what is tried where that one fails
-TARGET = 0.01  # of the tolerance: for all parts of the residual while iterating
-MAX_OVER_TARGET = 10.0  # of what is left in the end: with more, where rounding is not all of it, nodes are too few
-ROUGH_TARGET = 1e-3  # of the height that the load needs, before the set of contacts is right
-ROUNDING = 1e-13  # of the displacement under the whole load, as a height
-REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
-ROUGH_TOLERANCE = 1e-6  # of the finest wave's amplitude, before the set of contacts is right
-ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9  # over the pressure of a contact: before and in the end
-LEAST_RATE_REDUCTION = 1e-8  # of the residual of the resistance, an energy: its error is far smaller
-MAX_TAIL = 0.3  # height of the last coefficients, over the target: with more, a contact needs nodes
-MAX_ROUNDING_MOVE = 1e-6  # of an edge, in half-widths: smaller moves that no longer shrink are rounding
-MIN_ROUNDING_RATIO = 0.1  # of a move over the one before: free of rounding, moves shrink far more
-MIN_OPENING = 100.0  # over what the forces on contacts are solved to, of a gap or a contact that is cut in
-MIN_PIECE = 1e-3  # of a contact's width: shorter pieces do not survive a cut
+# From so many contacts or gaps on this takes less time than a dense matrix, which has some ten unknowns for each.
+MIN_CONTACTS = 40
+MAX_STEPS = 60  # Steps of a load; 3 to 7 are usual, and 20 were the most of 213 random loads.
+LEAST_TOLERANCE = 1e-12  # The least relative tolerance of the residual; rounding begins at a tenth of it.
+FOLLOWED_TOLERANCE = 1e-10  # The tolerance of states between events, whose loads are sought to ten digits.
+LOOSER = 100.0  # Where a tolerance cannot be met, one so many times larger is tried.
+TARGET = 0.01  # The target of the iteration, over the tolerance: it is for each part of the residual by itself.
+# What may be left in the end, over the target, where the tolerance is no more than rounding.
+MAX_OVER_TARGET = 10.0
+ROUGH_TARGET = 1e-3  # The largest residual of the rough set, over the height that the load needs,
+ROUGH_TOLERANCE = 1e-6  # and over the amplitude of the finest wave: contacts are missed by no more.
+ROUNDING = 1e-13  # Rounding of a residual, over the displacement under the whole load.
+REDUCTION = 1e-3  # The conjugate gradients of a step reduce the residual by so much: edges then move by three digits.
+# Tension over the largest pressure of a contact that shows that it must be cut: in the rough set and in the fine one.
+ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
+# Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
+LEAST_TANGENT_REDUCTION = 1e-8
+MAX_TAIL = 0.3  # A segment needs more nodes where the height of its last coefficients is more than so many targets.
+MAX_ROUNDING_MOVE = 1e-6  # Moves of edges below this, in half-widths, that no longer shrink are rounding.
+MIN_ROUNDING_RATIO = 0.1  # They no longer shrink where one is more than this part of the one before.
+# A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to.
+MIN_OPENING = 100.0
+MIN_PIECE = 1e-3  # Pieces shorter than this part of a contact's half-width do not survive a cut.
 
 
 def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> tuple[Stage, Stage]:
-    """A rough one, before the set of contacts is right, and a fine one."""
+    """The rough stage, in which the set of contacts is still to be found, and the fine one.
+
+    The rough limit is a part of the finest wave and of the scale, whichever is less. It bounds both the residual and
+    the overlap that is left; in the fine stage the target does.
+    """
     rough = ROUGH_TOLERANCE * abs(float(problem.series.amplitude[-1]))
-    if problem.dual:  # a wave of this pressure has the height of its pressure over the waves in lambda_0
+    if problem.dual:  # The height of a wave of pressure is its amplitude over the number of waves in lambda_0.
         rough *= 2 * np.pi / float(problem.series.wavenumber[-1])
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
-    overlap, at_last = (ROUGH_TENSION * problem.load, MAX_TENSION * problem.load) if problem.dual else (rough, target)
+    rough_outside, fine_outside = rough, target
+    if problem.dual:
+        rough_outside, fine_outside = ROUGH_TENSION * problem.load, MAX_TENSION * problem.load
     return (
-        Stage(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), overlap, ROUGH_TENSION, 0.0),
-        # With a residual above the target, what is left beside a thin gap that was just cut in looks like its end.
+        Stage(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
+        # The forces must be solved to less than the target: a larger residual beside a thin gap that was just cut in
+        # would look like tension at its end.
         Stage(
             True,
             tolerance,
             Bounds(REDUCTION, least, target),
-            at_last,
+            fine_outside,
             MAX_TENSION,
             MIN_OPENING * least,
         ),
@@ -96,13 +120,13 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
 
     tolerance : of the residual, over the height that the load needs; at least `LEAST_TOLERANCE` is taken
 
-    ConvergenceError is raised if a contact needs more nodes than a matrix of its own should hold, if corrections do
-    not end, or if the state fails a check.
+    ConvergenceError is raised if a contact needs more than `MAX_NODES`, if corrections do not end, or if the state
+    fails a check.
     """
     problem, failure = Problem(surface.series(guess.dual), guess.load, guess.dual), ConvergenceError("")
     scale = _scale(problem)
-    # Rounding may keep edges of thin gaps from settling to a target that is relative to a light load. What meets a
-    # looser one is certified relative to the load all the same.
+    # Rounding may keep the edges of thin gaps from settling to a target that is relative to a light load. A state
+    # that meets a looser target is refused all the same if its residual is not small relative to the load.
     first = max(tolerance, LEAST_TOLERANCE)
     for wanted, looser in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
         try:
@@ -115,13 +139,17 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
 def _solve_to(
     problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
 ) -> tuple[ContactState, int]:
-    """The state and the steps, with targets relative to this height, in g_0; on the same segments if it `follows`."""
+    """The state and the steps, with targets relative to this height, in g_0, through the stages of the module.
+
+    With `follows`, the segments stay those of the guess and only edges move, in the fine stage, to the residual's
+    target; the inequalities are not looked at.
+    """
     load, wanted = problem.load, tolerance * scale
     target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
-    moved = False  # whether edges have moved since the set was corrected
+    moved = False  # Whether edges have moved since the set was corrected: each correction waits for that.
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
@@ -131,14 +159,14 @@ def _solve_to(
         last_move = float(step.moves.relative.max())
         if follows and np.any(step.vanishing | step.merging):
             break
-        if not is_enough:
+        if not is_enough:  # stages 1 and 3
             moved = True
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage.fine else None)
             continue
         state = contact_state(problem, step)
         if follows:
             return state, steps
-        negative = find_negative_intervals(state)
+        negative = find_negative_intervals(state)  # stages 2 and 4
         wrong = _beyond_rounding(state, negative, stage)
         is_open = wrong["height"] > stage.opening
         margin = (
@@ -152,14 +180,14 @@ def _solve_to(
         elif not stage.fine:
             stage = fine
             now = next_guess(problem, step, stage)
-        else:
+        else:  # stages 5 and 6
             residual = contact_residual(state, problem.series)
             height = 2 * state.segments.half_width * residual if problem.dual else residual
             count = state.segments.node_count
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
-                resistance, rate = _resistance(problem, step.punches, tolerance)
+                resistance, strength = _resistance(problem, step.punches, tolerance)
                 cracks = _cracks(state, wrong[~is_open])
-                state = state._replace(resistance=resistance, singular_rate=rate, cracks=cracks)
+                state = state._replace(resistance=resistance, tangent_strength=strength, cracks=cracks)
                 return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
@@ -181,14 +209,20 @@ def _scale(problem: Problem) -> float:
 
 
 def _converged(step: Step, target: float, last_move: float) -> bool:
-    """Whether the residual is small, and no edge singular or the moves so small that only rounding keeps them up."""
+    """Whether the residual is below the target, and so are the singularities at all edges.
+
+    The latter may be above it if moves are so small, and shrink so little, that rounding is what is left of them.
+    """
     move = float(step.moves.relative.max())
     is_rounding = MIN_ROUNDING_RATIO * last_move < move < MAX_ROUNDING_MOVE
     return step.forces.residual < target and (is_rounding or float(step.singular.max()) < target)
 
 
 def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
-    """Nodes of each segment: those that it has, and more where the last coefficients have not decayed."""
+    """Nodes of each segment: those that it has, and more where the last coefficients have not decayed.
+
+    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k. Segments that still move wait.
+    """
     segments = step.punches.segments
     last, count = segments.first_node[1:], segments.node_count
     tail = np.maximum(np.abs(step.b[last - 1]), np.abs(step.b[last - 2]))
@@ -198,9 +232,12 @@ def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
 
 
 def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Records:
-    """The intervals of tension or, dual, of overlap that the nodes tell."""
+    """The intervals of tension or, dual, of overlap that exceed what the nodes resolve and what the stage allows.
+
+    In the rough set, those that end at an edge are left out: the edge has not settled yet, and its move may end them.
+    """
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
-    negative = negative[negative["share"] < -np.maximum(unresolved, stage.inside)[negative["segment"]]]
+    negative = negative[negative["relative"] < -np.maximum(unresolved, stage.inside)[negative["segment"]]]
     return negative if stage.fine else negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
 
 
@@ -215,7 +252,10 @@ def _corrections(
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
-    """What is left of each contact without its intervals of tension or, dual, of each gap without its overlaps."""
+    """The pieces of each contact between its intervals of tension or, dual, of each gap between its overlaps.
+
+    Each interval is widened to the width of the new gap or contact, except at the ends of the segment.
+    """
     width = NEW_CONTACT_WIDTH if state.dual else NEW_GAP_WIDTH
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
@@ -233,7 +273,7 @@ def _cracks(state: ContactState, negative: Records) -> NDArray[np.float64]:
     """The gaps in place of intervals of tension, as `ContactState.cracks`; none within gaps (dual).
 
     Where a parabola of pressure falls to -q, the crack has the half-width b = sqrt(2) times that of the interval, and
-    beside it the pressure is 2 q |x| sqrt(x^2-b^2)/b^2.
+    beside it the pressure is 2 q |x| sqrt(x^2-b^2)/b^2, whose strength at the edge is q (8/b)^(1/2).
     """
     t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * NEW_GAP_WIDTH * (negative["end"] - negative["start"])
     inner = (np.abs(t) + b < MAX_INNER) & (not state.dual)
@@ -250,15 +290,16 @@ def contact_state(problem: Problem, step: Step) -> ContactState:
 
 
 def _resistance(problem: Problem, punches: Punches, tolerance: float) -> tuple[float, NDArray[np.float64]]:
-    """What the mean gap changes by when the load does, and no edge moves: to first order, none does.
+    """The resistance, and the strength B of the tangent pressure B/s^(1/2) at the edges of each segment.
 
-    And the strength of the singularity of the pressure that an increment of the load adds at each edge.
+    The tangent pressure has the mean 1 and makes a flat surface sink by R everywhere on the contacts: to first order
+    no edge moves. On gaps, a pressure of full contact that rises by 1 closes the mean gap by R.
     """
-    none, bounds = np.zeros(punches.segments.node.size), Bounds(max(LEAST_RATE_REDUCTION, tolerance), 0.0, np.inf)
-    rate = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
+    none, bounds = np.zeros(punches.segments.node.size), Bounds(max(LEAST_TANGENT_REDUCTION, tolerance), 0.0, np.inf)
+    tangent = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
     segments = punches.segments
-    psi = end_sums(segments.first_node, expansion(punches, rate.force))
+    psi = end_sums(segments.first_node, expansion(punches, tangent.force))
     strength = np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    if problem.dual:  # of the slope of the gap
+    if problem.dual:  # The slope of a gap is 2 pi times as strong at an edge as the pressure on its other side.
         strength /= 2 * np.pi
-    return (rate.plane if problem.dual else -rate.plane), strength
+    return (tangent.plane if problem.dual else -tangent.plane), strength

@@ -13,14 +13,15 @@ from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import sample_points
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
-from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, lone_contacts, lone_gaps
+from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
 
-TOLERANCES_COMPARED = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11)
+TOLERANCES_COMPARED = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11)  # in g_0; tighter ones cost little more
 
+# Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
 ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
 
 
@@ -40,13 +41,13 @@ def _solve_loads(profile: Waves, loads: Array, tolerance: float = TOLERANCE) -> 
 
 
 def _run_kernels() -> None:
-    """A contact and a gap by what serves a few and by what serves thousands, and the forces that only these have.
+    """Solve for one contact and for one gap with the solvers of few and of many, and take both kinds of sums.
 
-    None of them starts from boundary elements, which may still be compiled.
+    Nothing starts from boundary elements, which may still be compiled by another process.
     """
     surface = surface_of(ONE_WAVE)
     nearly_full = surface.full_contact_load - LIGHT
-    for guess in (lone_contacts(surface.heights, LIGHT), lone_gaps(surface.tensions, nearly_full)):
+    for guess in (isolated_contacts(surface.heights, LIGHT), isolated_gaps(surface.tensions, nearly_full)):
         assert guess is not None
         series = surface.series(guess.dual)
         curve(ONE_WAVE, guess.load)
@@ -57,7 +58,7 @@ def _run_kernels() -> None:
 
 
 def candidates(task: Task) -> Iterator[Segment]:
-    """Contact patches where a computer holds them all; none for one wave, which has a closed form."""
+    """Contact patches, where memory suffices for all contacts; none for one wave, which has a closed form."""
     tolerance = error_model.loosest_tolerance(task.tolerance, task.quantity)
     if task.profile.m > 1 and tolerance >= MIN_TOLERANCE:
         yield _patches(task, min(tolerance, MAX_TOLERANCE))
@@ -65,25 +66,25 @@ def candidates(task: Task) -> Iterator[Segment]:
 
 def _patches(task: Task, tolerance: float) -> Segment:
     waves = task.profile.waves_per_period[-1]
-    held = task.contacts <= error_model.MAX_CONTACTS
-    error = np.where(held, error_model.error(tolerance, task.quantity), np.inf)
+    fits = task.contacts <= error_model.MAX_CONTACTS
+    error = np.where(fits, error_model.error(tolerance, task.quantity), np.inf)
     return make_segment(
         task,
         "patches",
-        "exact edges of these contacts cost less than a grid so fine",
+        "exact edges of these contacts cost less than a grid that is fine enough",
         partial(_solve, task.profile, tolerance),
         settings={"tolerance": tolerance},
         discretisation=error,
         seconds_start=error_model.SECONDS_START,
         seconds_load=error_model.seconds(waves, task.contacts),
-        memory=error_model.memory(waves, float(task.contacts.max(where=held, initial=1.0))),
+        memory=error_model.memory(waves, float(task.contacts.max(where=fits, initial=1.0))),
     )
 
 
 def _solve(profile: Waves, tolerance: float, loads: Array) -> SegmentSolution:
-    exact = curve(profile, loads, tolerance)
-    error = np.where(exact.patch_count > 0, exact.compliance_error, 0)
-    return SegmentSolution(exact.compliance, exact.resistance, error, exact.resistance_error)
+    solved = curve(profile, loads, tolerance)
+    error = np.where(solved.patch_count > 0, solved.compliance_error, 0)
+    return SegmentSolution(solved.compliance, solved.resistance, error, solved.resistance_error)
 
 
 METHOD = Method(
@@ -98,7 +99,7 @@ METHOD = Method(
     takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "d"),
-    noise=Noise(1e-10, 1e-7),  # a tolerance of 1e-10
+    noise=Noise(1e-10, 1e-7),  # These go with the default tolerance, 1e-10.
     run_kernels=_run_kernels,
     variants=_variants,
     seconds=_seconds,

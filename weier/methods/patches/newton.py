@@ -1,4 +1,7 @@
-"""A few contacts or gaps, whose set is right: Newton's method on their density and edges, with a dense matrix.
+"""Few contacts or gaps, whose set is right: Newton's method for their density and edges, with a dense matrix.
+
+The formulas are those of docs/patches.md: "Contacts and gaps" for the integral equation, "Chebyshev polynomials" for
+the nodes and points, "Few segments" for the derivatives, and "Two grids" for the corrections.
 
 Two problems have the same integral equation, int rho(s) cot(pi (x-s)/L) ds = f(x) on the segments, for a density
 rho = sqrt(1-t^2) phi(t) that vanishes at their ends:
@@ -15,14 +18,17 @@ The unknowns are, in this order, phi at all nodes; all centres and all half-widt
 units of the half-width; and the approach, which is the indentation (primal) or -d (dual), so that its derivative in
 the mean pressure is the resistance in both problems.
 
-The matrix is factorised on few nodes only. On one segment, the density a_k U_k makes the right side L a_k T_(k+1)
-(`chebyshev`): but for the slow modes, by which segments feel each other and their ends, the equations are solved mode
-by mode. So the few nodes correct the solution on many, and each correction leaves about as much of the error as the
-density has in the faster modes.
+A load goes through these steps:
 
-Newton's method starts close to the solution, and gives up where a step would leave a segment no width or make two
-overlap. A solution is checked, too. Where its set of segments turns out to be wrong, it is refused, since
-`many_contacts` corrects it.
+1. `_newton_iteration` solves the equations on few nodes, which resolve three digits, by factorising their matrix. It
+   starts close to the solution, and gives up where a step would leave a segment no width or make two overlap.
+2. `solve_on_segments` interpolates the density to as many nodes as the tolerance needs. There `_advance` assembles
+   the equations and makes corrections, each by the factors of the last matrix on few nodes (`_correction`). On one
+   segment the density a_k U_k makes the left side L a_k T_(k+1), so that the fast modes are solved one by one. Only
+   the slow modes, by which segments act on each other and on their ends, need the matrix.
+3. `_add_resistance` finds the derivative of all unknowns by the load with the same corrections (`_find_tangent`).
+4. `solve_few_contacts` checks the inequalities (`_violations`) and certifies the solution. Where the set of segments
+   turns out to be wrong, it is refused: `many_contacts` corrects it.
 """
 
 from __future__ import annotations
@@ -66,21 +72,26 @@ from weier.theory.halfplane import take_logarithms
 Matrix = NDArray[np.float64]
 Factors = tuple[Matrix, NDArray[np.int32]]
 
-MAX_UNKNOWNS = 5000  # a dense matrix of 0.2 GB
-MAX_STEPS = 25  # of corrections
-MAX_NEWTON_STEPS = 8  # from a guess: two or three are usual, and one that takes more is not near enough
-MAX_ROUNDING_STEP = 1e-4  # smaller ones that no longer shrink are rounding, as in a contact that has just been born
-# Of a correction over the second before it, for two may be of one size: with more, the slow modes need more nodes.
+MAX_UNKNOWNS = 5000  # The matrix then takes 0.2 GB.
+MAX_STEPS = 25  # Corrections of one solution; usually two for the unknowns and two for their tangent are enough.
+MAX_NEWTON_STEPS = 8  # Two or three steps are usual; a guess that takes more is not near enough to the solution.
+# Corrections below this size that no longer shrink are rounding, as in a contact that has just been born.
+MAX_ROUNDING_STEP = 1e-4
+# A correction must be at most this part of the second before it, since two in a row may be of one size where two
+# contacts nearly merge. If it is larger, the slow modes need more than the few nodes.
 MAX_RATIO = 0.5
-SENSITIVITY_TOLERANCE = 1e-11  # of the resistance, that further corrections would change
-SAME = 1e-10  # relative change of the unknowns, after which matrix and resistance are still the same
-MAX_NODE_ROUNDS = 8  # of adding nodes
-MIN_ANGLE = 1e-8  # below it sin(y) = y and y cot(y) = 1 to rounding
-# Tension, over the pressure, that may remain where two contacts have nearly merged: it changes dh/dp by less than
-# itself, and h by its square.
+# Corrections of the tangent end when further ones would change the resistance by less than this part of it.
+TANGENT_TOLERANCE = 1e-11
+# After a correction whose relative size is below this, the equations are not assembled again: their matrix gives the
+# same resistance to the tolerance above.
+SAME = 1e-10
+MAX_NODE_ROUNDS = 8  # Rounds of adding nodes; one or two are usual.
+MIN_ANGLE = 1e-8  # Below it sin(y) = y and y cot(y) = 1 to rounding.
+# This tension, over the largest pressure, may remain where two contacts have nearly merged: it changes dh/dp by less
+# than itself, and h by its square.
 MAX_TENSION = 1e-9
-# An overlap beyond this, over the approach, and so many times the residual shows that a contact is missing: tighter
-# than the tolerance, since next to its birth a contact changes dh/dp far more than h.
+# An overlap shows that a contact is missing if it is beyond this part of the approach and beyond so many times the
+# residual. That is tighter than the tolerance, since next to its birth a contact changes dh/dp far more than h.
 MIN_OVERLAP, OVERLAP_FACTOR = 1e-12, 10.0
 
 
@@ -92,13 +103,13 @@ class System(NamedTuple):
     sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
         without a further call; no digit is lost, for both angles are counted from the centre of one segment.
     point_sine, point_cosine : the same at the points, shape (nodes + segments,)
-    rate : d/dp of the unknowns, shape (unknowns,)
+    tangent : derivative of the unknowns by the mean pressure, shape (unknowns,)
     """
 
     matrix: Matrix
     residual: Array
     by_load: Array
-    rate: Array
+    tangent: Array
     sine: Array
     cosine: Array
     point_sine: Array
@@ -106,13 +117,14 @@ class System(NamedTuple):
 
 
 class TwoGrids(NamedTuple):
-    """What makes up for a residual on many nodes: the slow modes by few nodes, the others by themselves.
+    """The matrices that turn a residual on many nodes into a change of the unknowns (docs/patches.md, "Two grids").
 
-    restriction : of the residual at the points to what few nodes see of it
-    interpolation : of phi on few nodes to many
-    fast : phi on many nodes by the rest of the residual, which also has the `lift` at the centres of contacts
-    expansion : of phi on many nodes in U_k
-    factors : of the matrix on few nodes
+    restriction : from the residual at the points of many nodes, sum eta_m T_m, to its first terms at those of few
+    interpolation : from phi at few nodes to phi at many
+    fast : from the residual to the change of phi in the modes that few nodes do not have, a_k = eta_(k+1)/L
+    lift : from the residual to what these modes change of the height at the centre of their own contact, over its r
+    expansion : from phi at many nodes to its coefficients in U_k
+    factors : LU factors of the Jacobian on few nodes, and their pivots
     """
 
     restriction: Blocks
@@ -125,15 +137,16 @@ class TwoGrids(NamedTuple):
 
 _NO_BLOCKS = Blocks(np.empty(0), np.zeros((3, 1), np.int64))
 _NO_FACTORS = np.empty((2, 2), order="F"), np.empty(0, np.int32)
-NO_GRIDS = TwoGrids._make((*5 * [_NO_BLOCKS], _NO_FACTORS))  # for no correction
+NO_GRIDS = TwoGrids._make((*5 * [_NO_BLOCKS], _NO_FACTORS))  # Newton's steps take no corrections.
 
 
 @lru_cache(maxsize=256)
 def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Table, Table, Table]:
-    """Matrices of one segment on fewer nodes and on more: restriction, interpolation, fast modes, and their lift.
+    """Matrices of one segment on `less` nodes and on `count`: restriction, interpolation, fast modes, and their lift.
 
-    The residual at the points, a sum of T_m, is cut off where the fewer points end. The fast modes of phi take off
-    what is left. Each also lifts the centre of its own contact, by 2 int sqrt(1-t^2) U_k ln|t| dt.
+    The residual at the count + 1 points is a sum of T_m, m <= count. Its terms up to m = less are what the fewer
+    points can represent. The others are taken off by a_k = eta_(k+1)/L, k >= less, as a_k U_k makes L a_k T_(k+1).
+    Such a mode changes the height at the centre of its own contact by 2 r a_k int sqrt(1-t^2) U_k ln|t| dt.
     """
     few, many = gauss_rule(less, True), gauss_rule(count, True)
     to_T, kept = gauss_rule(count + 1, False).expansion, min(less, count)
@@ -146,14 +159,14 @@ def _modes(less: int, count: int, period: float, dual: bool) -> tuple[Table, Tab
 
 @lru_cache(maxsize=64)
 def _mode_blocks(few: tuple[int, ...], many: tuple[int, ...], period: float, dual: bool) -> tuple[Blocks, ...]:
-    """What `TwoGrids` is made of, from so many nodes of each segment to so many, which loads often have."""
+    """The matrices of `TwoGrids` for these node counts of each segment; kept, since loads often share them."""
     modes = (_modes(less, count, period, dual) for less, count in zip(few, many, strict=True))
     expansions = (gauss_rule(count, True).expansion for count in many)
     return *map(make_blocks, zip(*modes, strict=True)), make_blocks(expansions)
 
 
 def _make_system(node_count: Indices, load: float) -> System:
-    """The room for the equations on so many nodes of each segment.
+    """Arrays for the equations on so many nodes of each segment.
 
     ConvergenceError is raised if they are more than a dense matrix holds.
     """
@@ -170,10 +183,10 @@ def _make_system(node_count: Indices, load: float) -> System:
 
 @kernel
 def _assemble(system: System, now: ContactState, approach: float, series: CosineSeries) -> None:
-    """Fill in what the equations are off, and their derivatives.
+    """Fill in the residuals of all equations, and their derivatives by all unknowns and by the load.
 
-    The first are the integral equation at all points; then heights (primal) or closures (dual), one for each segment;
-    and last the load or the mean gap.
+    First is the integral equation at all points, then the height (primal) or the closure (dual) of each segment, and
+    last the load or the mean gap.
     """
     segments, n = now.segments, now.segments.centre.size
     for k in range(system.residual.size):
@@ -379,7 +392,12 @@ def _solve_factorised(lu: Matrix, pivot: NDArray[np.int32], x: Array) -> None:
 
 @kernel
 def _correction(grids: TwoGrids, residual: Array) -> Array:
-    """The change of the unknowns that takes off a residual, but for what the fast modes of others see of it."""
+    """The change of the unknowns that removes a residual, but for the action of fast modes on other segments.
+
+    The right side of the equations on few nodes is the restricted residual at their points; the heights (or closures)
+    less the lift of the fast modes; and the load. Their solution is interpolated and the fast modes are added. The
+    edges and the approach are the same unknowns on both grids.
+    """
     restricted, lift = apply_blocks(grids.restriction, residual), apply_blocks(grids.lift, residual)
     few, points = restricted.size, grids.restriction.place[2, -1]
     slow, change = np.empty(few + residual.size - points), np.empty(residual.size)
@@ -403,14 +421,17 @@ def _change_nodes(now: ContactState, node_count: Indices, interpolation: Blocks)
 
 
 def on_few_nodes(now: ContactState, series: CosineSeries) -> ContactState:
-    """The density on as few nodes as a guess has."""
+    """The state on as few nodes as a guess has, for Newton's method to start from."""
     count = estimate_node_count(now.segments.extent, series, COARSE_TOLERANCE)
     counts = tuple(now.segments.node_count.tolist()), tuple(count.tolist())
     return _change_nodes(now, count, _mode_blocks(*counts, series.period, now.dual)[1])
 
 
 def _own_density(guess: ContactState, series: CosineSeries) -> ContactState:
-    """The slope that each gap takes under the pressure of full contact, if it does not feel the others."""
+    """The guess with the slope that each gap has under the pressure of full contact if it were the only one.
+
+    With no density, the residual is the forcing. With no slow modes, the fast modes are all of them.
+    """
     counts = tuple(guess.segments.node_count.tolist())
     fast = _mode_blocks(len(counts) * (0,), counts, series.period, True)[2]
     system = _make_system(guess.segments.node_count, guess.load)
@@ -428,8 +449,8 @@ def _copy(now: ContactState) -> ContactState:
 def _move(now: ContactState, step: Array, period: float) -> float:
     """Make a step, in place, and return its size: the unknowns are of no use if it is inf or NaN.
 
-    That is the largest relative change of any segment's density, centre or width, or of a distance between segments:
-    NaN if the step is not finite, and inf if a width or a distance is lost.
+    The size is the largest relative change of any segment's density, centre or width, or of a distance between
+    segments: NaN if the step is not finite, and inf if a width or a distance would not be positive.
     """
     segments, r, phi, size = now.segments, now.segments.half_width, now.phi, 0.0
     n, N, distance = r.size, phi.size, distances_between(segments.origin, segments.centre, r, period)
@@ -457,11 +478,15 @@ def _move(now: ContactState, step: Array, period: float) -> float:
 def _advance(
     now: ContactState, step: Array, system: System, grids: TwoGrids, series: CosineSeries, tolerance: float, most: int
 ) -> tuple[float, float, int, bool]:
-    """Make a step and, on two grids, at most so many corrections, in place, and assemble the equations there.
+    """Make a step and then at most so many corrections, in place; assemble the equations at each new place.
 
-    Returns the approach, the size of the last of them, how many corrections there were, and whether they became
-    smaller than the tolerance. After a correction that changes nothing, and after a step within the tolerance that
-    none is asked for, the equations stay those before it; or their factors, which take the place of the matrix.
+    Newton's method calls it with `most` = 0 for its steps: it makes the step and assembles the equations for the next
+    one, unless the step was within the tolerance, so that it was the last. With `most` > 0 the step is 0, and the
+    corrections follow, each from the residual at the place of the one before. The error that a correction leaves is
+    about its size times its ratio to the one before. They end when that is below the tolerance, or when they no
+    longer shrink and are as small as rounding. After one below `SAME`, the equations stay those before it.
+
+    Returns the approach, the size of the last correction, how many there were, and whether they converged.
     """
     approach, count, before, previous, is_solved, is_stuck = now.approach, 0, np.inf, np.inf, False, False
     while True:  # with one call of each function, which the compiler copies to where it is called
@@ -480,23 +505,25 @@ def _advance(
 
 
 @kernel
-def _find_rate(system: System, grids: TwoGrids) -> tuple[int, float]:
-    """Fill in the rate; return how many corrections it took, and the relative error of that of the approach.
+def _find_tangent(system: System, grids: TwoGrids) -> tuple[int, float]:
+    """Fill in the tangent; return how many corrections it took, and the relative error of the resistance in it.
 
-    What is left of the equations takes the place of `by_load`.
+    The tangent solves J tangent = -by_load, where J is the Jacobian on many nodes. It starts from 0, and each
+    correction is that of the residual J tangent + by_load, which takes the place of `by_load`.
     """
-    before, previous, error, rate, residual = np.inf, np.inf, np.inf, system.rate, system.by_load
+    before, previous, error, tangent, residual = np.inf, np.inf, np.inf, system.tangent, system.by_load
     for step in range(1, MAX_STEPS + 1):
         change, size = _correction(grids, residual), 0.0
-        for k in range(rate.size):
-            rate[k] += change[k]
+        for k in range(tangent.size):
+            tangent[k] += change[k]
             size = max(size, abs(change[k]))
-            for i in range(rate.size):
+            for i in range(tangent.size):
                 residual[i] += change[k] * system.matrix[k, i]
-        error = abs(change[-1] / rate[-1])
+        error = abs(change[-1] / tangent[-1])
         ratio, is_stuck = size / max(previous, 1e-300), not size <= MAX_RATIO * before
         before, previous = previous, size
-        if step > 2 and error * ratio < SENSITIVITY_TOLERANCE:  # the first tells all, and so no ratio
+        # The first correction is the whole tangent, so that the ratio of the second to it says nothing.
+        if step > 2 and error * ratio < TANGENT_TOLERANCE:
             return step, error * ratio
         if is_stuck:
             break
@@ -527,8 +554,9 @@ def solve_on_segments(
 ) -> tuple[ContactState, int, System, TwoGrids]:
     """The state that solves the equations on the segments of a guess, whether the inequalities hold or not.
 
-    And the steps of Newton's method and the corrections that it took, and the equations. ConvergenceError is raised
-    unless the corrections fall below the tolerance, or to rounding.
+    Also the number of Newton's steps and corrections, and the equations and matrices of the last of them. Segments
+    whose coefficients have not decayed get more nodes. ConvergenceError is raised unless the corrections fall below
+    the tolerance, or to rounding.
     """
     series, load = surface.series(guess.dual), guess.load
     coarse, factors, steps = _newton_iteration(guess, series)
@@ -553,29 +581,30 @@ def solve_on_segments(
 
 
 def _add_resistance(state: ContactState, system: System, grids: TwoGrids) -> tuple[ContactState, int]:
-    """The state with its resistance and the singular pressure that an increment of the load adds at its edges.
+    """The state with its resistance and the strengths B of the tangent pressure at its edges, and the corrections.
 
-    An edge that moves out at the speed v makes K/s^(1/2) with K = A v/2 of the pressure A s^(1/2) beside it. And the
-    corrections to these that it took. ConvergenceError is raised unless they become small.
+    An edge that moves out at the speed v turns the pressure A s^(1/2) into the tangent pressure B/s^(1/2) with
+    B = A v/2 (docs/patches.md, "Edges"). ConvergenceError is raised unless the corrections become small.
     """
-    steps, error = _find_rate(system, grids)
-    if not error <= SENSITIVITY_TOLERANCE:
+    steps, error = _find_tangent(system, grids)
+    if not error <= TANGENT_TOLERANCE:
         why = f"the resistance does not converge under the mean pressure {state.load:.6g} p_0*"
         raise ConvergenceError(why, error)
-    segments, rate, N = state.segments, system.rate, state.phi.size
-    shift, growth = rate[N:-1].reshape(2, -1) * segments.half_width
+    segments, tangent, N = state.segments, system.tangent, state.phi.size
+    shift, growth = tangent[N:-1].reshape(2, -1) * segments.half_width
     speed = np.stack([growth - shift, growth + shift], axis=1)
-    singular_rate = 0.5 * np.abs(segment_strengths(state) * speed)
-    return state._replace(resistance=float(rate[-1]), singular_rate=singular_rate), steps
+    tangent_strength = 0.5 * np.abs(segment_strengths(state) * speed)
+    return state._replace(resistance=float(tangent[-1]), tangent_strength=tangent_strength), steps
 
 
 def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
-    """The state under one load, from a guess on few nodes, and the Newton steps and corrections that it took.
+    """The state under one load, from a guess on few nodes, and the number of Newton's steps and corrections.
 
-    ConvergenceError is raised if Newton's method fails, or if the state does not meet the contact conditions.
+    A guess of contacts has Hertz's pressure, which is near enough; one of gaps has no slope yet. ConvergenceError is
+    raised if Newton's method fails, or if the state does not meet the contact conditions.
     """
     series = surface.series(guess.dual)
-    start = _own_density(guess, series) if guess.dual else guess  # Hertz's pressure is near enough
+    start = _own_density(guess, series) if guess.dual else guess
     state, steps, system, grids = solve_on_segments(surface, start, tolerance)
     state, more = _add_resistance(state, system, grids)
     residual = contact_residual(state, series)
@@ -586,11 +615,12 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
 def _violations(
     state: ContactState, series: CosineSeries, residual: float, tolerance: float
 ) -> tuple[Records, Records, float]:
-    """Minima off the segments below a margin, where values on the segments are negative, and the margin.
+    """Minima off the segments below a margin, intervals on the segments with negative values, and the margin.
 
-    ConvergenceError is raised if there is overlap or tension but by rounding. While the nodes of a segment do not
-    resolve its density, the inequalities are not known any better; and an overlap is known as well as the gap on the
-    contacts vanishes, which is the residual.
+    ConvergenceError is raised if there is more overlap or tension than rounding leaves. The limits of both are no
+    smaller than the last coefficients of a density, which bound what its nodes resolve. An overlap is known as well
+    as the gap on the contacts vanishes, and that is the residual. The margin is how well a gap will be known once the
+    state is certified: minima below it may be births (docs/patches.md, "The error of the resistance").
     """
     unresolved = coefficient_tails(state.segments, state.coefficient, 0)
     outside, inside = (MAX_TENSION, tolerance) if state.dual else (tolerance, MAX_TENSION)
@@ -601,6 +631,6 @@ def _violations(
         margin = gap_uncertainty(limit + OVERLAP_FACTOR * residual + MAX_TENSION * scale, series)
     minima, negative = minima_outside(state, series, margin), find_negative_intervals(state)
     allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
-    if minima["value"].min(initial=0.0) < -limit or np.any(negative["share"] < -allowed):
+    if minima["value"].min(initial=0.0) < -limit or np.any(negative["relative"] < -allowed):
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
     return minima, negative, margin

@@ -1,5 +1,7 @@
 """Sums over many points of forces times a periodic kernel, in the time O(points): a fast multipole method on a line.
 
+It is that of docs/patches.md, "Sums over all nodes".
+
 The kernel is ln|2 sin(pi (x_a - x_b)/L)|, of contacts, or 1/sin^2(pi (x_a - x_b)/L), of gaps (dual).
 
 The points, in order, are halved again and again: a binary tree whose nodes know the interval that their points span.
@@ -29,8 +31,8 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 ORDER = 15
 # The zeros of T_ORDER, and 2/ORDER times T_k there, one k a row, or 1/ORDER for k = 0.
 POINT, _, _, BASIS = gauss_rule(ORDER, of_second_kind=False)
-LEAF_POINTS = 40  # at most: more cost memory in near pairs, fewer in far ones
-MIN_DISTANCE = 1.0  # of two nodes over the width of the wider one
+LEAF_POINTS = 40  # Points of a leaf at most: more cost memory in near pairs, and fewer cost it in far ones.
+MIN_DISTANCE = 1.0  # Nodes are far from each other at this distance over the width of the wider one.
 
 
 class Tree(NamedTuple):
@@ -141,7 +143,7 @@ def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
 @kernel
 def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
     """Far and near pairs that together hold each pair of points once; of one and the same tree, unordered ones."""
-    stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # the first tells the compiler what pairs are
+    stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # The compiler takes the type of pairs from the first.
     while len(stack) > 0:
         a, b = stack.pop()
         a_ends, b_ends = a >= _first_leaf(one), b >= _first_leaf(other)
@@ -218,9 +220,10 @@ def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, B
 
 @kernel
 def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
-    """What f at the points amounts to at the Chebyshev points of each node, shape (nodes, ORDER)."""
+    """Forces at the Chebyshev points of each node that stand for f at its points, shape (nodes, ORDER)."""
     moment = np.zeros((tree.low.size, ORDER))
-    for level in range(tree.depth, -1, -1):  # in each, forwards: memory is read three times as slowly backwards
+    # Within a level the nodes are passed forwards, since memory is read three times as slowly backwards.
+    for level in range(tree.depth, -1, -1):
         for node in range((1 << level) - 1, (1 << (level + 1)) - 1):
             here = moment[node]
             if level == tree.depth:
@@ -279,7 +282,7 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
         start, end = points_of_leaf(tree, matrix.near[pair, 0])
         first, last = points_of_leaf(tree, matrix.near[pair, 1])
         block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
-        of_rows = f[start:end] if start != first else none  # a leaf with itself holds both orders of each pair
+        of_rows = f[start:end] if start != first else none  # The block of a leaf with itself holds each pair twice.
         _add_block(
             block.reshape(end - start, last - first), of_rows, f[first:last], total[start:end], total[first:last]
         )

@@ -1,5 +1,8 @@
 """Segments of the period, which are contacts or gaps, with their nodes and the densities on them.
 
+The formulas are those of docs/patches.md: "Contacts and gaps" and "Edges" for what a state holds, and "Chebyshev
+polynomials" for nodes, points, strengths and the number of nodes.
+
 Newton's method, whether with a dense matrix or on given edges, begins and ends with a `ContactState`: the segments of
 one load, and sqrt(1-t^2) phi(t) on each, in its coordinate t from -1 to 1 (`weier.methods.chebyshev`).
 """
@@ -22,20 +25,24 @@ from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
 
+# Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# Nodes of a segment, by the digits asked for: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments; and
-# e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
+# Nodes of a segment, by the digits of its density: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments;
+# and e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
 DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
 NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
 NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
 NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
 NODES_PER_TWIN = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.0])
-# Limits for the distance of neighbours over the half-width; a solution shows by itself if it needs more nodes.
+# The distance of neighbours over the half-width is limited to these in the formula. The coefficients of a solution
+# show whether it needs more nodes.
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
-MORE_NODES, AT_LEAST_MORE = 1.3, 2  # over those so far, where the coefficients have not decayed
-# Rounding of a tail, for the widest segment: a density falls with the width squared, and its rounding does not.
+# Where the coefficients have not decayed, a segment gets so many times its nodes and so many more.
+MORE_NODES, AT_LEAST_MORE = 1.3, 2
+# Rounding of the last coefficients of the widest segment. That of a narrower one grows with the inverse square of the
+# width: heights fall with the square, and their rounding does not.
 TAIL_ROUNDING, MAX_TAIL_ROUNDING = 1e-14, 1e-3
-COARSE_TOLERANCE = 1e-3  # of the density on the few nodes that Newton's method solves for
+COARSE_TOLERANCE = 1e-3  # The few nodes on which Newton's method solves resolve the density to three digits.
 
 
 class Blocks(NamedTuple):
@@ -52,15 +59,15 @@ class Blocks(NamedTuple):
 
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
     """The matrices of all segments in order; one that several segments share stands in the table once."""
-    matrices = list(matrices)  # which keeps their identities
+    matrices = list(matrices)  # They stay alive, so that their identities stay theirs.
     tables, start, end = [], dict[int, int](), 0
-    for each in matrices:
-        if id(each) not in start:
-            start[id(each)], end = end, end + each.size
-            tables.append(each.ravel("F"))
-    row = accumulate((each.shape[0] for each in matrices), initial=0)
-    column = accumulate((each.shape[1] for each in matrices), initial=0)
-    place = [*(start[id(each)] for each in matrices), end], [*row], [*column]
+    for matrix in matrices:
+        if id(matrix) not in start:
+            start[id(matrix)], end = end, end + matrix.size
+            tables.append(matrix.ravel("F"))
+    row = accumulate((matrix.shape[0] for matrix in matrices), initial=0)
+    column = accumulate((matrix.shape[1] for matrix in matrices), initial=0)
+    place = [*(start[id(matrix)] for matrix in matrices), end], [*row], [*column]
     return Blocks(np.concatenate(tables), np.array(place))
 
 
@@ -80,14 +87,14 @@ def apply_blocks(blocks: Blocks, f: Array) -> Array:
 
 
 def degrees(first_node: Indices) -> Indices:
-    """The degree of the polynomial whose coefficient is kept at each node's place, from 0 on each segment."""
+    """The degrees of the polynomials whose coefficients stand at the places of the nodes: 0, 1, ... on each."""
     return np.arange(first_node[-1]) - np.repeat(first_node[:-1], np.diff(first_node))
 
 
 def end_sums(first_node: Indices, coefficient: Array) -> NDArray[np.float64]:
     """The sums of the coefficients of each segment, shape (segments, 2): at -1, with the sign (-1)^k, and at 1."""
     signed = np.where(degrees(first_node) % 2 == 0, coefficient, -coefficient)
-    return np.stack([np.add.reduceat(each, first_node[:-1]) for each in (signed, coefficient)], axis=1)
+    return np.stack([np.add.reduceat(values, first_node[:-1]) for values in (signed, coefficient)], axis=1)
 
 
 class Segments(NamedTuple):
@@ -150,19 +157,19 @@ class ContactState(NamedTuple):
         g_0/lambda_0
     coefficient : of phi in U_k, segment by segment, shape (nodes,)
     resistance : dh/dp, in g_0/p_0*
-    singular_rate : K at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): of an
-        increment of the mean pressure, the pressure at the distance s within a contact is K/s^(1/2)
+    tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
+        derivative of the pressure by the mean pressure is B/s^(1/2) at the distance s within a contact
     residual : largest violation of a contact condition, in g_0
-    error : a bound on that of the approach by these violations, in g_0
+    error : a bound on the error of the approach by these violations, in g_0
     height_error : by how much heights may differ for which the state is exact, in g_0
     cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
         middle and half-width in its coordinate t, and the strength of the pressure at both edges, as in `Solution`;
         shape (cracks, 4), in order
     tensions : intervals of tension that are left on contacts, where a gap is missing or too narrow to be solved for:
         the index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
-    narrow_gaps : minima of the gap that are smaller than they are known to, so that a contact may be born there
+    narrow_gaps : minima of the gap that are smaller than the gap's uncertainty, so that a contact may be born there
 
-    Of the last nine, those are NaN or empty that nothing has asked for yet.
+    The last nine are NaN or empty until they are computed.
     """
 
     dual: bool
@@ -172,7 +179,7 @@ class ContactState(NamedTuple):
     phi: Array
     coefficient: Array = np.empty(0)
     resistance: float = np.nan
-    singular_rate: NDArray[np.float64] = np.empty((0, 2))
+    tangent_strength: NDArray[np.float64] = np.empty((0, 2))
     residual: float = np.nan
     error: float = np.nan
     height_error: float = np.nan
@@ -182,7 +189,7 @@ class ContactState(NamedTuple):
 
     @property
     def pieces(self) -> tuple[Indices, Indices]:
-        """The index of the segment that each piece between cracks is of, and those pieces that end at a crack."""
+        """The index of the segment that each piece between cracks belongs to, and the pieces that end at a crack."""
         of = self.cracks[:, 0].astype(np.int64)
         count = self.segments.centre.size
         return np.repeat(np.arange(count), 1 + np.bincount(of, minlength=count)), of + np.arange(of.size)
@@ -196,7 +203,7 @@ class ContactState(NamedTuple):
         start, end = np.full(of.size, -1.0), np.ones(of.size)
         end[before_crack] = self.cracks[:, 1] - self.cracks[:, 2]
         start[before_crack + 1] = self.cracks[:, 1] + self.cracks[:, 2]
-        origin, centre, r = (each[of] for each in self.segments.extent)
+        origin, centre, r = (values[of] for values in self.segments.extent)
         return origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)
 
 
@@ -298,7 +305,7 @@ def _count_nodes(
 def _needs(tolerance: float) -> tuple[float, ...]:
     """The parameters of the number of nodes for this tolerance."""
     tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR, NODES_PER_TWIN
-    return tuple(float(np.interp(-np.log10(tolerance), DIGITS, each)) for each in tables)
+    return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
 
 
 @kernel

@@ -1,4 +1,7 @@
-"""What users call: curves over the loads, and solutions under single loads, each from its own start."""
+"""What users call: curves over the loads, and solutions under single loads, each from its own start.
+
+Which guesses, solvers and tolerances are tried, in which order, is in docs/patches.md, "Where a load starts".
+"""
 
 from __future__ import annotations
 
@@ -30,17 +33,19 @@ from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
 TOLERANCE = 1e-10
-# Of Newton's steps, coefficients and residuals, which are relative: looser ones take no less time, since sets of
-# contacts are then corrected more often. What fails, or leaves too wide a bound, is tried again so much tighter.
+# The relative tolerance of Newton's steps, coefficients and residuals: looser ones take no less time, since sets of
+# contacts are then corrected more often. A load that fails, or whose bound is too wide, is tried again with a
+# tolerance so many times tighter, and so often in all.
 MAX_RELATIVE_TOLERANCE, TIGHTENING, ATTEMPTS = 1e-4, 100.0, 3
-MIN_LOAD = 1e-300  # in p_0*: squares of half-widths underflow below it
+MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow below it.
 
 
 class Curve(NamedTuple):
     """Exact curves over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
-    compliance_error : a bound on its error, in g_0, by the conditions that the solution violates where it is sampled
+    compliance_error : a bound on its error, in g_0, by the conditions that the solution violates where these are
+        sampled
     indentation : the same from first contact, in g_0, with full relative accuracy at light loads
     resistance : dh/dp, in g_0/p_0*
     resistance_error : an estimate of its error, in the same units
@@ -128,8 +133,8 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
         Increasing, positive, in p_0*.
     tolerance : float
         Largest error of the compliance that is accepted, in g_0, from 1e-13 to 1. Steps, coefficients and residuals
-        are small by as much, relative to the indentation: so the compliance is mostly far better than asked for, and
-        the resistance keeps its digits at light loads.
+        are as small relative to the indentation, and 1e-4 of it at most: so the compliance is mostly far more
+        accurate than required, and the resistance keeps its digits at light loads.
 
     Returns
     -------
@@ -166,8 +171,8 @@ def _curve_point(
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
     half_width = state.extent[2]
-    share = float(2 * half_width.sum() / series.period)
-    base, fraction = (top, 1 - share) if state.dual else (0.0, share)
+    fraction = float(2 * half_width.sum() / series.period)
+    base, fraction = (top, 1 - fraction) if state.dual else (0.0, fraction)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
     of_R = resistance_error(state, series, total)
     count = half_width.size
@@ -240,12 +245,13 @@ def _solve_relative(starts: Starts, load: float, tolerance: float) -> tuple[Cont
 def _correct_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state from one guess whose set of contacts may be wrong, or large, and the steps to it.
 
-    A residual that is small beside the load does not tell how wide a contact is. The steps of a dense matrix do,
-    which are relative to each segment, and so they end what are few.
+    A residual that is small beside the load does not determine how wide a small contact is. The steps of Newton's
+    method with a dense matrix are relative to each segment and do, so that a set of few ends with them.
     """
     state, steps = many_contacts.solve_many_contacts(surface, guess, tolerance)
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:
-        # Next to a birth, few nodes do not tell whether a contact has any force, and rounding may keep both from it.
+        # Next to a birth, few nodes may not resolve whether a contact has any force, and rounding may keep both
+        # starts from converging; then the state stays as it is.
         for again in (newton.on_few_nodes(state, surface.series(state.dual)), state):
             with suppress(ConvergenceError):
                 state, more = newton.solve_few_contacts(surface, again, tolerance)

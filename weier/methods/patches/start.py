@@ -1,6 +1,7 @@
 """Where each load starts from: the contacts that it is likely to have, and the density on them.
 
-They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere.
+They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere; the
+formulas are those of docs/patches.md, "Where a load starts".
 """
 
 from __future__ import annotations
@@ -30,23 +31,29 @@ from weier.methods.punches import OFFSET
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.waves import Waves
 
-MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0  # of the compliance, in g_0: rounding, and more than says anything
-MAX_RADIANS = 0.5  # of the finest wave in the half-width of a contact that is Hertz's, or of a gap like it
-MAX_CROWDING = 0.1  # of the half-width over the distance of the next one, for the same
-MAX_LONE = 32  # contacts whose forces are found as forces on lines
-MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # of finding their forces; 3 or 4 are usual
-POINTS_PER_WAVE = (16, 32)  # of the grids that are tried in this order
-MIN_GRID_TOLERANCE = 1e-10  # the waves of a smooth measured surface fall to rounding
-GRID_TOLERANCE, WAVE_SHARE = 1e-5, 0.01  # of boundary elements: in g_0, and of the finest wave, whichever is less
-RATE_TOLERANCE = 1e-2  # of the rate there: what its corrections on so few points are off themselves
-MAX_NODE_RATIO = 0.7  # of the gaps over the contacts, at which the gaps are solved for
+# Tolerances of the compliance, in g_0: rounding allows none below, and a solution within the largest says nothing.
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0
+# A contact is Hertz's, or a gap like it, up to so many radians of the finest wave in its half-width: the parabola of
+# a cosine is off by 2 % there.
+MAX_RADIANS = 0.5
+MAX_CROWDING = 0.1  # It is isolated up to this half-width over the distance to the next one: forces are off by 1 %.
+MAX_ISOLATED = 32  # The forces of at most so many contacts are found as forces on lines, by dense equations.
+MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # Their forces take 3 or 4 steps to this relative accuracy.
+POINTS_PER_WAVE = (16, 32)  # Points for each of the finest waves of the grids that are tried, in this order.
+# Residual of boundary elements from which Newton's method can start: in g_0 and as a part of the finest wave,
+# whichever is less; but no less than the last, since the finest waves of a smooth measured surface are rounding.
+GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
+# Relative residual of their tangent pressure: the corrections that follow from it are off by as much themselves on so
+# few points.
+TANGENT_TOLERANCE = 1e-2
+MAX_NODE_RATIO = 0.7  # Gaps are solved for where they need at most so many times the nodes of the contacts.
 
 
 class Starts:
     """Initial guesses for the loads of one surface, each independent of the other loads."""
 
     def __init__(self, profile: Waves, tolerance: float) -> None:
-        """Starts for a compliance within a tolerance, in g_0; ValueError where no number is meant by that."""
+        """Starts for a compliance within a tolerance, in g_0; ValueError is raised if that is out of its limits."""
         if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
             raise ValueError(
                 f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}] for contact patches, got {tolerance}"
@@ -56,21 +63,20 @@ class Starts:
 
     def _make_grid(self, per_wave: int) -> NestedSolver:
         points = per_wave * self.profile.waves_per_period[-1]
-        # The residual, in g_0, that Newton's method can start from.
-        tolerance = min(GRID_TOLERANCE, WAVE_SHARE * abs(float(self.profile.amplitude[-1])))
+        tolerance = min(GRID_TOLERANCE, WAVE_FRACTION * abs(float(self.profile.amplitude[-1])))
         return NestedSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance))
 
     def guesses(self, load: float, tolerance: float) -> Iterator[ContactState]:
-        """What to start from under this load, the most likely first, for densities within a relative tolerance."""
-        for find, series in ((lone_contacts, self.surface.heights), (lone_gaps, self.surface.tensions)):
-            if (lone := find(series, load)) is not None:
-                yield lone
+        """Guesses under this load, the most likely first, for densities within a relative tolerance."""
+        for find, series in ((isolated_contacts, self.surface.heights), (isolated_gaps, self.surface.tensions)):
+            if (isolated := find(series, load)) is not None:
+                yield isolated
         guess = None
         for per_wave in POINTS_PER_WAVE:
             if (found := self._nodal_contacts(load, per_wave)) is not None:
                 guess = contacts_guess(self.surface, load, *found, tolerance)
                 yield guess
-        # Below a merger a gap may be cut into contacts and closed again and again, while gaps are cut in and stay.
+        # Just below a merger, contacts may be cut and merged again and again. As segments, their gaps stay.
         if guess is not None and not guess.dual:
             yield gaps_guess(self.surface, guess)
 
@@ -79,7 +85,7 @@ class Starts:
 
         The force of a contact is that of its nodes.
         """
-        solution = self._grid(per_wave).solve_discrete(load, True, RATE_TOLERANCE)
+        solution = self._grid(per_wave).solve_discrete(load, True, TANGENT_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
         corrected = remove_staircase(solution)
@@ -148,25 +154,25 @@ def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
     return _make_guess(surface.tensions, contacts.load, True, origin + centre, half_width, 0.0)
 
 
-def lone_contacts(series: CosineSeries, load: float) -> ContactState | None:
-    """Hertz's contacts on crests, if they are so small that each feels the others as forces; None if they are not."""
+def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
+    """Hertz's contacts on crests, if they are so small that the others act on each as forces; else None."""
     curvature, total = series.crest_curvature, load * series.period
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return None
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
     crest = np.flatnonzero(force)
-    return _lone_guess(series, load, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
+    return _isolated_guess(series, load, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
 
 
 @kernel
 def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: float, period: float) -> Array:
     """The forces of Hertz's contacts on crests under a whole load, shape (crests,); all are 0 if they are not found.
 
-    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and by what others lower it. The
-    logarithm hardly changes with the forces, which therefore follow from those that were found with the last one. A
-    crest that would be pulled leaves the contacts, and one that would stand above the plane joins them.
+    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and the forces of others lower it.
+    The logarithm hardly changes with the forces, so that it is that of the step before and the equations are linear.
+    A crest under a negative force leaves the contacts, and one that would stand above the plane joins them.
     """
-    n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_LONE
+    n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
     force, crest = np.zeros(n), np.empty(most, np.int64)
     for k in range(n):
         force[k] = total if offset[k] == 0 else 0.0
@@ -179,14 +185,15 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                 crest[count] = k
                 count += 1
         matrix, height = np.ones((count + 1, count + 1)), np.empty(count + 1)
-        for i in range(count):  # the forces of a crest's neighbours and its own, and the plane, make up its height
+        # The displacements by the forces on all crests and the plane add up to the height of each crest.
+        for i in range(count):
             k = crest[i]
             own = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
             for j in range(count):
                 x = position[k] - position[crest[j]]
                 matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
             height[i] = offset[k]
-        matrix[count, count], height[count] = 0.0, total  # and all forces are the load
+        matrix[count, count], height[count] = 0.0, total  # The sum of the forces is the load.
         found = np.linalg.solve(matrix, height)
         approach, is_settled = -found[count] - OFFSET * total, True
         for i in range(count):
@@ -205,20 +212,20 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     return np.zeros(n)
 
 
-def lone_gaps(series: CosineSeries, load: float) -> ContactState | None:
-    """The gaps where full contact would be in tension, if they are so small that they do not bear on each other."""
+def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
+    """The gaps where full contact would be in tension, if they are so small that they do not act on each other."""
     most, curvature = series.maximum - load, series.crest_curvature
     if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return None
     crest = np.flatnonzero(most + series.crest_offset > 0)
     half_width = 2 * np.sqrt((most + series.crest_offset[crest]) / curvature[crest])
-    return _lone_guess(series, load, True, crest, half_width, 0.0)
+    return _isolated_guess(series, load, True, crest, half_width, 0.0)
 
 
-def _lone_guess(
+def _isolated_guess(
     series: CosineSeries, load: float, dual: bool, crest: Indices, half_width: Array, force: Array | float
 ) -> ContactState | None:
-    """A guess on crests in order; None if segments are not parabolic, or so wide that they feel each other."""
+    """A guess on crests in order; None if segments are not parabolic, or so wide that they act on each other."""
     position, widest = series.crest_position[crest], half_width.max(initial=0.0)
     distance = np.append(position[1:], position[:1] + series.period) - position
     if crest.size == 0 or not widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * distance.min()):
