@@ -1,8 +1,8 @@
 """The estimated error of the resistance of a state, from its edges, its cracks and contacts that may be born.
 
 All of it follows from what heights that are off by the error of the state do to the contacts (docs/patches.md, "The
-error of the resistance"; "Edges" has the energy that an edge releases). In 229 loads of random series the largest
-error was 0.6 of the estimate.
+error of the resistance"; "Edges" has the energy that an edge releases). At 584 loads and three tolerances one error
+exceeded the estimate, by 1.4 times.
 """
 
 from __future__ import annotations
