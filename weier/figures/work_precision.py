@@ -1,4 +1,4 @@
-"""Speed against accuracy: what each method takes and how far it is off, as its tolerance or another setting changes."""
+"""Speed against accuracy: what each method takes and how far it is off, as its tolerance or its points change."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
 from weier.accuracy.metrics import MEASURED, STATED, pareto, seconds_per_load, worst_over_loads
@@ -21,30 +20,33 @@ from weier.kernels.arrays import Array
 from weier.methods import registry
 
 CAPTION = (
-    "Milliseconds for one load against the largest error over the loads of all profiles that have so many terms. A "
-    "line joins the settings of a method, such as tolerances from 0.1 to 1e-12: filled for the error, open for what "
-    "the method states of it. The background has the colour of the method that takes the least time for this error."
+    "The largest error over all loads against the time for one of them on one core: of the compliance above, of the "
+    "resistance below. A line joins the settings of a method, such as its tolerances of 0.1, 0.01 and so on. Filled "
+    "symbols are errors, open ones what the method states of them. The background has the colour of the fastest "
+    "method that is within an error."
 )
 COMMAND = "tradeoff"
 VARIABLE = "reference_resistance"
 
-PAGE_WIDTH, PANEL_HEIGHT, LEGEND_HEIGHT = 7.09, 1.75, 0.6  # inches: 180 mm, the width of a page
-MAX_COLUMNS = 6
-FLOOR, CEILING = 1e-15, 3.0  # of the errors that are drawn
-LABELS = {
-    "compliance": r"error of $h/g_0$",
-    "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$",
-}
-BAND_ALPHA = 0.16
-STATED_LOOK: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
+WIDTH = 7.09  # inches: 180 mm, a page of a journal
+PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4
+MAX_COLUMNS, LEGEND_COLUMNS = 6, 7
+FLOOR, CEILING = 1e-15, 10.0  # of the errors that are drawn: smaller ones stand at the lower end
+LABELS = {"compliance": r"error of $h/g_0$", "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$"}
+SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
+OPEN: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
+BACKGROUND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
+LEGEND: dict[str, Any] = {"handlelength": 1.6, "columnspacing": 1.2}
+NAME: dict[str, Any] = {"fontsize": 7, "linespacing": 1, "verticalalignment": "bottom"}
+MIN_NAMED = 300  # between the errors of a background that is high enough for a name
 
 
 class Line(NamedTuple):
-    """The settings of one kind of a method, such as its tolerances; each array over them.
+    """The settings of a method on some profiles; arrays over the settings.
 
     method : its name
     milliseconds : for one load, the mean over the profiles
-    measured, stated : errors, the largest over loads and profiles, NaN where nothing is stated
+    measured, stated : the largest errors over loads and profiles; NaN where nothing is stated
     """
 
     method: str
@@ -58,69 +60,87 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     (data,) = studies
     if not np.isfinite(data["seconds"]).any():
         raise ValueError("there are no times to draw in these data")
-    terms = np.unique(data["m"].values)
-    title, columns = style.limit_panels(title, [data.isel(case=data["m"].values == m) for m in terms], "numbers of terms", MAX_COLUMNS)
-    figure = Figure(figsize=(PAGE_WIDTH, 2 * PANEL_HEIGHT + LEGEND_HEIGHT), layout="constrained")
-    axes = figure.subplots(2, len(columns), sharex=True, sharey=True, squeeze=False)
-    for row, quantity in zip(axes, LABELS, strict=True):
-        for panel, cases in zip(row, columns, strict=True):
-            _draw_panel(panel, list(_lines(cases, quantity)))
-        row[0].set_ylabel(LABELS[quantity])
-    for panel, cases in zip(axes[0], columns, strict=True):
-        panel.set_title(f"$m={float(cases['m'][0]):g}$")
+    title, columns = style.limit_panels(title, _series(data), "series", MAX_COLUMNS)
+    figure = Figure(figsize=(WIDTH, len(LABELS) * PANEL_HEIGHT + LEGEND_HEIGHT), layout="constrained")
+    axes = figure.subplots(len(LABELS), len(columns), sharex=True, sharey=True, squeeze=False)
     axes[0, 0].set(xscale="log", yscale="log", ylim=(FLOOR, CEILING))
-    axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
+    for row, (quantity, label) in zip(axes, LABELS.items(), strict=True):
+        row[0].set_ylabel(label)
+        for panel, cases in zip(row, columns, strict=True):
+            _draw_panel(panel, list(_lines(cases, quantity)), named=panel is row[-1])
+    for (above, *_, below), cases in zip(axes.T, columns, strict=True):
+        above.set_title(style.describe(cases.isel(case=0), "m", "gamma"))
+        below.set_xlabel("milliseconds a load")
+    # Powers of ten that are close to each other hide those of other panels.
     axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
-    figure.supxlabel("milliseconds a load, one core", fontsize=9)
+    axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
     style.set_title(figure, title)
-    figure.legend(handles=_legend(data), loc="outside lower center", ncols=4)
+    figure.legend(handles=_legend(data), loc="outside lower center", ncols=LEGEND_COLUMNS, **LEGEND)
     return figure
 
 
+def _series(data: xr.Dataset) -> list[xr.Dataset]:
+    """The cases that have as many terms and the same ratio of wavelengths, by rising numbers."""
+    keys = np.column_stack([data["m"].values, data["gamma"].values])
+    return [data.isel(case=(keys == key).all(axis=1)) for key in np.unique(keys, axis=0)]
+
+
 def _lines(cases: xr.Dataset, quantity: str) -> Iterator[Line]:
-    """The lines of a panel; a setting that was not run on all cases is left out."""
-    seconds = 1e3 * seconds_per_load(cases).mean(axis=0)
+    """A line for each method, through what was run on all cases."""
+    methods = cases["solution_method"].values
+    milliseconds = 1e3 * seconds_per_load(cases).mean(axis=0)
     errors = [worst_over_loads(cases, quantity, kind).max(axis=0) for kind in (MEASURED, STATED)]
-    kinds = [(method, sorted(json.loads(settings or "{}"))) for method, settings in zip(cases["solution_method"].values, _settings(cases), strict=True)]
-    for (method, _), members in groupby(np.flatnonzero(np.isfinite(seconds)), lambda at: kinds[at]):
-        at = list(members)
-        yield Line(str(method), seconds[at], *(np.clip(error[at], FLOOR, None) for error in errors))
+    for method in _methods(cases):
+        run = np.flatnonzero((methods == method) & np.isfinite(milliseconds))
+        if run.size:
+            at = _most_alike(run, cases["settings"].values[0])
+            yield Line(method, milliseconds[at], *(np.maximum(error[at], FLOOR) for error in errors))
 
 
-def _settings(cases: xr.Dataset) -> list[str]:
-    return [max(column) for column in cases["settings"].values.T.tolist()]
+def _methods(data: xr.Dataset) -> list[str]:
+    return list(dict.fromkeys(data["solution_method"].values.tolist()))
 
 
-def _draw_panel(axes: Axes, lines: Sequence[Line]) -> None:
-    _shade_front(axes, lines)
+def _most_alike(variants: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Those variants that differ in values of the same settings: the most of them, or else the last ones."""
+    kinds = [sorted(json.loads(settings[at])) for at in variants]
+    kind = max(reversed(kinds), key=kinds.count)
+    return variants[[each == kind for each in kinds]]
+
+
+def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
+    """The lines on the colours of the fastest methods, with their names if wanted."""
+    for method, low, high in _fastest(lines):
+        color = _look(method)["color"]
+        axes.axhspan(low, high, color=color, **BACKGROUND)
+        if named and high / low >= MIN_NAMED:
+            text = f"fastest:\n{_look(method)['label']}"
+            axes.text(0.05, 1.5 * low, text, transform=axes.get_yaxis_transform(), **NAME)
     for line in lines:
-        look = _look(line.method)
-        axes.plot(line.milliseconds, line.stated, **look | STATED_LOOK)
-        axes.plot(line.milliseconds, line.measured, **look)
+        axes.plot(line.milliseconds, line.stated, **_look(line.method) | OPEN)
+        axes.plot(line.milliseconds, line.measured, **_look(line.method))
 
 
-def _shade_front(axes: Axes, lines: Sequence[Line]) -> None:
-    """Colour each error by the method that takes the least time to be within it."""
+def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
+    """The fastest methods from large errors to small ones, each with the errors between which it is the fastest."""
     cost, error = (np.concatenate([getattr(line, name) for line in lines]) for name in ("milliseconds", "measured"))
-    methods = np.concatenate([np.full(line.measured.size, line.method) for line in lines])
-    front = pareto(cost, error)
-    for at, above in zip(front, [CEILING, *error[front]], strict=False):
-        axes.axhspan(error[at], above, color=_look(methods[at])["color"], alpha=BAND_ALPHA, linewidth=0)
+    methods, high = np.concatenate([[line.method] * line.measured.size for line in lines]), CEILING
+    for method, members in groupby(pareto(cost, error), lambda at: str(methods[at])):
+        low = min(error[at] for at in members)
+        yield method, low, high
+        high = low
 
 
 def _look(method: str) -> dict[str, Any]:
-    found = {each.name: each for each in registry.METHODS}[method]
-    look = style.line(method) | {"marker": found.style.marker, "markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
+    """Line and symbol of a method. Other figures have all numerical methods in black, on one curve."""
+    look = style.line(method) | {"marker": style.points(method)["marker"]} | SYMBOLS
     return look | ({"color": style.PURPLE} if method in registry.numerical_names()[1:] else {})
 
 
 def _legend(data: xr.Dataset) -> list[Any]:
-    present = [name for name in dict.fromkeys(data["solution_method"].values.tolist())]
-    own = [Line2D([], [], **_look(name)) for name in present]
-    grey = {"color": style.GREY, "marker": "o", "markersize": 2.8}
+    look = SYMBOLS | {"color": style.GREY, "marker": "o"}
     return [
-        *own,
-        Line2D([], [], label="error", linestyle="none", **grey),
-        Line2D([], [], label="stated error", linestyle="none", **grey, markerfacecolor="white"),
-        Patch(color=style.GREY, alpha=BAND_ALPHA, label="least time within this error"),
+        *(Line2D([], [], **_look(method)) for method in _methods(data)),
+        Line2D([], [], label="error", **look),
+        Line2D([], [], label="stated error", **look | OPEN),
     ]
