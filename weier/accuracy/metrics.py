@@ -68,8 +68,3 @@ def pareto(cost: Array, error: Array) -> list[int]:
         if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):
             front.append(int(number))
     return front
-
-
-def typical(values: Array) -> Array:
-    """Median over the cases, shape (variant,), of what was run on all of them; NaN for the others."""
-    return np.asarray(np.median(values, axis=0))  # NaN if one is
