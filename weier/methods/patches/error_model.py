@@ -7,6 +7,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESISTANCE_ROUNDING
 from weier.methods.patches.many_contacts import MIN_CONTACTS
+from weier.methods.patches.solver import MAX_RELATIVE_TOLERANCE
 from weier.methods.segment import COMPLIANCE
 
 # Error of the resistance, times the tolerance; 1 but for loads as near as 1e-5 of themselves below a merger.
@@ -14,12 +15,14 @@ RESISTANCE_FACTOR = 50.0
 
 MAX_CONTACTS = 50_000  # more were not measured: 42 641 took 74 s a load and 3.1 GB
 
-SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4
-SECONDS_WAVE = 4e-6  # of each load, times the root of the contacts, for boundary elements to start from
+SECONDS_START, SECONDS_LOAD = 5e-4, 6e-4
+SECONDS_WAVE = 3.2e-6  # of each load, times the root of the contacts, for boundary elements to start from
 # Of each load by a dense matrix: of each contact, and of its square.
-SECONDS_CONTACT, SECONDS_PAIR = 1.9e-4, 1.5e-6
+SECONDS_CONTACT, SECONDS_PAIR = 1e-4, 4.5e-6
 # Of each load without a matrix: times the contacts to this power, as far as the depth of a tree grows with them.
-SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 2.5e-4, 1.2
+SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 1.6e-4, 1.2
+# Both are for a tolerance of 1e-10; looser ones take fewer nodes and steps, as far as states are solved to them.
+TIMED_TOLERANCE, TOLERANCE_POWER = 1e-10, -0.03
 BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4  # every crest; the sums over each contact and its nodes, without a matrix
 NODES_CONTACT = 20  # of a contact, whose matrix is dense
 MATRIX_COPIES = 7  # the matrix itself, its factors and what they are made from
@@ -35,12 +38,13 @@ def loosest_tolerance(wanted: float, quantity: str) -> float:
     return wanted if quantity == COMPLIANCE else (wanted - RESISTANCE_ROUNDING) / RESISTANCE_FACTOR
 
 
-def seconds(waves: int, contacts: Array) -> Array:
-    """Seconds for each load, at so many of the finest waves in a period and contacts."""
+def seconds(waves: int, contacts: Array, tolerance: float = TIMED_TOLERANCE) -> Array:
+    """Seconds for each load, at so many of the finest waves in a period and contacts, to a tolerance in g_0."""
     by_matrix = SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2
     without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER
     by_contacts = np.where(contacts < MIN_CONTACTS, by_matrix, without)
-    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_contacts)
+    by_tolerance = (min(tolerance, MAX_RELATIVE_TOLERANCE) / TIMED_TOLERANCE) ** TOLERANCE_POWER
+    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_tolerance * by_contacts)
 
 
 def memory(waves: int, contacts: float) -> float:

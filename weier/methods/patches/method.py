@@ -80,7 +80,7 @@ def _patches(task: Task, tolerance: float) -> Segment:
         settings={"tolerance": tolerance},
         discretisation=error,
         seconds_start=error_model.SECONDS_START,
-        seconds_load=error_model.seconds(waves, task.contacts),
+        seconds_load=error_model.seconds(waves, task.contacts, tolerance),
         memory=error_model.memory(waves, float(task.contacts.max(where=held, initial=1.0))),
     )
 
