@@ -32,8 +32,8 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "Archard": ("archard", {}),
     "Demelio": ("demelio", {}),
     "layer": ("layer", {}),
-    **{f"bem, {points} points a wave": ("bem", {"points_per_wave": points}) for points in (16, 32, 64, 128)},
-    "patches": ("patches", {}),
+    **{f"bem {tolerance:.0e}": ("bem", {"tolerance": tolerance}) for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)},
+    **{f"patches {tolerance:.0e}": ("patches", {"tolerance": tolerance}) for tolerance in (1e-4, 1e-10)},
 }
 HEADER = (
     "method",

@@ -32,7 +32,7 @@ def test_the_trade_measures_all_its_variants(monkeypatch, tmp_path):
     assert mine["variant"].values.tolist() == ["toy 0.25", "toy 0.5"]
     half = mine.isel(case=1).sel(variant="toy 0.5")  # the toy is for several waves
     right = data["reference_compliance"].values[1]
-    assert half["compliance_error"].values == pytest.approx(np.abs(0.5 * LOADS - right), rel=1e-12)
+    assert half["compliance_deviation"].values == pytest.approx(np.abs(0.5 * LOADS - right), rel=1e-12)
     assert np.isnan(mine["seconds"].values[0]).all()
     dataset.write(data, tmp_path / "toy.nc", "Toy")
     tradeoff.write_table(dataset.read(tmp_path / "toy.nc"), "Toy", tmp_path / "toy.md")

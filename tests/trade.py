@@ -19,7 +19,7 @@ studies:
 """
 
 
-def small_trade(folder, text=SCENE, max_points=600):
+def small_trade(folder, text=SCENE, max_points=800):
     """The trade of a scene, on grids of no more points than this."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", max_points)

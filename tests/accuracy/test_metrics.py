@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from weier.accuracy.metrics import deviation, digits, pareto, typical, worst_over_loads
+from weier.accuracy.metrics import STATED, deviation, digits, pareto, worst_over_loads
 
 
 def test_correct_digits_run_from_none_to_all_that_a_double_has():
@@ -36,16 +36,14 @@ def test_the_front_is_what_nothing_beats(cost, error, front):
     assert pareto(np.array(cost, float), np.array(error, float)) == front
 
 
-def test_what_was_not_run_on_all_cases_is_not_typical():
-    np.testing.assert_array_equal(typical(np.array([[1, 1], [2, 1], [9, np.nan]])), [2, np.nan])
-
-
 def test_errors_of_the_resistance_are_relative_to_the_larger_of_itself_and_one():
     rows = ("case", "variant", "mean_pressure")
     data = xr.Dataset(
         {
-            "resistance_error": (rows, [[[0.2, 0.1, 0.0], [2.0, np.nan, 0.0], [np.nan, np.nan, np.nan]]]),
+            "resistance_deviation": (rows, [[[0.2, 0.1, 0.0], [2.0, np.nan, 0.0], [np.nan, np.nan, np.nan]]]),
+            "resistance_error": (rows, [[[0.4, 0.2, 0.0], [np.nan, np.nan, np.nan], [np.nan, np.nan, np.nan]]]),
             "reference_resistance": (("case", "mean_pressure"), [[4.0, 0.5, 0.0]]),
         }
     )
     assert worst_over_loads(data, "resistance")[0] == pytest.approx([0.1, 0.5, np.nan], nan_ok=True)
+    assert worst_over_loads(data, "resistance", STATED)[0] == pytest.approx([0.2, np.nan, np.nan], nan_ok=True)

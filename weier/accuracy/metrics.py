@@ -15,6 +15,7 @@ from weier.methods.multiprecision import DIGITS
 
 MAX_DIGITS = 16.0  # what an error of 0 counts as
 TINY = float(np.finfo(float).tiny)  # what is less may be 0
+MEASURED, STATED = "deviation", "error"  # kinds of errors, as the variables of a trade end
 
 
 def deviation(values: Array, right: Sequence[Any]) -> Array:
@@ -37,22 +38,22 @@ def _digits(value: float, right: Any) -> float:
         return min(max(float(-mp.log10(error)), 0.0), MAX_DIGITS) if error else MAX_DIGITS
 
 
-def by_load(data: xr.Dataset, quantity: str) -> Array:
-    """Errors of a trade, shape (case, variant, mean_pressure); NaN where a variant was not run.
+def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
+    """Errors of a trade, measured or stated, shape (case, variant, mean_pressure); NaN where there are none.
 
     Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from some
     g_0/p_0* at light loads to 0 at full contact, so an error relative to itself has no meaning at one end, and one in
     g_0/p_0* little at the other.
     """
-    error = data[f"{quantity}_error"].values
+    error = data[f"{quantity}_{kind}"].values
     if quantity == "resistance":
         error = error / np.maximum(data["reference_resistance"].values[:, None], 1)
     return np.asarray(error)
 
 
-def worst_over_loads(data: xr.Dataset, quantity: str) -> Array:
+def worst_over_loads(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
     """The largest of them over the loads, shape (case, variant)."""
-    return np.fmax.reduce(by_load(data, quantity), axis=-1)
+    return np.fmax.reduce(by_load(data, quantity, kind), axis=-1)
 
 
 def seconds_per_load(data: xr.Dataset) -> Array:
@@ -67,8 +68,3 @@ def pareto(cost: Array, error: Array) -> list[int]:
         if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):
             front.append(int(number))
     return front
-
-
-def typical(values: Array) -> Array:
-    """Median over the cases, shape (variant,), of what was run on all of them; NaN for the others."""
-    return np.asarray(np.median(values, axis=0))  # NaN if one is

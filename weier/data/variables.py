@@ -19,10 +19,7 @@ LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
 DATUM = "It counts from the undeformed profile whose waves all peak together"
-ERROR = (
-    "{} Other methods state an estimate: the documentation says how many numbers are within it. "
-    "In the files of the trade and the extremes it is the distance from a reference."
-)
+ERROR = "{} Other methods state an estimate: the documentation says how many numbers are within it."
 COMPLIANCE_ERROR = (
     "By contact patches it is a proved bound, from the contact conditions that their solution violates; by boundary "
     "elements a bound that is proved at first touch and was exceeded at no load that was tried."
@@ -112,6 +109,7 @@ OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
 _of_trace = partial(_label, optional=True)
 _planned = partial(Variable, content=AUXILIARY, optional=True)
+_measured = partial(Variable, least=0, content=QUALITY, optional=True)
 
 
 def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: Any) -> Variable:
@@ -186,7 +184,7 @@ VARIABLES = {
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
     "compliance_error": Variable(
         CURVE,
-        "error of the compliance, stated or measured",
+        "stated error of the compliance",
         "g_0",
         least=0,
         files=MEASURED,
@@ -195,12 +193,18 @@ VARIABLES = {
     ),
     "resistance_error": Variable(
         CURVE,
-        "error of the resistance, stated or measured",
+        "stated error of the resistance",
         "g_0/p_0*",
         least=0,
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
         largest="stated error of R, g_0/p_0*",
+    ),
+    "compliance_deviation": _measured(
+        CURVE, "distance of the compliance from that of the reference", "g_0", files=MEASURED
+    ),
+    "resistance_deviation": _measured(
+        CURVE, "distance of the resistance from that of the reference", "g_0/p_0*", files=(TRADEOFF,)
     ),
     "indentation": Variable(CURVE, "compliance, counted from first contact", "g_0", least=-ROUNDING),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
@@ -301,7 +305,7 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
 
 def ancillary(name: str, present: Container[Any]) -> dict[str, str]:
     """The attribute of a quantity that names what says how good it is among the variables of a file, as CF has it."""
-    names = (*(f"{name}_{part}" for part in ("error", "lower", "upper")), "residual", "status")
+    names = (*(f"{name}_{part}" for part in ("error", "deviation", "lower", "upper")), "residual", "status")
     related = [other for other in names if name in QUANTITIES and other in present]
     return {"ancillary_variables": " ".join(related)} if related else {}
 

@@ -1,62 +1,146 @@
-"""Speed against accuracy: what each method and setting costs, how far it is off, and which are worth it."""
+"""Speed against accuracy: what each method takes and how far it is off, as its tolerance or its points change."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import json
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 
-from weier.accuracy.metrics import pareto, seconds_per_load, typical, worst_over_loads
+from weier.accuracy.metrics import MEASURED, STATED, pareto, seconds_per_load, worst_over_loads
 from weier.figures import style
+from weier.kernels.arrays import Array
 from weier.methods import registry
 
 CAPTION = (
-    "Seconds for one load against the largest error over the loads. A dot is one profile, a marker the median of a "
-    "method at one setting, and the band joins those that no other beats in both."
+    "The largest error over all loads against the time for one of them on one core: of the compliance above, of the "
+    "resistance below. A line joins the settings of a method, such as its tolerances of 0.1, 0.01 and so on. Filled "
+    "symbols are errors, open ones what the method states of them. The background has the colour of the fastest "
+    "method that is within an error."
 )
 COMMAND = "tradeoff"
 VARIABLE = "reference_resistance"
 
-FLOOR = 1e-15  # an error of 0 is drawn here
-LABELS = {
-    "compliance": r"largest error of $h/g_0$",
-    "resistance": r"largest error of $R$, in max$(R,\,g_0/p_0^{*})$",
-}
-PROFILES: dict[str, Any] = {"marker": ".", "markersize": 1.5, "linestyle": "none", "alpha": 0.6}
-FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5, "solid_capstyle": "round", "zorder": 1}
+WIDTH = 7.09  # inches: 180 mm, a page of a journal
+PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4
+MAX_COLUMNS, LEGEND_COLUMNS = 6, 7
+FLOOR, CEILING = 1e-15, 10.0  # of the errors that are drawn: smaller ones stand at the lower end
+LABELS = {"compliance": r"error of $h/g_0$", "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$"}
+SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
+OPEN: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
+BACKGROUND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
+LEGEND: dict[str, Any] = {"handlelength": 1.6, "columnspacing": 1.2}
+NAME: dict[str, Any] = {"fontsize": 7, "linespacing": 1, "verticalalignment": "bottom"}
+MIN_NAMED = 300  # between the errors of a background that is high enough for a name
+
+
+class Line(NamedTuple):
+    """The settings of a method on some profiles; arrays over the settings.
+
+    method : its name
+    milliseconds : for one load, the mean over the profiles
+    measured, stated : the largest errors over loads and profiles; NaN where nothing is stated
+    """
+
+    method: str
+    milliseconds: Array
+    measured: Array
+    stated: Array
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Seconds a load against the largest error over the loads: a dot a profile, a marker their median."""
+    """A column of panels for each number of terms: errors of the compliance above, of the resistance below."""
     (data,) = studies
-    cost = seconds_per_load(data)
-    if not np.isfinite(cost).any():
+    if not np.isfinite(data["seconds"]).any():
         raise ValueError("there are no times to draw in these data")
-    figure, axes = style.column(title, list(LABELS), sharex=True)
-    for panel, quantity in zip(axes, LABELS, strict=True):
-        error = np.maximum(worst_over_loads(data, quantity), FLOOR)
-        _panel(panel, data["solution_method"].values, 1e3 * cost, error)
-        panel.set(xscale="log", yscale="log", ylabel=LABELS[quantity])
-    axes[0].plot([], [], **PROFILES, color=style.GREY, label="one profile")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    axes[-1].set_xlabel("milliseconds a load, one core")
+    title, columns = style.limit_panels(title, _series(data), "series", MAX_COLUMNS)
+    figure = Figure(figsize=(WIDTH, len(LABELS) * PANEL_HEIGHT + LEGEND_HEIGHT), layout="constrained")
+    axes = figure.subplots(len(LABELS), len(columns), sharex=True, sharey=True, squeeze=False)
+    axes[0, 0].set(xscale="log", yscale="log", ylim=(FLOOR, CEILING))
+    for row, (quantity, label) in zip(axes, LABELS.items(), strict=True):
+        row[0].set_ylabel(label)
+        for panel, cases in zip(row, columns, strict=True):
+            _draw_panel(panel, list(_lines(cases, quantity)), named=panel is row[-1])
+    for (above, *_, below), cases in zip(axes.T, columns, strict=True):
+        above.set_title(style.describe(cases.isel(case=0), "m", "gamma"))
+        below.set_xlabel("milliseconds a load")
+    # Powers of ten that are close to each other hide those of other panels.
+    axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
+    axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
+    style.set_title(figure, title)
+    figure.legend(handles=_legend(data), loc="outside lower center", ncols=LEGEND_COLUMNS, **LEGEND)
     return figure
 
 
-def _panel(axes: Axes, methods: np.ndarray, cost: np.ndarray, error: np.ndarray) -> None:
-    middle_cost, middle_error = typical(cost), typical(error)
-    front = pareto(middle_cost, middle_error)
-    axes.plot(middle_cost[front], middle_error[front], label="Pareto front", **FRONT)
-    for method in registry.METHODS:
-        members = np.flatnonzero(methods == method.name)
-        if not members.size:
-            continue
-        look = style.line(method.name) | {"marker": method.style.marker, "linestyle": "none"}
-        if method.name == registry.numerical_names()[0]:
-            look["markerfacecolor"] = "white"
-        axes.plot(cost[:, members], error[:, members], color=look["color"], **PROFILES)
-        axes.plot(middle_cost[members], middle_error[members], **look)
+def _series(data: xr.Dataset) -> list[xr.Dataset]:
+    """The cases that have as many terms and the same ratio of wavelengths, by rising numbers."""
+    keys = np.column_stack([data["m"].values, data["gamma"].values])
+    return [data.isel(case=(keys == key).all(axis=1)) for key in np.unique(keys, axis=0)]
+
+
+def _lines(cases: xr.Dataset, quantity: str) -> Iterator[Line]:
+    """A line for each method, through what was run on all cases."""
+    methods = cases["solution_method"].values
+    milliseconds = 1e3 * seconds_per_load(cases).mean(axis=0)
+    errors = [worst_over_loads(cases, quantity, kind).max(axis=0) for kind in (MEASURED, STATED)]
+    for method in _methods(cases):
+        run = np.flatnonzero((methods == method) & np.isfinite(milliseconds))
+        if run.size:
+            at = _most_alike(run, cases["settings"].values[0])
+            yield Line(method, milliseconds[at], *(np.maximum(error[at], FLOOR) for error in errors))
+
+
+def _methods(data: xr.Dataset) -> list[str]:
+    return list(dict.fromkeys(data["solution_method"].values.tolist()))
+
+
+def _most_alike(variants: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Those variants that differ in values of the same settings: the most of them, or else the last ones."""
+    kinds = [sorted(json.loads(settings[at])) for at in variants]
+    kind = max(reversed(kinds), key=kinds.count)
+    return variants[[each == kind for each in kinds]]
+
+
+def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
+    """The lines on the colours of the fastest methods, with their names if wanted."""
+    for method, low, high in _fastest(lines):
+        color = _look(method)["color"]
+        axes.axhspan(low, high, color=color, **BACKGROUND)
+        if named and high / low >= MIN_NAMED:
+            text = f"fastest:\n{_look(method)['label']}"
+            axes.text(0.05, 1.5 * low, text, transform=axes.get_yaxis_transform(), **NAME)
+    for line in lines:
+        axes.plot(line.milliseconds, line.stated, **_look(line.method) | OPEN)
+        axes.plot(line.milliseconds, line.measured, **_look(line.method))
+
+
+def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
+    """The fastest methods from large errors to small ones, each with the errors between which it is the fastest."""
+    cost, error = (np.concatenate([getattr(line, name) for line in lines]) for name in ("milliseconds", "measured"))
+    methods, high = np.concatenate([[line.method] * line.measured.size for line in lines]), CEILING
+    for method, members in groupby(pareto(cost, error), lambda at: str(methods[at])):
+        low = min(error[at] for at in members)
+        yield method, low, high
+        high = low
+
+
+def _look(method: str) -> dict[str, Any]:
+    """Line and symbol of a method. Other figures have all numerical methods in black, on one curve."""
+    look = style.line(method) | {"marker": style.points(method)["marker"]} | SYMBOLS
+    return look | ({"color": style.PURPLE} if method in registry.numerical_names()[1:] else {})
+
+
+def _legend(data: xr.Dataset) -> list[Any]:
+    look = SYMBOLS | {"color": style.GREY, "marker": "o"}
+    return [
+        *(Line2D([], [], **_look(method)) for method in _methods(data)),
+        Line2D([], [], label="error", **look),
+        Line2D([], [], label="stated error", **look | OPEN),
+    ]

@@ -48,6 +48,7 @@ class Noise(NamedTuple):
 
 
 DEFAULT_STYLE, CLOSED_FORM = Style(), Noise()
+TOLERANCES_COMPARED = tuple(float(f"1e-{decade}") for decade in range(1, 13))  # by methods that take a tolerance
 
 
 class Reference(NamedTuple):

@@ -15,7 +15,7 @@ from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import find_reference, uncertainty
 from weier.accuracy.runner import Outcome, attempt
-from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, Check, Variable, variables_of_file
+from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, VARIABLES, Check, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method
@@ -33,6 +33,7 @@ DIGITS = Variable(CURVE, "", least=0.0, most=metrics.MAX_DIGITS, content=QUALITY
 OWN = {
     "extreme": Variable(("case",), "name of the extreme case", dtype="O", content=QUALITY),
     "outcome": Variable(CURVE, "outcome at this load", dtype="i1", flags=Outcome, content=QUALITY),
+    "compliance_deviation": VARIABLES["compliance_deviation"],
     "compliance_digits": DIGITS._replace(long_name="correct digits of the compliance, relative to itself"),
     "resistance_digits": DIGITS._replace(long_name="correct digits of the resistance, relative to itself"),
     **{name: Variable(RUN, text, dtype="i1", flags=Check, content=QUALITY) for name, text in CHECKS.items()},
@@ -77,7 +78,8 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     return {
         "compliance": h,
         "resistance": R,
-        "compliance_error": deviation[0],
+        "compliance_error": errors[0],
+        "compliance_deviation": deviation[0],
         "compliance_digits": digits[0],
         "resistance_digits": digits[1] if np.isfinite(method.noise.slope) else np.full(R.size, np.nan),
         "outcome": result.outcome,

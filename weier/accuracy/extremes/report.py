@@ -103,5 +103,5 @@ SUMMARY: list[Column[list[xr.Dataset]]] = [
     Column("errors in words", lambda runs: _count(runs, refused=True)),
     Column("least digits of h", lambda runs: number(_worst(runs, "compliance_digits"), ".1f")),
     Column("of R", lambda runs: number(_worst(runs, "resistance_digits"), ".1f")),
-    Column("largest error of h", lambda runs: number(_worst(runs, "compliance_error", np.fmax))),
+    Column("largest error of h", lambda runs: number(_worst(runs, "compliance_deviation", np.fmax))),
 ]

@@ -23,7 +23,7 @@ from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 
 OWN = {
-    "seconds": VARIABLES["seconds"],
+    **{name: VARIABLES[name] for name in ("seconds", "compliance_deviation", "resistance_deviation")},
     "reference_compliance": Variable(LOAD_DIMS, "compliance of the exact contact", "g_0", least=0),
     "reference_resistance": Variable(LOAD_DIMS, "resistance of the exact contact", "g_0/p_0*", least=0),
 }
@@ -41,8 +41,9 @@ def measure(scene: Scene) -> xr.Dataset:
     -------
     Dataset
         As the dataset of a scene, over variants instead of methods, with `seconds` of processor time for all loads.
-        compliance_error and resistance_error are the distances from reference_compliance and reference_resistance.
-        NaN where a variant would need too many points, or did not converge.
+        compliance_deviation and resistance_deviation are the distances from reference_compliance and
+        reference_resistance, compliance_error and resistance_error what a method states, NaN where it states nothing.
+        All are NaN where a variant would need too many points, or did not converge.
     """
     comparisons = [
         Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
@@ -79,8 +80,8 @@ def _measure(each: Comparison, variant: Variant) -> dict[str, Any]:
     right = contact_reference(profile, tuple(loads.tolist()))
     return {
         **result.others,
-        "compliance_error": deviation(result.compliance, right.compliance),
-        "resistance_error": deviation(result.resistance, right.resistance),
+        "compliance_deviation": deviation(result.compliance, right.compliance),
+        "resistance_deviation": deviation(result.resistance, right.resistance),
         "seconds": result.seconds,
         "status": Status.solved,
     }

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from weier.accuracy.metrics import seconds_per_load, worst_over_loads
+from weier.accuracy.metrics import MEASURED, STATED, seconds_per_load, worst_over_loads
 from weier.accuracy.report import Column, number, rows_as_table, write_page
 from weier.data.markdown import plain
 from weier.kernels.arrays import Array
@@ -16,12 +16,19 @@ from weier.methods.segment import QUANTITIES
 
 
 class Row(NamedTuple):
-    """One variant on the profiles that it was run on: seconds a load and largest errors, of shape (profiles,)."""
+    """One variant on the profiles that it was run on; arrays of shape (profiles,).
+
+    seconds : for one load
+    compliance, stated_compliance, resistance, stated_resistance : the largest errors over the loads, as they were
+        measured and as the method states them; NaN where it states none
+    """
 
     name: str
     seconds: Array
     compliance: Array
+    stated_compliance: Array
     resistance: Array
+    stated_resistance: Array
 
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
@@ -30,7 +37,8 @@ def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
 
 
 def _rows(data: xr.Dataset) -> list[Row]:
-    columns = seconds_per_load(data), *(worst_over_loads(data, quantity) for quantity in QUANTITIES)
+    errors = [worst_over_loads(data, quantity, kind) for quantity in QUANTITIES for kind in (MEASURED, STATED)]
+    columns = seconds_per_load(data), *errors
     run = np.isfinite(columns[0])
     rows = [
         Row(name, *(column[run[:, at], at] for column in columns))
@@ -45,6 +53,8 @@ COLUMNS: list[Column[Row]] = [
     Column("ms a load", lambda row: number(1e3 * np.median(row.seconds), ".2g")),
     Column("error of h", lambda row: number(np.median(row.compliance))),
     Column("worst", lambda row: number(row.compliance.max())),
+    Column("worst stated", lambda row: number(row.stated_compliance.max())),
     Column("error of R", lambda row: number(np.median(row.resistance))),
     Column("worst", lambda row: number(row.resistance.max())),
+    Column("worst stated", lambda row: number(row.stated_resistance.max())),
 ]

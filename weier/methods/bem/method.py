@@ -12,14 +12,19 @@ from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.solver import Curve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
-from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
+from weier.methods.method import (
+    TOLERANCES_COMPARED,
+    Method,
+    Noise,
+    Settings,
+    Style,
+    applies_to_resolvable,
+)
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.limits import check_points
 from weier.theory.waves import Waves
 
-# Points for each of the finest waves. Halved, they stay whole.
-POINTS_COMPARED = (12, 16, 32, 64, 128, 256, 512, 1024)
-POINTS_KEPT = (12, 96, 768)  # with the staircase: from the paper's 12 on
+PAPER_POINTS = 12  # for each of the finest waves, as the paper has them
 MAX_POINTS_COMPARED = 100_000  # in one period
 RESIDUAL_TOLERANCE = 1e-10  # g_0
 RESIDUAL_SHARE = 1e-3  # of a tolerance, at which boundary elements stop: it costs a step or two
@@ -62,13 +67,13 @@ def _grid_within(
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
-    """Several grids, without the staircase and with it."""
-    waves = profile.waves_per_period[-1]
-    largest = MAX_POINTS_COMPARED / waves
-    for count in (count for count in POINTS_KEPT if count <= largest):
-        yield f"kept {count}", {"points": count * waves, "staircase": "kept"}
-    for count in (count for count in POINTS_COMPARED if count <= largest):
-        yield f"{count}", {"points": count * waves}
+    """The paper's grid as it is, and the tolerances that a grid of at most `MAX_POINTS_COMPARED` keeps."""
+    points = PAPER_POINTS * profile.waves_per_period[-1]
+    if points <= MAX_POINTS_COMPARED:
+        yield f"kept {PAPER_POINTS}", {"points": points, "staircase": "kept"}
+    for tolerance in TOLERANCES_COMPARED:
+        if error_model.fewest_points(profile, tolerance) <= MAX_POINTS_COMPARED:
+            yield f"{tolerance:.0e}", {"tolerance": tolerance}
 
 
 def _check(

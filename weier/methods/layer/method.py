@@ -13,7 +13,7 @@ from weier.methods.segment import Segment, Task
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
-POINTS_COMPARED = (6, 12, 24, 48)
+POINTS_COMPARED = (6, 24)
 REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leave a quarter of the error at most
 MAX_REFERENCE_SCALES = 10  # more take minutes
 MAX_ERROR_SHARE = 0.5  # of the compliance, in the amplitude of the terms after the first

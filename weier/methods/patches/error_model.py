@@ -7,6 +7,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESISTANCE_ROUNDING
 from weier.methods.patches.many_contacts import MIN_CONTACTS
+from weier.methods.patches.solver import MAX_RELATIVE_TOLERANCE
 from weier.methods.segment import COMPLIANCE
 
 # Error of the resistance to expect, over the tolerance. It is about 1 but for loads as near as 1e-5 of themselves
@@ -15,12 +16,14 @@ RESISTANCE_FACTOR = 50.0
 
 MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 74 s a load and 3.1 GB.
 
-SECONDS_START, SECONDS_LOAD = 5e-4, 3e-4  # Seconds of a curve, and of each load.
-SECONDS_WAVE = 4e-6  # Of each load and wave, times the root of the contacts: boundary elements to start from.
+SECONDS_START, SECONDS_LOAD = 5e-4, 6e-4  # Seconds of a curve, and of each load.
+SECONDS_WAVE = 3.2e-6  # Of each load and wave, times the root of the contacts: boundary elements to start from.
 # Of each load by a dense matrix: of each contact, to assemble, and of its square, to factorise.
-SECONDS_CONTACT, SECONDS_PAIR = 1.9e-4, 1.5e-6
+SECONDS_CONTACT, SECONDS_PAIR = 1e-4, 4.5e-6
 # Of each load without a matrix: times the contacts to this power, since the depth of a tree grows with them.
-SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 2.5e-4, 1.2
+SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 1.6e-4, 1.2
+# Both are for a tolerance of 1e-10. Looser ones take fewer nodes and steps, as far as states are solved to them.
+TIMED_TOLERANCE, TOLERANCE_POWER = 1e-10, -0.03
 # Bytes of each of the finest waves, for its crests, and of each contact, for the sums over its nodes.
 BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4
 NODES_CONTACT = 20  # Nodes of a contact in a dense matrix.
@@ -37,12 +40,13 @@ def loosest_tolerance(wanted: float, quantity: str) -> float:
     return wanted if quantity == COMPLIANCE else (wanted - RESISTANCE_ROUNDING) / RESISTANCE_FACTOR
 
 
-def seconds(waves: int, contacts: Array) -> Array:
-    """Expected seconds of each load with so many contacts, for so many of the finest waves in a period."""
+def seconds(waves: int, contacts: Array, tolerance: float = TIMED_TOLERANCE) -> Array:
+    """Expected seconds of each load to a tolerance in g_0, with so many contacts and so many of the finest waves."""
     by_matrix = SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2
     without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER
     by_contacts = np.where(contacts < MIN_CONTACTS, by_matrix, without)
-    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_contacts)
+    by_tolerance = (min(tolerance, MAX_RELATIVE_TOLERANCE) / TIMED_TOLERANCE) ** TOLERANCE_POWER
+    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_tolerance * by_contacts)
 
 
 def memory(waves: int, contacts: float) -> float:

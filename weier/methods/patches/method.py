@@ -8,7 +8,14 @@ from functools import partial
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.method import Method, Noise, Settings, Style, applies_to_resolvable
+from weier.methods.method import (
+    TOLERANCES_COMPARED,
+    Method,
+    Noise,
+    Settings,
+    Style,
+    applies_to_resolvable,
+)
 from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import sample_points
@@ -18,8 +25,6 @@ from weier.methods.patches.surface import surface_of
 from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
-
-TOLERANCES_COMPARED = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11)  # in g_0; tighter ones cost little more
 
 # Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
 ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
@@ -76,7 +81,7 @@ def _patches(task: Task, tolerance: float) -> Segment:
         settings={"tolerance": tolerance},
         discretisation=error,
         seconds_start=error_model.SECONDS_START,
-        seconds_load=error_model.seconds(waves, task.contacts),
+        seconds_load=error_model.seconds(waves, task.contacts, tolerance),
         memory=error_model.memory(waves, float(task.contacts.max(where=fits, initial=1.0))),
     )
 
