@@ -7,6 +7,6 @@ rule compile:
     conda:
         "environment.yaml"
     message:
-        "compile {wildcards.method}, once for all later runs"
+        "compile {wildcards.method}"
     shell:
         "python -m weier compile {wildcards.method:q} 2>&1 | tee -i {log:q}"

@@ -7,8 +7,6 @@ import sys
 import pytest
 
 from weier import scene
-from weier.cli.jobs import job
-from weier.kernels import jit
 from weier.pipeline.batches import Solutions
 
 SCENE = """
@@ -88,12 +86,3 @@ def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypat
     assert (stopped, out) == (code, "")
     assert message in err.splitlines()[-1]
     assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches"}
-
-
-def test_jobs_leave_it_to_snakemake_to_say_what_is_compiled(monkeypatch):
-    """Each of them would say it again; without Snakemake, nobody else does."""
-    monkeypatch.setattr(jit, "LISTENERS", [print])
-    with job("compile", announce_compiling=True):
-        assert len(jit.LISTENERS) == 1
-    with job("solve"):
-        assert not jit.LISTENERS

@@ -4,7 +4,6 @@ import ctypes
 import importlib.util
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -106,7 +105,7 @@ def cache(tmp_path, monkeypatch):
     """An empty cache."""
     folder = tmp_path / "weier-new"
     monkeypatch.setattr(jit, "cache_folder", lambda: folder)
-    monkeypatch.setattr(jit, "LISTENERS", [])
+    monkeypatch.setattr(jit, "announce", lambda module: None)
     return folder
 
 
@@ -185,9 +184,9 @@ def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(cache, load):
 
 
 @compiled
-def test_compiling_is_announced_for_what_python_calls(cache, load):
+def test_compiling_is_announced_for_what_python_calls(cache, load, monkeypatch):
     said = []
-    jit.LISTENERS.append(said.append)
+    monkeypatch.setattr(jit, "announce", said.append)
     module = load()
     assert said == []
     call(module)
@@ -195,6 +194,34 @@ def test_compiling_is_announced_for_what_python_calls(cache, load):
     call(module)
     call(load())
     assert said == ["some_kernels"]
+
+
+def test_a_method_is_announced_once(capsys):
+    jit._say_once.cache_clear()
+    for module in (
+        "weier.methods.bem.grids",
+        "weier.methods.bem.edges",
+        "weier.methods.chebyshev",
+        "weier.theory.line",
+    ):
+        jit.announce(module)
+    assert capsys.readouterr().err.splitlines() == [
+        "compiling bem, once for all later runs",
+        "compiling what methods share, once for all later runs",
+    ]
+
+
+@compiled
+def test_a_disk_without_locks_has_a_cache_all_the_same(cache, load, monkeypatch, recwarn):
+    def refuse(file, operation):
+        raise OSError("Function not implemented")
+
+    monkeypatch.setattr(jit.fcntl, "flock", refuse)
+    for expected in (0, 1):
+        module = load()
+        assert call(module) == 4.0
+        assert hits(module.product) == expected
+    assert not recwarn.list
 
 
 def closed(cache, load):
@@ -238,7 +265,9 @@ def test_without_a_home_directory_it_compiles_for_this_run_and_says_how_to_keep_
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(OSError, match="there is no home directory for the cache"):
         jit.cache_folder()
-    with pytest.warns(RuntimeWarning, match=r"for this run alone \(there is no home .*NUMBA_CACHE_DIR name a folder"):
+    with pytest.warns(
+        RuntimeWarning, match=r"for this run alone \(OSError: there is no home .*NUMBA_CACHE_DIR name a folder"
+    ):
         assert call(load()) == 4.0
     monkeypatch.setenv("XDG_CACHE_HOME", "/tmp")
     assert str(jit.cache_folder()).startswith("/tmp/weier/weier-")
@@ -255,13 +284,23 @@ def test_an_error_of_a_kernel_is_no_damage_of_the_cache(cache, load, recwarn):
 @pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_that_a_callback_loses_is_raised(cache, load, monkeypatch):
     """As where LLVM calls Python: an exception cannot pass through C, and Python reports it and goes on."""
-    reported, callback = [], ctypes.CFUNCTYPE(None)
+    reported, callback, happens = [], ctypes.CFUNCTYPE(None), [lambda: 1 / 0]
+
+    def njit(**options):
+        def decorate(function):
+            def run(*arguments):
+                return function(*arguments)
+
+            run.compile = lambda types: callback(happens[0])()
+            return run
+
+        return decorate
+
+    monkeypatch.setattr(numba, "njit", njit)
     monkeypatch.setattr(sys, "unraisablehook", lambda failure: reported.append(failure.exc_type))
-    jit.LISTENERS[:] = [lambda _: callback(lambda: 1 / 0)()]
     assert call(load()) == 4.0
-    assert reported == [ZeroDivisionError]
-    shutil.rmtree(cache)
-    jit.LISTENERS[:] = [lambda _: callback(lambda: signal.raise_signal(signal.SIGINT))()]
+    assert set(reported) == {ZeroDivisionError}
+    happens[:] = [lambda: signal.raise_signal(signal.SIGINT)]
     with pytest.raises(KeyboardInterrupt):
         call(load())
 
@@ -275,13 +314,13 @@ def test_settings_of_numba_that_the_user_has_imported_stay_as_they_are(cache, lo
 
 
 @compiled
-def test_the_caches_stay_that_were_used_last(cache, load):
-    for age in range(6):
-        folder = cache.parent / f"weier-{age}"
+def test_caches_of_other_states_stay(cache, load):
+    """Another process may use them."""
+    others = [cache.parent / f"weier-{number}" for number in range(6)]
+    for folder in others:
         folder.mkdir()
-        os.utime(folder, (0, 1e9 - age))
     call(load())
-    assert sorted(path.name for path in cache.parent.glob("weier-*")) == ["weier-0", "weier-1", "weier-new"]
+    assert all(folder.exists() for folder in others)
 
 
 def test_a_program_imports_what_it_uses():

@@ -13,7 +13,6 @@ import click
 
 import weier
 from weier.cli.options import FILE, output
-from weier.kernels import jit
 from weier.scene import Figure
 
 SCENE = click.argument("scene_file", type=FILE)
@@ -22,13 +21,8 @@ BATCHES = click.argument("batches", type=FILE)
 
 
 @contextmanager
-def job(*words: str, announce_compiling: bool = False) -> Iterator[None]:
-    """One line for a job that is done: its rule, what for, and the seconds that it took.
-
-    What it compiles is not announced, unless asked for: a rule of Snakemake says so once for all jobs.
-    """
-    if not announce_compiling:
-        jit.LISTENERS.clear()
+def job(*words: str) -> Iterator[None]:
+    """One line for a job that is done: its rule, what for, and the seconds that it took."""
     start = perf_counter()
     yield
     click.echo(f"{' '.join(words)}: {perf_counter() - start:.1f} s", err=True)
@@ -55,7 +49,7 @@ def compile(methods: Sequence[str]) -> None:
     """Compile the kernels of METHODS, or all, once for all later runs."""
     from weier.methods.compile import compile_kernels  # only this command needs it
 
-    with job("compile", *methods, announce_compiling=not methods), ending_at_once():
+    with job("compile", *methods), ending_at_once():
         compile_kernels(methods)
 
 

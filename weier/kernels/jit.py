@@ -1,6 +1,7 @@
 """One decorator for all kernels: numba, from the first call on, with a cache on disk that cannot go stale.
 
-A program that calls no kernel does not import numba, which takes half a second.
+A program that calls no kernel does not import numba, which takes half a second. The page "Compiled kernels" of the
+documentation says what is here beside numba, and why.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ import os
 import shutil
 import sys
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 from threading import RLock
@@ -30,22 +31,19 @@ LOCK = RLock()
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 
 
-@functools.cache
-def _announce(what: str) -> None:
-    print(f"compiling {what}, once for all later runs", file=sys.stderr, flush=True)
+UNKNOWN: list[Kernel] = []  # to numba
 
 
-def _owner(module: str) -> str:
-    """The method in whose folder a module of kernels is, or else what it is for."""
+def announce(module: str) -> None:
+    """Say that a kernel of this module is compiled: for many seconds, nothing else would be seen."""
     package, _, name = module.removeprefix("weier.").partition(".")
     method, _, part = name.partition(".")
-    return method if package == "methods" and part else "what methods share"
+    _say_once(method if package == "methods" and part else "what methods share")
 
 
-# Called with the module of each kernel that the cache does not hold, before it is compiled: for many seconds, nothing
-# else would be seen. A method is announced once.
-LISTENERS: list[Callable[[str], None]] = [lambda module: _announce(_owner(module))]
-UNKNOWN: list[Kernel] = []  # to numba
+@functools.cache
+def _say_once(what: str) -> None:
+    print(f"compiling {what}, once for all later runs", file=sys.stderr, flush=True)
 
 
 @functools.cache
@@ -100,62 +98,62 @@ class Kernel:
             raise cause from None
 
     def _compile(self, arguments: tuple[Any, ...]) -> Any:
-        """The kernel from its own folder in the cache, or compiled for it.
+        """The kernel from the cache, or else compiled, and kept there.
 
-        Where the cache cannot be used, it is compiled for this process alone, and a torn folder is removed.
-        Ctrl-C may come while LLVM calls Python. No exception passes through C, so that Python only reports it, and it
-        is raised here.
+        Where the cache is damaged or takes no files, it is compiled for this process alone. What is damaged goes, so
+        that the next process makes it again.
         """
         import numba
 
         _introduce_kernels()
         types = tuple(map(numba.typeof, arguments))
-        base, hook, lost = numba.config.CACHE_DIR, sys.unraisablehook, list[Any]()
-        folder: Path | None = None
         try:
-            sys.unraisablehook = lambda it: lost.append(it) if it.exc_type is KeyboardInterrupt else hook(it)
-            try:
-                folder = cache_folder() / self.name
-            except OSError as error:
-                warnings.warn(TOLD.format(error), RuntimeWarning, stacklevel=1)
-                return self._compiled(types)
-            return self._compiled_into(folder, types)
-        except Exception as error:  # a folder or disk that takes no files, or what pickle makes of torn ones
-            if lost or folder is None:
-                raise
-            shutil.rmtree(folder, ignore_errors=True)
+            return self._cached(types)
+        except Exception as error:  # there is no home, a folder or disk takes no files, or pickle reads torn ones
+            with suppress(OSError):
+                shutil.rmtree(cache_folder() / self.name)
             compiled = self._compiled(types)  # which raises what is wrong with the kernel, if that was it
-            warnings.warn(TOLD.format(repr(error)), RuntimeWarning, stacklevel=1)
+            warnings.warn(TOLD.format(f"{type(error).__name__}: {error}"), RuntimeWarning, stacklevel=1)
             return compiled
-        finally:
-            numba.config.CACHE_DIR, sys.unraisablehook = base, hook
-            if lost:
-                raise KeyboardInterrupt
 
-    def _compiled_into(self, folder: Path, types: tuple[Any, ...]) -> Any:
-        """The kernel from its folder in the cache, or compiled into it, by one process at a time."""
+    def _cached(self, types: tuple[Any, ...]) -> Any:
+        """The kernel from its own folder in the cache, or compiled into it, by one process at a time."""
         import numba
 
+        folder = cache_folder() / self.name
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / "lock").open("w") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            os.utime(folder.parent)
+            with suppress(OSError):  # of a disk without locks, where each process compiles for itself
+                fcntl.flock(file, fcntl.LOCK_EX)
             if not any(folder.rglob("*.nbi")):
-                with suppress(OSError):  # another process may be at it; the three that were used last stay
-                    for earlier in sorted(folder.parent.parent.glob("weier-*"), key=os.path.getmtime)[:-3]:
-                        shutil.rmtree(earlier, ignore_errors=True)
-                for say in LISTENERS:
-                    say(self.function.__module__)
-            numba.config.CACHE_DIR = str(folder)
-            return self._compiled(types, cache=True)
+                announce(self.function.__module__)
+            before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
+            try:
+                return self._compiled(types, cache=True)
+            finally:
+                numba.config.CACHE_DIR = before
 
     def _compiled(self, types: tuple[Any, ...], **options: Any) -> Any:
         """The kernel, compiled for arguments of these types."""
         import numba
 
         compiled = numba.njit(nogil=True, error_model="numpy", **options)(self.function)
-        compiled.compile(types)
+        with _raising_lost_interrupts():
+            compiled.compile(types)
         return compiled
+
+
+@contextmanager
+def _raising_lost_interrupts() -> Iterator[None]:
+    """Raise Ctrl-C that comes while LLVM calls Python: no exception passes through C, and Python only reports it."""
+    hook, lost = sys.unraisablehook, list[Any]()
+    sys.unraisablehook = lambda it: lost.append(it) if it.exc_type is KeyboardInterrupt else hook(it)
+    try:
+        yield
+    finally:
+        sys.unraisablehook = hook
+        if lost:
+            raise KeyboardInterrupt
 
 
 def _introduce_kernels() -> None:
