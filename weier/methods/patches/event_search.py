@@ -41,8 +41,8 @@ MAX_ADVANCE = 0.15
 # In intervals of ln(p) shorter than this the load of an event is sought by root-finding. In longer ones contacts may
 # not be followed from one end to the other.
 MAX_ROOT_INTERVAL = 0.1
-# Roots are sought in an interval with at most so many events. Symmetry makes two of one load common. Roots that differ serve
-# to choose where to halve the interval, and each takes several solutions where halving takes one.
+# Roots are sought in an interval with at most so many events. Symmetry makes two of one load common. Roots that
+# differ serve to choose where to halve the interval, and each takes several solutions where halving takes one.
 MAX_ROOTS = 4
 MIN_INTERVAL = 1e-9  # Events closer than this in ln(p) count as events of one load.
 LOAD_ACCURACY = 1e-12  # Relative accuracy of the roots.
