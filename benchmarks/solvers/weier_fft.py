@@ -20,7 +20,7 @@ class NestedGrids(NamedTuple):
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """Solve by the method's own start and tolerance, which make the other two arguments superfluous."""
-        found = self.grids.solve_discrete(load, with_rate=self.is_staircase_removed)
+        found = self.grids.solve_discrete(load, with_tangent=self.is_staircase_removed)
         plane = remove_staircase(found).plane if self.is_staircase_removed else found.plane
         converged = found.residual <= self.grids.grid.max_residual
         return Step(found.pressure, self.grids.work, converged, self.total_amplitude - plane)

@@ -97,7 +97,7 @@ def test_both_solvers_solve_the_same_discrete_problem(reference):
     dense = curve(reference.profile, loads, points=points, solver="direct")
     assert fast.compliance == pytest.approx(dense.compliance, abs=1e-9)
     assert np.all(fast.patch_count == dense.patch_count)
-    # The rate is an energy, so its error is the square of the residual 1e-6 of its solve.
+    # The resistance is an energy, so that its error is the square of the residual 1e-6 of the tangent pressure.
     assert fast.resistance == pytest.approx(dense.resistance, rel=1e-8, abs=1e-10)
 
 
@@ -195,7 +195,7 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
 
 
 def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
-    monkeypatch.setattr(active_set.NestedSolver, "solve_rate", lambda *_: np.inf)
+    monkeypatch.setattr(active_set.NestedSolver, "solve_tangent", lambda *_: np.inf)
     with pytest.raises(ConvergenceError, match=r"under 0\.1 p_0\* but not its derivative by the load"):
         curve(THREE_WAVES, np.array([0.1]), points=400)
 

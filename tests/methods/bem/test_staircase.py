@@ -66,7 +66,7 @@ def test_constants_of_single_nodes_are_those_of_the_influence_matrix():
     stiffness = np.fft.irfft(np.concatenate([[0], 1 / eigenvalues(points, points)[1:]]), points)
     assert -stiffness[1] / stiffness[0] == pytest.approx(staircase.NEIGHBOUR_STIFFNESS, abs=1e-7)
     influence = influence_coefficients(points) * points  # of a unit force on the nodes of a period
-    assert 2 / (influence[0] - influence[1]) == pytest.approx(staircase.LONE_CONTACT, abs=1e-6)
+    assert 2 / (influence[0] - influence[1]) == pytest.approx(staircase.SINGLE_NODE_SQUARE, abs=1e-6)
 
 
 def test_one_wave_has_no_staircase_left():

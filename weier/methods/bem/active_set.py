@@ -1,13 +1,19 @@
 """The fast solver: an active set with preconditioned conjugate gradients, products by FFT, on nested grids.
 
+The discrete problem is that of docs/bem.md; what makes the solver fast is in docs/numerics.md, "Fast boundary
+elements".
+
 The unknown is the nodal pressure p, the deformed surface is z - A p, and the rigid plane rests on it at the height H:
 z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact nodes
 this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole surface, on
 residuals that are continued into the gaps. The gap outside and the pressure inside are known after every step for
 free, so the active set is corrected as soon as its violations clearly outweigh the error of the solution on it.
 
-A kernel does a part of the work and tells whether all is done; Python calls it again until it is, so that Ctrl-C need
-not wait for a load on many nodes.
+On the contact that is left, the tangent pressure q = dp/d(mean pressure) is found in the same way: mean(q) = 1 and
+A q = R in contact, with R the resistance.
+
+A kernel does a part of the work and returns whether all is done. Python calls it again until it is, so that Ctrl-C
+need not wait for a load on many nodes.
 """
 
 from __future__ import annotations
@@ -23,21 +29,30 @@ from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, nest
 from weier.methods.bem.staircase import EDGE, NodalSolution
 from weier.theory.waves import Waves
 
-RATE_TOLERANCE = 1e-6  # of the rate, how flat A q is in contact: the rate is an energy, whose error is the square
-MIN_RATE = 1e-6  # g_0/p_0*, below which that share is one of this: beside full contact the rest is rounding
-MAX_STEPS = 1000  # of conjugate gradients a load and grid; 10 are usual, hundreds for thousands of contacts at once
-# Violations over the error on the contact, at which it is corrected first. With 1, ten thousand contacts take 1.4
-# times as many FFTs, and ten contacts 3 % fewer.
+# The tangent displacement A q must be as flat as this in contact, over R. R is an energy, whose error is the square.
+TANGENT_TOLERANCE = 1e-6
+# Where R is less than this, in g_0/p_0*, that flatness is relative to this: beside full contact the rest is rounding.
+MIN_RESISTANCE = 1e-6
+# Steps of conjugate gradients of a load on one grid; 10 are usual, and hundreds for thousands of contacts at once.
+MAX_STEPS = 1000
+# The contact is corrected first when its violations are so many times the error of the pressure on it. With 1, ten
+# thousand contacts take 1.4 times as many FFTs, and ten contacts 3 % fewer.
 FIRST_PATIENCE = 3
-PART = 2**22  # nodes of pairs of FFTs that a call takes: a quarter of a second on a busy machine
+PART = 2**22  # A call ends after pairs of FFTs of so many nodes in all: a quarter of a second on a busy machine.
 
-# How far a load has come; without `work` it begins. On the grid of this `level` it has taken so many `steps` and
-# `corrections` of the contact, the last step with this `energy`. The pressure has `moved` since the operator was
-# applied afresh, and the last direction is `kept` for the next where the contact is the same. `work` are the nodes of
-# all pairs of FFTs; a call ends beyond `limit` of them.
+# The progress of a load:
+#
+# level : of the grid that it is on
+# steps, corrections : of conjugate gradients and of the contact, on this grid
+# work : nodes of all pairs of FFTs; 0 before the load begins
+# limit : of the work, beyond which a call ends
+# energy : of the residual before the last step
+# plane, residual, resistance : of the solution so far
+# moved : whether the pressure has changed since the operator was applied afresh
+# kept : whether the last direction serves the next step, as the contact is the same
 SEARCH = record_type(
     ("level steps corrections work limit", np.int64, ()),
-    ("energy plane residual rate", np.float64, ()),
+    ("energy plane residual resistance", np.float64, ()),
     ("moved kept", np.bool_, ()),
 )
 
@@ -53,7 +68,7 @@ class GridState(NamedTuple):
     spectrum : of what is being multiplied, shape (N//2 + 1,)
     contact : whether a node is in contact, shape (N,)
     edge : space for the edges of contact, shape (N + 2,)
-    search : how far the load has come, shape (1,)
+    search : progress of the load, shape (1,)
     """
 
     pressure: Array
@@ -84,7 +99,7 @@ def make_grid_state(points: int) -> GridState:
 
 @kernel
 def leading_part(state: GridState, points: int) -> GridState:
-    """The leading part of every array, for a grid of `points` nodes."""
+    """The state on a grid of `points` nodes, in the leading part of each array."""
     return GridState(
         state.pressure[:points],
         state.deformed[:points],
@@ -110,7 +125,7 @@ def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: 
 @kernel
 def dot(a: Array, b: Array) -> float:
     """The sum of the products of two arrays."""
-    # Not np.dot: BLAS shares it among threads, which wait for each other on a busy machine, ten times as long.
+    # BLAS would run np.dot on several threads, which wait for each other on a busy machine, ten times as long.
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
@@ -131,7 +146,7 @@ def mean_in_contact(values: Array, contact: Flags) -> float:
 
 @kernel
 def deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
-    """The deformed surface z - A p afresh."""
+    """Apply the operator afresh, for the deformed surface z - A p."""
     circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
     for i in range(height.size):
         state.deformed[i] = height[i] - state.deformed[i]
@@ -156,7 +171,7 @@ def violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float
     violation = 0.0
     for i in range(state.pressure.size):
         gap = plane - state.deformed[i]
-        if not abs(gap) + abs(state.pressure[i]) < np.inf:  # max() would pass over what is not a number
+        if not abs(gap) + abs(state.pressure[i]) < np.inf:  # max() would ignore a NaN.
             return np.inf, np.inf
         if state.contact[i]:
             contact_gap = max(contact_gap, abs(gap))
@@ -168,7 +183,7 @@ def violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float
 
 @kernel
 def _correct_contact(plane: float, state: GridState) -> bool:
-    """Release nodes in tension, add those that penetrate; whether any was released: the pressure must change."""
+    """Release nodes in tension, add those that penetrate; return whether any was released, which changes p."""
     released = False
     for i in range(state.pressure.size):
         if state.contact[i]:
@@ -200,7 +215,7 @@ def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -
     for i in range(points):
         state.direction[i] = state.product[i] - shift + beta * state.direction[i] if state.contact[i] else 0.0
     circulant_product(grid.influence, state.direction, state.spectrum, state.product)
-    step = energy / dot(state.direction, state.product) if energy > 0 else 0.0  # 0 on a single node
+    step = energy / dot(state.direction, state.product) if energy > 0 else 0.0  # A single node carries the load.
     for i in range(points):
         state.pressure[i] += step * state.direction[i]
         state.deformed[i] -= step * state.product[i]
@@ -217,10 +232,10 @@ def _begin_on(level: int, search: Record) -> None:
 
 @kernel
 def solve_load(load: float, grid: Grid, state: GridState) -> bool:
-    """Go on with the contact under one load, from the pressure and contact in `state`: whether this grid is done.
+    """Continue with the contact under one load, from the pressure and contact in `state`; return whether it is done.
 
-    Converged means so on a freshly applied operator, with the pressure free of tension and scaled to the load;
-    otherwise the residual stays above the tolerance.
+    It has converged if the residual is small on a freshly applied operator, with the pressure free of tension and
+    scaled to the load. After `MAX_STEPS` it is done with a larger residual.
     """
     search = state.search[0]
     edge = find_edges(state.contact, state.edge)
@@ -235,7 +250,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> bool:
         solved = search.residual <= grid.max_residual
         if solved and not search.moved:
             return True
-        # Correct the contact when its violations clearly outweigh the error on it, each time more patiently.
+        # The contact is corrected when its violations clearly outweigh the error on it, each time by a larger factor.
         if search.moved and (solved or violation > (FIRST_PATIENCE + search.corrections) * contact_gap):
             search.moved = not (_correct_contact(plane, state) or solved)
             edge = find_edges(state.contact, state.edge)
@@ -261,12 +276,12 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 
 
 @kernel
-def solve_rate(flatness: float, grid: Grid, state: GridState) -> bool:
-    """Go on with the height that the plane loses per mean pressure on the contact as it stands: whether it is done.
+def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
+    """Continue with the tangent pressure on the contact as it stands; return whether it is done.
 
-    The pressure in `state` becomes the pressure per load, q, such that A q is flat in contact within `flatness` times
-    the rate, which is the energy q.Aq, or inf if missed. It starts from the contact of this load alone: what an
-    unfinished rate leaves depends on no other load.
+    It takes the place of the pressure in `state`. A q is flat in contact within `flatness` times the resistance,
+    which is the energy q.Aq, or inf if that was missed. It starts from the contact of this load alone, so that what
+    an unfinished one leaves depends on no other load.
     """
     search, points = state.search[0], state.pressure.size
     edge = find_edges(state.contact, state.edge)
@@ -281,12 +296,12 @@ def solve_rate(flatness: float, grid: Grid, state: GridState) -> bool:
     while search.work < search.limit and search.steps < MAX_STEPS:
         search.steps += 1
         plane = mean_in_contact(state.deformed, state.contact)
-        search.rate = -dot(state.pressure, state.deformed) / points
-        if violations(plane, grid, state)[0] <= flatness * max(search.rate, MIN_RATE):
+        search.resistance = -dot(state.pressure, state.deformed) / points
+        if violations(plane, grid, state)[0] <= flatness * max(search.resistance, MIN_RESISTANCE):
             return True
         _conjugate_step(plane, edge, grid, state)
     if search.steps == MAX_STEPS:
-        search.rate = np.inf
+        search.resistance = np.inf
     return search.steps == MAX_STEPS
 
 
@@ -302,7 +317,7 @@ _compiled_grid_of = kernel(grid_of)
 
 @kernel
 def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
-    """Go on with one load on every grid, from the mean on the coarsest to the `fine` one: whether it is done."""
+    """Continue with one load, from the mean on the coarsest grid to the finest, `fine`; return whether it is done."""
     search = fine.search[0]
     if search.work == 0:
         _begin_on(0, search)
@@ -330,7 +345,7 @@ class NestedSolver:
     """One profile on nested grids; the solution under a load depends on no other load."""
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
-        """Make the grids, and room for a solution on the finest."""
+        """Make the grids, and the arrays for a solution on the finest."""
         self.hierarchy = nested_grids(profile, points, max_residual)
         self.grid, self.state = grid_of(self.hierarchy, self.hierarchy.points.size - 1), make_grid_state(points)
 
@@ -341,29 +356,29 @@ class NestedSolver:
             pass
         return float(self.state.search["plane"][0])
 
-    def solve_rate(self, flatness: float = RATE_TOLERANCE) -> float:
-        """Its derivative by the load on the contact that this has left, or inf."""
-        while not solve_rate(flatness, self.grid, self.state):
+    def solve_tangent(self, flatness: float = TANGENT_TOLERANCE) -> float:
+        """The resistance on the contact that `solve` has left, or inf."""
+        while not solve_tangent(flatness, self.grid, self.state):
             pass
-        return float(self.state.search["rate"][0])
+        return float(self.state.search["resistance"][0])
 
     @property
     def residual(self) -> float:
-        """Of the load, in g_0."""
+        """The residual of the load, in g_0."""
         return float(self.state.search["residual"][0])
 
     @property
     def work(self) -> float:
-        """Pairs of FFTs, those of coarser grids by their size."""
+        """Pairs of FFTs of the load, those of coarser grids by their size."""
         return float(self.state.search["work"][0] / self.grid.height.size)
 
-    def solve_discrete(self, load: float, with_rate: bool, flatness: float = RATE_TOLERANCE) -> NodalSolution:
-        """The solution under a load, and its derivative if asked for, at about the cost of another load."""
+    def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
+        """The solution under a load, `with_tangent` also its derivative, at about the cost of another load."""
         plane, state = self.solve(load), self.state
         pressure, gap = state.pressure.copy(), plane - state.deformed
-        rate = np.nan
-        if with_rate and self.residual <= self.grid.max_residual:
-            rate = self.solve_rate(flatness)
+        R = np.nan
+        if with_tangent and self.residual <= self.grid.max_residual:
+            R = self.solve_tangent(flatness)
         return NodalSolution(
-            plane, rate, pressure, gap, state.pressure, -state.deformed, state.contact, self.residual, self.work
+            plane, R, pressure, gap, state.pressure, -state.deformed, state.contact, self.residual, self.work
         )

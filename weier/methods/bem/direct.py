@@ -1,4 +1,7 @@
-"""The paper's solver: the dense matrix of influence and an active set by inversion (Johnson 1985, Section 5.9)."""
+"""The paper's solver: the dense matrix of influence and an active set by inversion (Johnson 1985, Section 5.9).
+
+It solves the discrete problem of docs/bem.md.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,14 @@ from weier.methods.bem.staircase import NodalSolution
 from weier.theory.halfplane import influence_coefficients
 from weier.theory.waves import Waves
 
-MAX_ROUNDS = 100  # a warm-started load takes 2-8 rounds of dropping and adding nodes
+MAX_ROUNDS = 100  # A load that starts from the one before takes 2 to 8 rounds of dropping and adding nodes.
 
 
 class ActiveSet(NamedTuple):
     """One load: the last solution, on the nodes in contact, and whether another round would change them.
 
     plane : height of the rigid plane above the mean plane, in g_0
-    resistance : rate at which it sinks with the mean pressure while the contact stays as it is, in g_0/p_0*
+    resistance : minus its derivative by the mean pressure while the contact stays as it is, in g_0/p_0*
     pressure : of the nodes, shape (N,), in p_0*, free of tension
     tangent_pressure : its derivative by the mean pressure, shape (N,)
     contact : whether a node is in contact, shape (N,)
@@ -47,7 +50,7 @@ class DenseSolver:
         self._contact = np.ones(points, bool)
 
     @one_thread
-    def solve_discrete(self, load: float, with_rate: bool) -> NodalSolution:
+    def solve_discrete(self, load: float, with_tangent: bool) -> NodalSolution:
         """The solution under a load, with its derivative, which costs nothing; work counts dense solutions."""
         solved = solve_load(self._matrix, self._height, self._contact, load, self._max_residual)
         self._contact, pressure = solved.contact, solved.pressure
@@ -55,7 +58,7 @@ class DenseSolver:
         unbalanced = abs(pressure.mean() - load) * self._matrix[0, 0]
         return NodalSolution(
             solved.plane,
-            solved.resistance if with_rate else np.nan,
+            solved.resistance if with_tangent else np.nan,
             pressure,
             gap,
             solved.tangent_pressure,
@@ -73,7 +76,7 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_re
     """
     rounds, converged = 0, False
     while not converged and rounds < MAX_ROUNDS:
-        nodes = contact if contact.any() else height == height.max()  # something has to carry the load
+        nodes = contact if contact.any() else height == height.max()  # Some node has to carry the load.
         plane, resistance, pressure, tangent_pressure = _on_contact(matrix, nodes, height, load)
         gap = plane - height + matrix @ pressure
         tensile = nodes & (pressure < -max_residual / matrix[0, 0])
@@ -84,7 +87,7 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_re
 
 
 def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array, Array]:
-    """Plane, the rate at which it sinks, pressure and its rate, were all nodes in contact held there."""
+    """Plane, resistance, pressure and tangent pressure if all nodes in contact stay there, in tension too."""
     nodes = np.flatnonzero(contact)
     n, points = nodes.size, contact.size
     system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))

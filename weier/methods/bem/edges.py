@@ -1,4 +1,7 @@
-"""The edges of contact on a grid, and residuals continued across them for the preconditioner (docs/bem.md)."""
+"""The edges of contact on a grid, and residuals continued across them for the preconditioner.
+
+What this saves is in docs/numerics.md, "Fast boundary elements".
+"""
 
 from __future__ import annotations
 

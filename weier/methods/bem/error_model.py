@@ -1,4 +1,4 @@
-"""How far boundary elements are off, and what they cost, before they are run (docs/bem.md, "Bounds")."""
+"""The error and the cost of boundary elements that are expected before they are run (docs/bem.md, "Bounds")."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from weier.theory.bounds import chord_bounds, first_contact
 from weier.theory.crests import SAMPLES_PER_WAVE, countable, sample
 from weier.theory.waves import Waves
 
-# A crest half a node off the grid is missed by z'' dx^2/8. That is the error at first touch; no larger one was found
+# The grid misses a crest half a node off by z'' dx^2/8. That is the error at first touch; no larger one was measured
 # at any load (docs/bem.md). Here z'' is in radians of the finest wave, and dx is 2 pi over its points.
 CREST_MISSED = (2 * math.pi) ** 2 / 8
 
-MIN_MEASURED_POINTS = 12  # for each of the finest waves: coarser grids were not measured
-MAX_POINTS_PER_WAVE = 1e15  # more than any computer holds, and still an integer
-MAX_POINTS = 2**21  # a load then takes a second
+MIN_MEASURED_POINTS = 12  # Grids of fewer points for each of the finest waves were not measured.
+MAX_POINTS_PER_WAVE = 1e15  # More than any computer holds, and still an integer.
+MAX_POINTS = 2**21  # A load on so many points takes a second.
 # Points for each of the finest waves. With twice as many, rounding of the heights moved nodes in and out of contact
 # for ever at 2 of 4 loads (D = 1.25, gamma = 5, m = 3).
 FINEST = 10_000
-MAX_OTHERS = 400  # loads of a curve to which chords are drawn from each: more make them hardly closer
+MAX_OTHERS = 400  # From each load chords are drawn to so many others: more make the bounds hardly closer.
 
-SECONDS_START, SECONDS_LOAD = 5e-4, 7e-5
-SECONDS_NODE = 1.1e-8  # of each load and node, for a pair of FFTs
-PAIRS, PAIRS_POWER = 20, 0.35  # of FFTs for a load with one contact, and how they grow with the contacts
-START_PAIRS = 15  # as many take as long as a start
-BYTES_NODE = 180  # the grids, their eigenvalues and the solver's arrays
+SECONDS_START, SECONDS_LOAD = 5e-4, 7e-5  # Seconds of a curve, and of each load.
+SECONDS_NODE = 1.1e-8  # Seconds of a pair of FFTs, of each node.
+PAIRS, PAIRS_POWER = 20, 0.35  # Pairs of FFTs of a load with one contact, and how they grow with the contacts.
+START_PAIRS = 15  # A start takes as long as so many pairs.
+BYTES_NODE = 180  # Bytes of the grids, their eigenvalues and the solver's arrays, of each node.
 
 
 def compliance_error(profile: Waves, points: int) -> float:
@@ -38,7 +38,7 @@ def compliance_error(profile: Waves, points: int) -> float:
 
 
 def solution_error(profile: Waves, points: int, residual: Array) -> Array:
-    """Error of h of a solution with these residuals, in g_0, of their shape: that of the grid, and what they add."""
+    """Error of h of a solution with these residuals, in g_0, of their shape: that of the grid and that of these."""
     return np.asarray(compliance_error(profile, points) + RESIDUAL_FACTOR * residual)
 
 
@@ -76,7 +76,7 @@ def errors(
     """Errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
     From full contact on, both are known. The compliance is known at no load, too, so that the chords of the concave
-    curve to these two, and to others of its loads if wanted, bound the resistance.
+    curve to these two, and `with_others` to others of its loads, bound the resistance.
     """
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude
@@ -98,7 +98,7 @@ def errors(
 
 
 def seconds(points: float, contacts: Array) -> tuple[float, Array]:
-    """Seconds to start on so many nodes, and for each load with so many contacts."""
+    """Expected seconds to start on so many nodes, and of each load with so many contacts."""
     pair = SECONDS_NODE * points
     return SECONDS_START + START_PAIRS * pair, SECONDS_LOAD + pair * fft_pairs(contacts)
 
@@ -109,5 +109,5 @@ def fft_pairs(contacts: Array) -> Array:
 
 
 def memory(points: int) -> float:
-    """Bytes of the solver on so many nodes."""
+    """Expected bytes of the solver on so many nodes."""
     return float(BYTES_NODE * points)

@@ -29,7 +29,7 @@ class Field(NamedTuple):
 def field(profile: Waves, mean_pressure: float, points: int | None = None, max_residual: float = 1e-10) -> Field:
     """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
-    The staircase is kept: these are the numbers of the nodes. Parameters are those of `curve`.
+    The staircase is kept: the values are those of the nodes. Parameters are those of `curve`.
 
     Raises
     ------
@@ -44,9 +44,8 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, max_r
     check_max_residual(max_residual)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     height = profile.sampled_height(points)
-    if load >= min(
-        full_contact_load(profile, points), profile.full_contact_load
-    ):  # pressed flat, however heavy: a solver would lose the waves
+    # In full contact the solution is in closed form; under a very heavy load rounding would hide the waves.
+    if load >= min(full_contact_load(profile, points), profile.full_contact_load):
         return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
     grid = NestedSolver(profile, points, max_residual)
     plane = grid.solve(load)

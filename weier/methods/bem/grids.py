@@ -1,7 +1,7 @@
-"""Nested grids: the waves that each carries, and the way of a solution to the next finer one.
+"""Nested grids: the waves that each carries, and how a solution is carried to the next finer one.
 
-A wave joins on the first grid that shows it. The pressure so far is then its local mean, and under each of its crests
-stands Westergaard's pressure for that mean: thousands of contacts begin near to where they end.
+A wave joins on the first grid that resolves it. The pressure so far is then its local mean, and under each of its
+crests stands Westergaard's pressure for that mean: thousands of contacts begin near to where they end.
 """
 
 from __future__ import annotations
@@ -16,10 +16,14 @@ from weier.kernels.jit import kernel
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 from weier.theory.waves import Waves
 
-MIN_POINTS_PER_CARRIED_WAVE = 8  # of the finest wave that a grid carries; fewer miss its crests
-MIN_POINTS = 128  # on fewer nodes a grid saves less than its steps cost
-MIN_SCALE_RATIO = 1.2  # of a wave to the one before: closer ones, of a measured surface, are no scales of their own
-COARSE_ACCURACY = 30.0  # a coarse grid stops at 30 g/(points per wave)^2, ten times its own error (docs/numerics.md)
+MIN_POINTS_PER_CARRIED_WAVE = 8  # Points for each of the finest waves that a grid carries; fewer miss its crests.
+MIN_POINTS = 128  # On fewer nodes a grid saves less than its steps cost.
+# Ratio of a wave to the one before from which on it is a scale of its own; the waves of a measured surface are
+# closer.
+MIN_SCALE_RATIO = 1.2
+# A coarse grid stops at the residual 30 g/(points per wave)^2, ten times its own error (docs/numerics.md, "Fast
+# boundary elements").
+COARSE_ACCURACY = 30.0
 
 
 class Harmonics(NamedTuple):
@@ -36,7 +40,7 @@ class Harmonics(NamedTuple):
 
 
 class Hierarchy(NamedTuple):
-    """Nested grids, coarse to fine, each about twice as fine as the one before; arrays laid end to end.
+    """Nested grids, coarse to fine, each about twice as fine as the one before; their arrays follow each other.
 
     points : nodes of each grid, shape (grids,)
     terms : waves that each carries, from the coarsest wave on, shape (grids,)
@@ -142,16 +146,16 @@ def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
 
 @kernel
 def _squared_beyond(before: float, last: float) -> float:
-    """Square of the pressure after the last node in contact, on a straight line; not above 0: the contact ends."""
+    """Square of the pressure after the last node in contact, extrapolated linearly, and not above 0 there."""
     return min(0.0, 2 * last * last - before * before)
 
 
 @kernel
-def _between(before: float, here: float, after: float, later: float, share: float) -> float:
-    """Pressure this share of the way from `here` to `after`, of four nodes: its square is straight, as at an edge."""
+def _between(before: float, here: float, after: float, later: float, fraction: float) -> float:
+    """Pressure at a fraction of the way from `here` to `after`, of four nodes: its square is linear, as at edges."""
     one = here * here if here > 0 else _squared_beyond(later, after)
     other = after * after if after > 0 else _squared_beyond(before, here)
-    return np.sqrt(max(0.0, (1 - share) * one + share * other))
+    return np.sqrt(max(0.0, (1 - fraction) * one + fraction * other))
 
 
 @kernel
@@ -181,15 +185,15 @@ def _westergaard(sine_squared: float, xi: float) -> float:
 
 @kernel
 def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> None:
-    """Let the pressure p so far be the local mean of one more wave, and each of its crests carry that mean.
+    """Take the pressure p so far for the local mean of one more wave, and put that mean on each of its crests.
 
-    `finer` is a working array. Where no pressure stands on a crest, in a contact narrower than the wave, all stays,
-    and so it does for a wave that is hardly finer than the one before.
+    `finer` is a working array. The pressure stays as it is where no crest is under pressure, in a contact narrower
+    than the wave, and for a wave that is hardly finer than the one before.
     """
     count, cycle = harmonics.waves_per_period[wave], harmonics.cycle[wave]
     if wave > 0 and count < MIN_SCALE_RATIO * harmonics.waves_per_period[wave - 1]:
         return
-    narrowest = np.sin(np.pi * count / p.size) ** 2  # narrower than two nodes, a contact might fall between them
+    narrowest = np.sin(np.pi * count / p.size) ** 2  # A contact narrower than two nodes might lie between them.
     highest = 0.0
     for i in range(p.size):
         sine = np.sin(np.pi * (count * i % p.size / p.size + cycle))

@@ -24,10 +24,10 @@ from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, ma
 from weier.theory.limits import check_points
 from weier.theory.waves import Waves
 
-PAPER_POINTS = 12  # for each of the finest waves, as the paper has them
-MAX_POINTS_COMPARED = 100_000  # in one period
-RESIDUAL_TOLERANCE = 1e-10  # g_0
-RESIDUAL_SHARE = 1e-3  # of a tolerance, at which boundary elements stop: it costs a step or two
+PAPER_POINTS = 12  # Points for each of the finest waves, as the paper has them.
+MAX_POINTS_COMPARED = 100_000  # Points in one period in comparisons: a load then takes tens of milliseconds.
+MAX_RESIDUAL = 1e-10  # Residual, in g_0, at which the solver stops by default: below the error of any grid.
+RESIDUAL_FRACTION = 1e-3  # Residual over the tolerance, where one is given; it costs a step or two.
 
 
 def _solve(
@@ -40,7 +40,7 @@ def _solve(
     solver: str = "fft",
     with_resistance: bool = True,
 ) -> Curve:
-    residual = RESIDUAL_TOLERANCE
+    residual = MAX_RESIDUAL
     if tolerance is not None:
         points, residual = _grid_within(profile, tolerance, points, points_per_wave)
     return curve(profile, loads, solver, points, residual, with_resistance, staircase, points_per_wave)
@@ -49,13 +49,13 @@ def _solve(
 def _grid_within(
     profile: Waves, tolerance: float, points: int | None = None, points_per_wave: int | None = None
 ) -> tuple[int, float]:
-    """The fewest points whose bound is within a tolerance, in g_0, and the residual that leaves room for it.
+    """The fewest points whose bound is within a tolerance, in g_0, and the residual that the bound allows for.
 
     ValueError is raised if points are given, too, or if too many are needed.
     """
     if points is not None or points_per_wave is not None:
         raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
-    residual = RESIDUAL_SHARE * tolerance
+    residual = RESIDUAL_FRACTION * tolerance
     found = error_model.fewest_points(profile, tolerance - RESIDUAL_FACTOR * residual)
     most = min(error_model.MAX_POINTS, error_model.FINEST * profile.waves_per_period[-1])
     if found > most:
@@ -85,7 +85,7 @@ def _check(
     tolerance: float | None = None,
     **others: Any,
 ) -> None:
-    """Refuse settings that do not go together, or a grid that the finest wave cannot be seen on."""
+    """Refuse settings that exclude each other, or a grid that does not resolve the finest wave."""
     check_words(solver, staircase)
     if tolerance is not None:
         points, _ = _grid_within(profile, tolerance, points, points_per_wave)
@@ -93,10 +93,10 @@ def _check(
 
 
 def _seconds(profile: Waves, loads: Array) -> float:
-    """On the default grid, at most: at each load as many contacts as there are waves."""
+    """Seconds of a curve on the default grid, at most: with as many contacts at each load as there are waves."""
     contacts = np.full(loads.size, float(profile.waves_per_period[-1]))
-    start, each = error_model.seconds(checked_points(profile), contacts)
-    return start + float(each.sum())
+    start, of_loads = error_model.seconds(checked_points(profile), contacts)
+    return start + float(of_loads.sum())
 
 
 def _candidates(task: Task) -> Iterator[Segment]:
@@ -126,7 +126,7 @@ def _candidates(task: Task) -> Iterator[Segment]:
 
 def _solve_segment(profile: Waves, points: int, residual: float, loads: Array) -> SegmentSolution:
     grid = curve(profile, loads, points=points, max_residual=residual)
-    # The errors of a plan depend on no other load, so that no chord leads from one of them to another.
+    # In a plan the errors of a load depend on no other load, so that no chords are drawn between the loads.
     of_h, of_R = error_model.errors(profile, loads, points, (grid.compliance, grid.resistance), grid.residual, False)
     return SegmentSolution(grid.compliance, grid.resistance, of_h, of_R)
 

@@ -1,4 +1,4 @@
-"""Boundary elements for a profile: choose the grid, start the solver, check what it returns."""
+"""Boundary elements for a profile: choose the grid, start the solver, check what it returns (docs/bem.md)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from weier.theory.limits import check_points, check_resolvable
 from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
-POINTS_PER_WAVE = 64  # of the finest wave, by default: R is then within 1 % at nine of ten loads (docs/bem.md)
-MIN_POINTS_PER_WAVE = 3  # two show no wave
-MAX_RESIDUAL = 1.0  # of residuals, in g_0: a larger one says nothing
+# Points for each of the finest waves by default: R is then within 1 % at nine of ten loads (docs/numerics.md).
+POINTS_PER_WAVE = 64
+MIN_POINTS_PER_WAVE = 3  # Two points do not resolve a wave.
+MAX_RESIDUAL = 1.0  # The largest residual that may be accepted, in g_0; the whole compliance is no larger.
 
 
 class Curve(NamedTuple):
@@ -32,8 +33,8 @@ class Curve(NamedTuple):
     patch_count : contacts in one period; 0 in full contact
     residual : largest violation of a contact condition at the nodes, on a freshly applied operator, in g_0
     work : pairs of FFTs (solver "fft"; those of other grids by their size) or dense solutions ("direct")
-    compliance_error : the most that a grid can miss at first touch, and no larger error was measured at any load, in
-        g_0; with what the residual adds
+    compliance_error : the largest error of a grid at first touch, in g_0, with that by the residual; no larger error
+        was measured at any load
     resistance_error : by the chords of the concave curve h(p), in g_0/p_0*: a bound if `compliance_error` is one
     contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
         left edges are in the period
@@ -114,7 +115,7 @@ def curve(
     check_points(points, dense=solver == "direct")
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = [], loads[loads < full]
-    if partial.size:  # a matrix is not filled for loads that press all gaps shut
+    if partial.size:  # For loads that press all gaps shut no matrix is filled.
         grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, max_residual)
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     for load in map(float, partial[::-1]):
@@ -127,17 +128,17 @@ def curve(
 
 
 def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool) -> Curve:
-    """The curve of what was found at the loads of partial contact; the heavier loads press all gaps shut."""
+    """The curve from the solutions at the loads of partial contact; the heavier loads press all gaps shut."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
-    most = max((each.edge.size for each in found), default=0)
+    most = max((point.edge.size for point in found), default=0)
     count, edge = np.zeros(loads.size, np.int64), np.full((loads.size, most), np.nan)
-    for at, each in enumerate(found):
-        plane[at], resistance[at], residual[at], work[at] = each.plane, each.resistance, each.residual, each.work
-        count[at] = each.edge.size // 2
-        pairs = each.edge.reshape(-1, 2) - points * np.floor(each.edge[::2, None] / points)
-        edge[at, : each.edge.size] = pairs[np.argsort(pairs[:, 0])].ravel() * (float(profile.period) / points)
-        if each.edge.size:  # all nodes may touch where the continuum has a gap between two
-            fraction[at] = np.sum(each.edge[1::2] - each.edge[::2]) / points
+    for at, point in enumerate(found):
+        plane[at], resistance[at], residual[at], work[at] = point.plane, point.resistance, point.residual, point.work
+        count[at] = point.edge.size // 2
+        pairs = point.edge.reshape(-1, 2) - points * np.floor(point.edge[::2, None] / points)
+        edge[at, : point.edge.size] = pairs[np.argsort(pairs[:, 0])].ravel() * (float(profile.period) / points)
+        if point.edge.size:  # All nodes may touch where the continuum has a gap between two of them.
+            fraction[at] = np.sum(point.edge[1::2] - point.edge[::2]) / points
     compliance = profile.total_amplitude - plane
     if not with_resistance:
         resistance = np.full(loads.size, np.nan)
@@ -187,7 +188,7 @@ def _checked_points_per_wave(count: int | None) -> int:
 
 
 def check_words(solver: str, staircase: str) -> None:
-    """Refuse a solver that there is not, or what cannot be done to the staircase, by a ValueError."""
+    """Refuse an unknown solver or treatment of the staircase by a ValueError."""
     if solver not in ("fft", "direct"):
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
     if staircase not in ("removed", "kept"):
@@ -195,7 +196,7 @@ def check_words(solver: str, staircase: str) -> None:
 
 
 def check_max_residual(max_residual: float) -> None:
-    """Refuse a largest residual, in g_0, that is no positive number, or so large that it says nothing.
+    """Refuse a largest residual, in g_0, that is not positive, or larger than any compliance.
 
     Raises
     ------
@@ -208,7 +209,7 @@ def check_max_residual(max_residual: float) -> None:
 
 
 def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:
-    """Refuse a solution with a residual above the largest, in g_0, or without one.
+    """Refuse a solution whose residual is above the largest, in g_0, or NaN.
 
     Raises
     ------
@@ -226,7 +227,7 @@ def check_residual(residual: float, load: float, points: int, max_residual: floa
 
 
 def check_resistance(resistance: float, load: float, points: int) -> None:
-    """Refuse a resistance that the solver gave up, which it says by inf."""
+    """Refuse a resistance of inf, by which the solver marks one that did not converge."""
     if np.isinf(resistance):
         raise ConvergenceError(
             f"boundary elements on {points} points found the pressure under {load:.6g} p_0* but not its derivative "

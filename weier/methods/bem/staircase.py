@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 
-# From the last node in contact to the edge in the continuum, in nodes, at the middle of a step; `alpha` in the docs.
+# Distance from the last node in contact to the edge in the continuum, in nodes, at the middle of a step: alpha of
+# docs/bem.md.
 EDGE = 0.384947631413
-# What a grid has too much of compliance as a step begins, over D (a + b), for piecewise-linear pressure.
+# Excess of the compliance on a grid as a step begins, over D (a + b): the constant of docs/bem.md for triangles.
 AT_START_OF_STEP = 1 / 24
-NEIGHBOUR_STIFFNESS = 0.439056239  # r of the docs: pressure that one displaced node takes off the next, over its own
-CLOSED = (5 - NEIGHBOUR_STIFFNESS) / 6  # of a step, from which on a gap of one node is closed in the continuum
-LONE_CONTACT = 1 / (2 * math.log(2))  # square of the half-width of a contact of one node as its step ends, in nodes
+# Pressure that a displaced node takes off its neighbour, over its own, by the inverse of A: r of docs/bem.md.
+NEIGHBOUR_STIFFNESS = 0.439056239
+CLOSED = (5 - NEIGHBOUR_STIFFNESS) / 6  # Fraction of a step from which on a gap of one node is closed: f_c.
+# Square of the half-width of a contact of one node as its step ends, in nodes: that of Hertz's contact.
+SINGLE_NODE_SQUARE = 1 / (2 * math.log(2))
 
 
 class NodalSolution(NamedTuple):
@@ -34,7 +37,7 @@ class NodalSolution(NamedTuple):
     gap : g at the nodes, shape (N,), in g_0
     tangent_pressure : q = dp/d(mean pressure), of mean 1, shape (N,)
     tangent_displacement : A q, which is R in contact, shape (N,), in g_0/p_0*; both are meaningless where R is NaN,
-        since it was not asked for
+        since it was not computed
     contact : whether a node is in contact, shape (N,)
     residual : largest violation of a contact condition, as a length in g_0
     work : solver's own measure of cost
@@ -60,10 +63,11 @@ def _edges_in_their_steps(
     tangent_displacement: Array,
     resistance: float,
 ) -> tuple[float, float, NDArray[np.float64], Flags]:
-    """What is to be added to the mean gap and taken off the resistance, where the edges are, and closed gaps.
+    """The corrections of mean gap, to add, and resistance, to subtract; where the edges are; and closed gaps.
 
-    The third is how far, in nodes, an edge is beyond the last node in contact, shape (2, N): of edges on the right of
-    contacts, and of those on the left. The last are gaps of one node that have closed in the continuum, shape (N,).
+    The third is the distance, in nodes, of an edge from the last node in contact, shape (2, N): of edges on the right
+    of contacts, and of those on the left. The last are gaps of one node that have closed in the continuum, shape
+    (N,).
 
     A contact of one node changes neither mean gap nor resistance here: its edges are too close to each other for the
     formula of an edge.
@@ -102,10 +106,10 @@ def _edges_of_single_nodes(
         if contact[j] and not (contact[(j - 1) % points] or contact[(j + 1) % points]):
             a, b = since[0, j], 0.5 * (until[0, j] + until[1, j])
             if a > 0 and b > 0:
-                half_width = np.sqrt(LONE_CONTACT * a / (a + b))
+                half_width = np.sqrt(SINGLE_NODE_SQUARE * a / (a + b))
                 shift = (until[1, j] - until[0, j]) / (4 * (a + b))
                 beyond[0, j], beyond[1, j] = half_width + shift, half_width - shift
-    for j in range(points):  # the edges of a gap of one node are known better than those of a contact beside it
+    for j in range(points):  # The edges of a gap of one node are more accurate than those of a contact beside it.
         before, after = (j - 1) % points, (j + 1) % points
         if contact[before] and contact[after] and not contact[j]:
             a, b = 0.5 * (since[0, before] + since[1, after]), until[0, before]
@@ -146,7 +150,7 @@ def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
 
 
 def remove_staircase(solution: NodalSolution) -> ContactPoint:
-    """What the solution says of the continuum: mean gap and resistance, and where the edges are.
+    """Mean gap, resistance and edges in the continuum, from the solution on nodes.
 
     Neither mean gap nor resistance is below 0. Where all gaps have closed, contact is full, and both are 0.
     """
@@ -169,6 +173,6 @@ def remove_staircase(solution: NodalSolution) -> ContactPoint:
 def contact_runs(contact: Flags) -> tuple[Indices, Indices]:
     """The first and the last node of each contact, the first one in the period; none in full contact."""
     first, last = np.flatnonzero(contact & ~np.roll(contact, 1)), np.flatnonzero(contact & ~np.roll(contact, -1))
-    if first.size > 0 and last[0] < first[0]:  # the last contact goes round the end of the period
+    if first.size > 0 and last[0] < first[0]:  # The last contact extends across the end of the period.
         last = np.append(last[1:], last[0] + contact.size)
     return first, last
