@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from benchmarks.measure import failed, wrong
+from benchmarks.problem import REFERENCE_TOLERANCE
 from benchmarks.programs import PAIRS
 from weier.data import markdown
 from weier.data.files import write_text
@@ -98,7 +99,7 @@ def _preface(data: xr.Dataset) -> list[str]:
         "leave this residual. Work counts pairs of FFTs, those of coarser grids by their size, or dense solutions.",
         "",
         f"Errors of h, in g_0, are the largest over the loads, against the method `{attributes['reference_method']}` "
-        "at a residual of 1e-12 g_0, "
+        f"at a tolerance of {REFERENCE_TOLERANCE:g} g_0, "
         f"which took {attributes['reference_seconds']:.3g} s for the same curve.",
     ]
 

@@ -1,7 +1,7 @@
 """What each method takes and how far it is off, on random series: `python -m benchmarks.trade [SERIES]`.
 
-The series are those of `benchmarks.families` that are not made to be hard. The reference is contact patches at a
-residual of 1e-12 g_0.
+The series are those of `benchmarks.families` that are not made to be hard. The reference is contact patches at
+`REFERENCE_TOLERANCE`.
 """
 
 from __future__ import annotations
