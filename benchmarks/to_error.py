@@ -101,7 +101,11 @@ def attempt(name: str, points: int, residual: float, reference: Reference) -> At
 def _solve_by_elements(name: str, problem: Problem) -> tuple[Array, Array]:
     """Compliance and resistance by weier's boundary elements."""
     curve = solve_curve(
-        problem.profile, problem.loads, points=problem.points, tolerance=problem.tolerance, staircase=STAIRCASE[name]
+        problem.profile,
+        problem.loads,
+        points=problem.points,
+        max_residual=problem.tolerance,
+        staircase=STAIRCASE[name],
     )
     return curve.compliance, curve.resistance
 
