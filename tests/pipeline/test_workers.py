@@ -87,13 +87,20 @@ def test_a_script_without_a_guard_is_told_so_in_a_sentence(tmp_path):
 
 
 @pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_ends_all_processes(tmp_path):
-    """Those of a terminal are one group, which gets the signal as a whole."""
+@pytest.mark.parametrize(("kill", "sent"), [(os.killpg, signal.SIGINT), (os.kill, signal.SIGKILL)])
+def test_all_processes_end_with_the_first(tmp_path, kill, sent):
+    """By Ctrl-C, which a terminal sends to all of them, and where the first one is killed."""
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(count=3000, guard="if __name__ == '__main__': "))
     process = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True)
     time.sleep(4)  # in which the others have started, but are far from done
-    os.killpg(process.pid, signal.SIGINT)
+    kill(process.pid, sent)
     _, told = process.communicate(timeout=10)  # which waits for all that hold the pipe
-    assert process.returncode == -signal.SIGINT
-    assert "KeyboardInterrupt" in told
+    assert process.returncode == -sent
+    assert ("KeyboardInterrupt" in told) == (sent == signal.SIGINT)
+
+
+def test_edges_of_waves_that_are_too_many_are_left_out():
+    with pytest.warns(UserWarning, match="the finest wave must fit at most"):
+        solved = weier.solve([weier.Profile(1.25, 2**0.5, 3)], LOADS, "patches", contact_edges=True)
+    assert solved.sizes["edge"] == 0

@@ -7,11 +7,13 @@ wait for each other. What a curve needs goes to another process, and its arrays 
 from __future__ import annotations
 
 import json
+import os
 import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import Any, NamedTuple
 
 from weier.kernels.arrays import Array
@@ -120,10 +122,18 @@ def _side_by_side(curves: Sequence[Curve], loads: Array, workers: int, progress:
 
 
 def _begin(loads: Array) -> None:
-    """Prepare a process that solves curves. Ctrl-C in a terminal goes to all processes and ends this one silently."""
+    """Prepare a process that solves curves: it ends with the one that started it, and silently by Ctrl-C."""
     global _solver
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    Thread(target=_end_with_parent, daemon=True).start()
     _solver = Solver(loads, lambda number: None)
+
+
+def _end_with_parent() -> None:
+    """End this process, in the midst of a kernel, when the one that started it has ended or was killed."""
+    if parent := parent_process():
+        parent.join()
+        os._exit(1)
 
 
 _solver: Solver  # of a process that `_begin` has prepared

@@ -18,6 +18,7 @@ from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
+from weier.theory.limits import resolvable
 
 Item = TypeVar("Item")
 MAX_BATCH_CASES = 1000  # that are solved and written together: a process then takes 0.3 GB
@@ -42,7 +43,8 @@ def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
     """What the arrays of some cases must hold, which is nothing that other cases need."""
     methods = dict.fromkeys(method for case in cases for method in case.methods)
     finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
-    edges = max((2 * profile.waves_per_period[-1] for profile in finite), default=0) if contact_edges else 0
+    resolved = filter(resolvable, finite) if contact_edges else ()
+    edges = max((2 * profile.waves_per_period[-1] for profile in resolved), default=0)
     optional = frozenset(returned_by(tuple(methods))).union(*(profile.labels for profile in finite))
     terms = max((2 if len(finite) < len(cases) else 1, *(profile.listed_terms for profile in finite)))
     return Layout(tuple(methods), terms, edges, optional)
