@@ -81,7 +81,7 @@ def _applies(profile: Profile) -> None:
 
 
 def _candidates(task: Task) -> Iterator[Segment]:
-    """The only way that a plan takes for one wave."""
+    """The closed form, which is the only candidate for one wave."""
     if task.profile.m == 1:
         yield make_segment(task, "westergaard", "one wave has a closed form", _solution)
 

@@ -1,4 +1,4 @@
-"""What resolved terms on the layer offer to a plan: as few terms as some load allows."""
+"""The candidates of a plan by resolved terms on the layer: as few terms as some load allows."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from weier.theory.profile import Profile, terms_within
 
 
 def candidates(task: Task) -> Iterator[Segment]:
-    """Estimates of the infinite series with ever more terms, up to the first that does at all loads."""
+    """Estimates of the infinite series with more and more terms, up to those that meet the tolerance at all loads."""
     if task.quantity != COMPLIANCE or math.isfinite(task.profile.m):
         return
     for terms in range(1, terms_within(task.profile, MAX_POINTS / POINTS_PER_WAVE) + 1):
@@ -52,7 +52,7 @@ def _resolved(task: Task, kept: Profile) -> Segment:
 
 
 def _solve(profile: Profile, terms: int, points: int, loads: Array) -> SegmentSolution:
-    """The estimate, with the least of what its error model and its bounds say."""
+    """The estimate, with the smaller of the errors by its error model and by its bounds."""
     kept, solved = profile.truncated(terms), curve(profile, loads, terms, points)
     modelled = error_model.compliance_error(loads, kept) + mesh_error(kept, points)
     error = np.minimum(modelled, solved.distance_to_bounds)

@@ -11,7 +11,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from weier.kernels.arrays import Array
 from weier.methods import bem, layer
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import telling
+from weier.methods.progress import reporting_to
 from weier.theory.crests import SAMPLES_PER_WAVE, countable
 from weier.theory.profile import Profile, terms_within
 
@@ -67,7 +67,7 @@ def _count(kept: Profile) -> tuple[Array, Array]:
     """The contacts of a short series in one period, and their share of its length, at the loads of the table."""
     points, loads = COUNTED_POINTS * kept.waves_per_period[-1], COUNTED_LOADS * kept.full_contact_load
     try:
-        with telling():
+        with reporting_to():
             found = bem.curve(
                 kept, loads, points=points, max_residual=COUNTED_RESIDUAL, with_resistance=False, staircase="kept"
             )

@@ -16,7 +16,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
 from weier.methods.planned.plan import Plan, plan, within_reach
-from weier.methods.progress import telling
+from weier.methods.progress import reporting_to
 from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution
 from weier.theory.bounds import chord_bounds, complete_bounds
 from weier.theory.profile import Profile
@@ -180,7 +180,7 @@ def _attempt_in_time(profile: Profile, segment: Segment) -> Curve:
                 f"{seconds:.0f} s with {done} of {count} loads solved"
             )
 
-    with telling(look_at_clock):
+    with reporting_to(look_at_clock):
         return _attempt(profile, segment)
 
 
