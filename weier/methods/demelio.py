@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.estimate import multiprecision_sums, offer, solve_by
 from weier.methods.flattened import remaining
 from weier.methods.method import Method, Style
-from weier.methods.segment import Segment, Task
+from weier.methods.plan_part import PlanPart, Task
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -60,7 +60,7 @@ SECONDS = 5e-5, 2e-6  # Expected seconds to start, and of each load.
 _solve = solve_by(compliance, resistance)
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
+def _candidates(task: Task) -> Iterator[PlanPart]:
     return offer(task, "demelio", MAX_RELATIVE_ERROR, SECONDS, _solve)
 
 

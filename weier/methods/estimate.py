@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods.error_model import estimate_error
 from weier.methods.method import Estimate, Reference
-from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
+from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 
 Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # of loads, D, gamma and m
@@ -44,7 +44,7 @@ def offer(
     relative_error: float,
     seconds: tuple[float, float],
     solve: Callable[[Profile, Array], Any],
-) -> Iterator[Segment]:
+) -> Iterator[PlanPart]:
     """An estimate of the compliance of a whole series, where its measured error is small enough.
 
     None is offered for the resistance: at loads on a few crests errors of 100 % were measured.
@@ -69,11 +69,11 @@ def offer(
     def error(loads: Array) -> Array:
         return estimate_error(relative_error, loads, profile.D, task.first_contact, profile.total_amplitude - 1)
 
-    def solution(loads: Array) -> SegmentSolution:
+    def solution(loads: Array) -> PartSolution:
         solved = solve(profile, loads)
-        return SegmentSolution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
+        return PartSolution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
 
-    yield make_segment(
+    yield make_part(
         task,
         method,
         "an estimate whose measured error is small enough",

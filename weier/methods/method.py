@@ -17,7 +17,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.segment import Segment, Task
+from weier.methods.plan_part import PlanPart, Task
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
@@ -164,7 +164,7 @@ class Method:
     options: tuple[Settings, ...] = ()
     run_kernels: Callable[[], None] = lambda: None
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = lambda profile: [("", {})]
-    candidates: Callable[[Task], Iterable[Segment]] = lambda task: ()
+    candidates: Callable[[Task], Iterable[PlanPart]] = lambda task: ()
     runs_others: bool = False
     solution_error: Callable[[Any], Any] = stated_compliance_error
     seconds: Callable[..., float] = lambda profile, loads: 0.0

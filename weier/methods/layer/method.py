@@ -9,7 +9,7 @@ from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
 from weier.methods.layer.solver import ACCURACY, POINTS, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
-from weier.methods.segment import Segment, Task
+from weier.methods.plan_part import PlanPart, Task
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
@@ -37,7 +37,7 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
         yield f"{points}", {"points": points}
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
+def _candidates(task: Task) -> Iterator[PlanPart]:
     """None where every wave can be resolved, which takes less time for the same error."""
     if resolvable(task.profile):
         return iter(())
